@@ -60,6 +60,7 @@ Status Pipeline::configure(const PipelineParameters& parameters, StageClock cloc
   const KernelChoice kernel = parameters.scan.kernel;
   patch_center_fit_.configure({parameters.marker.teams[0].layout, parameters.marker.teams[1].layout}, camera_, kernel);
   ball_center_fit_.configure(parameters.marker.ball, camera_, kernel);
+  ball_center_fit_.set_robots(sizes_of(parameters.marker.teams));
   if (Status s = tracker_.configure(parameters.track); !s.ok()) return s;
   if (Status s = adaptation_.configure(parameters.adaptation, parameters.scan, parameters.marker.ball.color); !s.ok())
     return s;
@@ -80,6 +81,7 @@ Status Pipeline::assign_teams(const TeamAssignment& assignment) {
   }
   if (Status s = matcher_.set_teams(teams); !s.ok()) return s;
   patch_center_fit_.set_heights({teams[0].layout.height_m, teams[1].layout.height_m});
+  ball_center_fit_.set_robots(sizes_of(teams));
   controller_.set_turned(assignment.sides_exchanged);
   if (assignment.colors_exchanged != assignment_.colors_exchanged) reset();
   assignment_ = assignment;

@@ -27,6 +27,8 @@ constexpr float kCore = 0.6f;
 constexpr float kShapeSampleRadius = 1.5f;
 // Weight of a pixel of the ball's color in the ring against one in the disk.
 constexpr float kRingWeight = 0.7f;
+// Weight of a visible pixel of another color in the disk of a ball that a robot may hide.
+constexpr float kUnfilledWeight = 0.5f;
 // Samples of the floor lie on a circle of this radius, relative to the ball's, around the seed.
 constexpr float kFloorRadius = 2.4f;
 constexpr float kDiagonal = 0.70710677f;
@@ -160,7 +162,11 @@ bool look_at_ball(const Frame& frame, PixelPoint seed, float radius_px, const st
       if (static_cast<float>(inside[i]) < best) continue;
       if (!is_counted) around = sums.count(ring, -reach, row);
       is_counted = true;
-      const float value = static_cast<float>(inside[i]) - kRingWeight * static_cast<float>(around[i]);
+      float value = static_cast<float>(inside[i]) - kRingWeight * static_cast<float>(around[i]);
+      if (!tops.empty()) {
+        const int shown = samples.visible.count(disk, column, row);
+        value -= kUnfilledWeight * static_cast<float>(shown - static_cast<int>(inside[i]));
+      }
       if (value > best) {
         best = value;
         sum_u = sum_v = equal = 0;
@@ -199,6 +205,10 @@ bool look_at_ball(const Frame& frame, PixelPoint seed, float radius_px, const st
   }
   out.center = {static_cast<float>(seed_u) + static_cast<float>(step) * mean_u,
                 static_cast<float>(seed_v) + static_cast<float>(step) * mean_v};
+  if (out.visible < kWholeBall) {
+    out.center = {static_cast<float>(seed_u) + static_cast<float>(step) * sum_u / equal,
+                  static_cast<float>(seed_v) + static_cast<float>(step) * sum_v / equal};
+  }
   measure_shape(frame, color, {tops.data(), tops.size()}, seed_u + step * at_u, seed_v + step * at_v, radius_px, out);
   // The rim is darker than the patch that the typical value is from.
   const SampleRing core(0.0f, std::max(1.0f, kCore * radius));

@@ -3,20 +3,15 @@
 #include <array>
 #include <span>
 
+#include "core/marker/robot_top.h"
 #include "core/marker/surface_color.h"
 #include "core/types.h"
 
 namespace touchline {
 
-/// The square top of a robot near a possible ball, in pixels. It hides what is under it.
-struct RobotTop {
-  PixelPoint center;
-  std::array<PixelPoint, 2> half_side;  // from the center to the middle of two adjacent sides
-};
-
 /// What the pixels around a possible ball show. Areas are shares from 0 to 1.
 struct BallAppearance {
-  PixelPoint center;   // of the disk that fits best
+  PixelPoint center;   // of the ball in the disk that fits best; if it is partly hidden, that of the disk
   float radius = 0;    // of the disk in pixels, less where pixels share chroma and the outline is less sharp
   float area_px = 0;   // of the ball's color in the disk
   float visible = 0;   // share of the disk that is in the picture and on no robot
@@ -28,6 +23,9 @@ struct BallAppearance {
   float squareness = 0;        // fourth moment: 0.43 for a square
   std::array<float, 3> rgb{};  // mean of the ball's color in the middle of the disk
 };
+
+/// Below this visible share, the mean of the ball's pixels is not its center.
+constexpr float kWholeBall = 0.9f;
 
 /// Smallest radius for look_at_ball(), in pixels. A smaller ball has no pixel without its surroundings.
 constexpr float kMinAppearanceRadius_px = 1.5f;

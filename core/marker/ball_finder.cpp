@@ -57,8 +57,6 @@ constexpr float kOnRobotOdds = -5.0f;
 constexpr float kExpectedPlaceOdds = 1.5f, kOtherPlaceOdds = -1.0f, kPredictionSigma_m = 0.02f;
 // A region of this part of the ball's size has a better center than the disk, which lies on whole pixels.
 constexpr float kWholeRegion = 0.5f, kSameCenter = 0.35f;
-// A robot this far from the ball cannot hide it.
-constexpr float kFarRobot_m = 0.1f;
 // No detection is more certain: some errors are not in this model.
 constexpr float kMaxConfidence = 0.998f;
 
@@ -93,23 +91,8 @@ void report(const PatchCandidate& patch, float confidence, Sightings& out) {
 }
 
 // Tops of the robots that may hide a ball here.
-FixedVector<RobotTop, kMaxRobots> tops_near(FieldPoint ball, const BallFinder::Scene& now, const Sightings& seen) {
-  FixedVector<RobotTop, kMaxRobots> tops;
-  const CameraModel& camera = now.finder.camera();
-  for (const RobotSighting& robot : seen.robots) {
-    const MarkerLayout& layout = now.teams[index_of(robot.team)].layout;
-    if (!robot.has_heading || distance_m(robot.pose.position, ball) > layout.robot_side_m + kFarRobot_m) continue;
-    const float half = 0.5f * layout.robot_side_m;
-    const float c = half * std::cos(robot.pose.theta_rad), s = half * std::sin(robot.pose.theta_rad);
-    const FieldPoint at = robot.pose.position;
-    const PixelPoint center = camera.to_pixel(at, layout.height_m);
-    const PixelPoint ahead = camera.to_pixel({at.x_m + c, at.y_m + s}, layout.height_m);
-    const PixelPoint left = camera.to_pixel({at.x_m - s, at.y_m + c}, layout.height_m);
-    tops.push_back(
-        {center,
-         {{{ahead.u_px - center.u_px, ahead.v_px - center.v_px}, {left.u_px - center.u_px, left.v_px - center.v_px}}}});
-  }
-  return tops;
+FixedVector<RobotTop, kMaxRobots> tops_at(FieldPoint ball, const BallFinder::Scene& now, const Sightings& seen) {
+  return tops_near(ball, now.finder.camera(), sizes_of(now.teams), seen);
 }
 
 // 0 up to the first limit, 1 from the second one on.
@@ -248,7 +231,7 @@ void BallFinder::examine(const Scene& now, const PatchCandidate& patch, const Si
       for (std::size_t c = 0; c < 3; ++c) rgb[c] *= common + kTintShare * (gain[c] - common);
     }
   }
-  const auto tops = tops_near(patch.at[0], now, seen);
+  const auto tops = tops_at(patch.at[0], now, seen);
   if (!is_sampled ||
       !look_at_ball(*now.frame, patch.center, radius_px, rgb, {tops.data(), tops.size()}, candidate.shown)) {
     return;
@@ -274,7 +257,7 @@ void BallFinder::examine_expected_place(const Scene& now, const Sightings& seen,
   const float radius_px = ball_.radius_m * camera.scale_px_per_m(now.expected.position, ball_.radius_m);
   const PixelPoint seed = camera.to_pixel(now.expected.position, ball_.radius_m);
   Candidate candidate;
-  const auto tops = tops_near(now.expected.position, now, seen);
+  const auto tops = tops_at(now.expected.position, now, seen);
   if (!look_at_ball(*now.frame, seed, radius_px, colors_.typical_rgb(ball_.color, space), {tops.data(), tops.size()},
                     candidate.shown) ||
       candidate.shown.visible < kMinVisible) {
@@ -321,7 +304,7 @@ void BallFinder::find_by_pixels(const Scene& now, Sightings& out) const {
     const float moved =
         std::hypot(found.center.u_px - best->patch->center.u_px, found.center.v_px - best->patch->center.v_px);
     const float radius_px = ball_.radius_m * best->patch->scale_px_per_m;
-    if (best->patch->ratio > kWholeRegion && moved < kSameCenter * radius_px) {
+    if (best->shown.visible > kWholeBall && best->patch->ratio > kWholeRegion && moved < kSameCenter * radius_px) {
       report(*best->patch, confidence, out);
       return;
     }

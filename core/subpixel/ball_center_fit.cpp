@@ -4,6 +4,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 namespace touchline {
 namespace {
@@ -21,8 +22,18 @@ constexpr float kMaxStepPx = 1.5f;
 constexpr float kHalfWeightError = 0.2f;
 // Minimum mean weight of the covered pixels. A ball that is half hidden by a robot still reaches it.
 constexpr float kMinFittingFraction = 0.4f;
+// The same of a ball that only known robots hide: all pixels that count show it.
+constexpr float kMinFittingBesideTops = 0.7f;
+// Largest error of a center, in radii, if no pixel fits.
+constexpr float kErrorWithoutFit = 2.0f;
 // Largest correction in radii. Shading hides at most the side that the lamp does not reach.
 constexpr float kMaxCorrection = 0.6f;
+
+// The robot's edge is as blurred as the ball's.
+constexpr float kHidingMarginPx = 0.5f * kRampPx;
+// Ratio of the variance of the center to that of a fit whose pixels have independent errors: those of neighboring
+// pixels have the same cause. Measured in the arena (tests/tools/motion_evaluation_test.cpp).
+constexpr float kNeighborsAlike = 2.0f;
 
 using Normal = Eigen::Matrix<float, kShadeTerms, kShadeTerms>;
 using Terms = Eigen::Matrix<float, kShadeTerms, 1>;
@@ -33,7 +44,7 @@ using Step = Eigen::Vector2f;
 class BallCenterFit::Solver {
  public:
   Solver(const FitKernel& kernel, const CameraModel& camera, float radius_m, const Frame& frame,
-         const BallSighting& ball, BallDisk& disk)
+         const BallSighting& ball, std::span<const RobotTop> tops, BallDisk& disk)
       : kernel_(kernel), frame_(frame), disk_(disk) {
     // Two directions perpendicular to the line of sight: a horizontal one, and the one perpendicular to both.
     const Ray ray = camera.ray(ball.center);
@@ -57,7 +68,9 @@ class BallCenterFit::Solver {
              axis,
              {axis[1].v_px / determinant, -axis[1].u_px / determinant, -axis[0].v_px / determinant,
               axis[0].u_px / determinant},
-             std::sqrt(std::abs(determinant))};
+             std::sqrt(std::abs(determinant)),
+             {}};
+    for (const RobotTop& top : tops) add(top);
   }
 
   // Returns false if the former center should be kept.
@@ -69,7 +82,8 @@ class BallCenterFit::Solver {
       if (!kernel_.sample_ball(frame_, view_, disk_) || !shade() || !step(step_px)) return false;
     }
     const float moved = std::hypot(center().u_px - start.u_px, center().v_px - start.v_px);
-    return moved <= kMaxCorrection * view_.radius_px && fitting_ >= kMinFittingFraction;
+    return moved <= kMaxCorrection * view_.radius_px &&
+           fitting_ >= (view_.tops.empty() ? kMinFittingFraction : kMinFittingBesideTops);
   }
 
   [[nodiscard]] PixelPoint center() const { return view_.center; }
@@ -77,6 +91,19 @@ class BallCenterFit::Solver {
   [[nodiscard]] float sigma() const { return sigma_; }
 
  private:
+  // Adds a top that the ball reaches.
+  void add(const RobotTop& top) {
+    const PixelPoint &a = top.half_side[0], &b = top.half_side[1];
+    const float determinant = a.u_px * b.v_px - b.u_px * a.v_px;
+    const float length_a = std::hypot(a.u_px, a.v_px), length_b = std::hypot(b.u_px, b.v_px);
+    const float apart = std::hypot(top.center.u_px - view_.center.u_px, top.center.v_px - view_.center.v_px);
+    if (!(std::abs(determinant) > 1e-6f) || !(apart < length_a + length_b + 2.0f * view_.radius_px)) return;
+    view_.tops.push_back({top.center,
+                          {b.v_px / determinant, -b.u_px / determinant, -a.v_px / determinant, a.u_px / determinant},
+                          1.0f + kHidingMarginPx / length_a,
+                          1.0f + kHidingMarginPx / length_b});
+  }
+
   // Solves for b of every channel at the current center.
   bool shade() {
     const ShadingEquations found = kernel_.accumulate_shading(disk_, shading_);
@@ -116,9 +143,11 @@ class BallCenterFit::Solver {
     }
     const float determinant = xx * yy - xy * xy;
     if (!(determinant > 1e-4f * scale * scale)) return false;
-    // Mean squared error of a channel's light, from the mean weight that it leaves.
-    const float variance = shading_.allowed * (1.0f / fitting_ - 1.0f) / static_cast<float>(kLightChannels);
-    sigma_ = std::sqrt(std::max(0.0f, 0.5f * variance * (xx + yy) / determinant));
+    // Half the trace of N^-1 P N^-1 with the normal matrix N and the pulls P.
+    const float by_xx = yy * yy + xy * xy, by_yy = xx * xx + xy * xy, by_xy = -xy * (xx + yy);
+    const float pulled = by_xx * sums.pull_xx + 2.0f * by_xy * sums.pull_xy + by_yy * sums.pull_yy;
+    sigma_ = std::hypot(std::sqrt(std::max(0.0f, 0.5f * kNeighborsAlike * pulled)) / determinant,
+                        kErrorWithoutFit * (1.0f - fitting_) * (1.0f - fitting_));
     Step by{(yy * sums.edge.rx - xy * sums.edge.ry) / determinant,
             (xx * sums.edge.ry - xy * sums.edge.rx) / determinant};
     by = accelerated(by);
@@ -157,7 +186,8 @@ void BallCenterFit::configure(const BallParameters& ball, const CameraModel& cam
 void BallCenterFit::refine(const Frame& frame, Sightings& sightings) {
   BallSighting& ball = sightings.ball;
   if (!ball.seen || frame.width_px < 2) return;
-  Solver fit(*kernel_, camera_, ball_.radius_m, frame, ball, disk_);
+  const auto tops = tops_near(ball.position, camera_, robots_, sightings);
+  Solver fit(*kernel_, camera_, ball_.radius_m, frame, ball, {tops.data(), tops.size()}, disk_);
   if (!fit.run()) return;
   ball.center = fit.center();
   ball.position = camera_.to_field(ball.center, ball_.radius_m);

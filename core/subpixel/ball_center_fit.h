@@ -2,6 +2,7 @@
 
 #include "core/geometry/camera_model.h"
 #include "core/marker/ball_finder.h"
+#include "core/marker/robot_top.h"
 #include "core/subpixel/fit_kernel.h"
 #include "core/types.h"
 
@@ -17,13 +18,21 @@ namespace touchline {
 ///   w (b0 + b . n) + (1 - w) O,
 /// where O is the light of the surroundings just outside the ball. For a given center, the best b is the solution of a
 /// linear problem. The center is found by Gauss-Newton with the linear part projected out (variable projection, Kaufman
-/// 1975). Pixels that do not fit, such as those of a robot in front of the ball, have a lower weight.
+/// 1975). Pixels that do not fit have a lower weight, and so do those on the outline where O differs from the floor
+/// around the rest of the ball: a line, a wall or a robot begins somewhere under the ball. Pixels on the tops of the
+/// robots that were seen do not count, because they hide the ball.
+///
+/// The covariance of the center follows from the errors that the pixels really have, without the assumption that they
+/// are equal (the sandwich estimator: White 1980), because most of them come from the surroundings and the shading.
 ///
 /// If the picture does not fit this model, the ball keeps its center. The work is bounded: on a large ball, only every
 /// second, third, ... pixel and row is sampled.
 class BallCenterFit {
  public:
   void configure(const BallParameters& ball, const CameraModel& camera, KernelChoice kernel = KernelChoice::kFastest);
+
+  /// Sizes of the robots that may hide the ball, by Team; none before the first call.
+  void set_robots(const std::array<RobotSize, 2>& sizes) { robots_ = sizes; }
 
   /// Improves center, position and sigma_m of the ball, if one was seen. The frame must be one that the scan accepted.
   void refine(const Frame& frame, Sightings& sightings);
@@ -34,6 +43,7 @@ class BallCenterFit {
   const FitKernel* kernel_ = nullptr;
   BallParameters ball_;
   CameraModel camera_;
+  std::array<RobotSize, 2> robots_{};
   BallDisk disk_;
 };
 

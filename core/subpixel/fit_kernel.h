@@ -85,6 +85,15 @@ struct CenterEquations {
 };
 
 constexpr std::size_t kShadeTerms = 4, kLightChannels = 3;
+/// Robots that touch one ball in a picture.
+constexpr std::size_t kMaxHidingTops = 4;
+
+/// The top of a robot that may hide a part of the ball.
+struct HidingTop {
+  PixelPoint center;
+  std::array<float, 4> inverse{};  // from pixels to half sides
+  float reach_x = 0, reach_y = 0;  // half size of what the top's pixels may show, in half sides
+};
 
 /// A ball's outline in one picture.
 struct BallView {
@@ -92,6 +101,7 @@ struct BallView {
   std::array<PixelPoint, 2> axis{};  // projections of two radii perpendicular to the line of sight
   std::array<float, 4> inverse{};    // from pixels to radii
   float radius_px = 0;
+  FixedVector<HidingTop, kMaxHidingTops> tops;
 };
 
 /// Eight pixels of a row on the ball.
@@ -103,6 +113,7 @@ struct BallPixels {
       up_to;  // upper bound of the light of a saturated channel; negative if it is not saturated
   std::array<StoredFloat8, kLightChannels> outside;  // O; zero if the ball covers the pixel completely
   StoredFloat8 out_x, out_y;                         // outward unit vector in the ball's axes; zero except on the edge
+  StoredFloat8 doubt;                                // squared error of the light if O was wrong
   bool on_edge = false;
 };
 // For 36 x 36 pixels, the largest square that is sampled completely.
@@ -120,7 +131,8 @@ struct ShadingEquations {
 struct BallOutlineEquations {
   CenterEquations edge;                                                               // for the center, in radii
   std::array<std::array<float, kShadeTerms>, kLightChannels> shared_x{}, shared_y{};  // derivatives times terms
-  float fitting = 0, covered = 0;  // sum of the covered fractions, with and without weights
+  float fitting = 0, covered = 0;  // sum of the covered fractions, with and without the weights of their errors
+  float pull_xx = 0, pull_xy = 0, pull_yy = 0;  // (w r s)^2: the squared contributions to rx and ry
 };
 
 /// Frames must be ones that the scan accepted, and wider than one pixel.

@@ -8,7 +8,8 @@
 namespace touchline::testing {
 namespace {
 
-constexpr Light kOrangeLight{0.9, 0.32, 0.05}, kFloorLight{0.04, 0.04, 0.04};
+constexpr Light kOrangeLight{0.9, 0.32, 0.05}, kFloorLight{0.04, 0.04, 0.04}, kWhiteLight{0.75, 0.75, 0.72},
+    kRobotLight{0.01, 0.01, 0.012};
 
 class BallCenterTest : public ::testing::Test {
  protected:
@@ -19,12 +20,15 @@ class BallCenterTest : public ::testing::Test {
   }
 
   // Traces one ray: a matt ball under one lamp in direction `lamp` (unit vector) and uniform ambient light.
-  Photograph photograph(PixelFormat format, FieldPoint at, std::array<double, 3> lamp, bool half_hidden) const {
+  // `floor`: the light of the floor at a point. A robot hides what is to the right of column `hidden_from_px`.
+  template <class Floor>
+  Photograph photograph(PixelFormat format, FieldPoint at, std::array<double, 3> lamp, Floor floor,
+                        float hidden_from_px) const {
     Photograph picture(format, 640, 480);
     const PixelPoint middle = camera_.to_pixel(at, ball_.radius_m);
     const int u = static_cast<int>(middle.u_px), v = static_cast<int>(middle.v_px);
     picture.expose(u - 14, v - 14, u + 14, v + 14, [&](double pu, double pv) -> Light {
-      if (half_hidden && pu > static_cast<double>(middle.u_px) + 1.0) return {0.01, 0.01, 0.012};
+      if (pu > static_cast<double>(hidden_from_px)) return kRobotLight;
       const Ray ray = camera_.ray({static_cast<float>(pu), static_cast<float>(pv)});
       const std::array<double, 3> center{static_cast<double>(at.x_m), static_cast<double>(at.y_m),
                                          static_cast<double>(ball_.radius_m)};
@@ -38,7 +42,7 @@ class BallCenterTest : public ::testing::Test {
       }
       const double r = static_cast<double>(ball_.radius_m);
       const double inside = along * along - square + r * r;
-      if (inside < 0) return kFloorLight;
+      if (inside < 0) return floor(camera_.to_field({static_cast<float>(pu), static_cast<float>(pv)}, 0.0f));
       const double way = -along - std::sqrt(inside);
       double facing = 0;
       for (std::size_t i = 0; i < 3; ++i) facing += (o[i] + way * d[i]) / r * lamp[i];
@@ -48,7 +52,11 @@ class BallCenterTest : public ::testing::Test {
     });
     return picture;
   }
-
+  Photograph photograph(PixelFormat format, FieldPoint at, std::array<double, 3> lamp,
+                        float hidden_from_px = 1e6f) const {
+    return photograph(
+        format, at, lamp, [](FieldPoint) { return kFloorLight; }, hidden_from_px);
+  }
   // Error of the refined center if the initial center is wrong by (du, dv).
   float error_px(const Photograph& picture, FieldPoint at, float du, float dv) {
     const PixelPoint truth = camera_.to_pixel(at, ball_.radius_m);
@@ -78,7 +86,7 @@ TEST_F(BallCenterTest, IsNotBiasedTowardsTheLamp) {
       const float azimuth = dice_.real(-3.1f, 3.1f);
       const std::array<double, 3> lamp{0.64 * std::cos(static_cast<double>(azimuth)),
                                        0.64 * std::sin(static_cast<double>(azimuth)), 0.768};
-      const Photograph picture = photograph(format, at, lamp, false);
+      const Photograph picture = photograph(format, at, lamp);
       const bool rgb = color_space(format) == ColorSpace::kRgb;
       EXPECT_LT(error_px(picture, at, 0.8f * std::cos(azimuth), -0.8f * std::sin(azimuth)), rgb ? 0.25f : 0.35f)
           << name_of(format) << ' ' << n;
@@ -89,9 +97,53 @@ TEST_F(BallCenterTest, IsNotBiasedTowardsTheLamp) {
 TEST_F(BallCenterTest, ImprovesAHalfHiddenBall) {
   for (int n = 0; n < 6; ++n) {
     const FieldPoint at{dice_.real(-0.9f, 0.9f), dice_.real(-0.7f, 0.7f)};
-    const Photograph picture = photograph(PixelFormat::kRgb24, at, {0.3, -0.2, 0.93}, true);
+    const PixelPoint middle = camera_.to_pixel(at, ball_.radius_m);
+    const Photograph picture = photograph(PixelFormat::kRgb24, at, {0.3, -0.2, 0.93}, middle.u_px + 1.0f);
     // The centroid of the visible part is 1.5 pixels to the side.
     EXPECT_LT(error_px(picture, at, -1.5f, 0.1f), 1.35f) << n;
+  }
+}
+
+// A robot that was seen does not pull the center to its edge.
+TEST_F(BallCenterTest, IgnoresThePixelsOfARobot) {
+  constexpr float kSide = 0.08f, kHeight = 0.06f;
+  centers_.set_robots({{{kSide, kHeight}, {kSide, kHeight}}});
+  for (int n = 0; n < 6; ++n) {
+    const FieldPoint at{dice_.real(-0.9f, 0.9f), dice_.real(-0.7f, 0.7f)};
+    const PixelPoint middle = camera_.to_pixel(at, ball_.radius_m);
+    // The robot's axes are those of the picture, nearly: its left edge is at this column.
+    const PixelPoint edge{middle.u_px + 1.0f, middle.v_px};
+    const Photograph picture = photograph(PixelFormat::kRgb24, at, {0.3, -0.2, 0.93}, edge.u_px);
+    const FieldPoint left = camera_.to_field(edge, kHeight),
+                     right = camera_.to_field({edge.u_px + 20, edge.v_px}, kHeight);
+    RobotSighting robot;
+    robot.has_heading = true;
+    robot.pose.theta_rad = std::atan2(right.y_m - left.y_m, right.x_m - left.x_m);
+    robot.pose.position = {left.x_m + 0.5f * kSide * std::cos(robot.pose.theta_rad),
+                           left.y_m + 0.5f * kSide * std::sin(robot.pose.theta_rad)};
+    sightings_.robots.clear();
+    sightings_.robots.push_back(robot);
+    EXPECT_LT(error_px(picture, at, -0.5f, 0.4f), 1.0f) << n;
+    EXPECT_LT(sightings_.ball.sigma_m, 0.004f) << n;
+  }
+}
+
+// The white border of the field begins under the ball or just beside it.
+TEST_F(BallCenterTest, IsNotBiasedTowardsAWhiteBorder) {
+  for (int n = 0; n < 12; ++n) {
+    const FieldPoint at{dice_.real(-0.9f, 0.9f), dice_.real(-0.7f, 0.7f)};
+    const float from = 0.005f + 0.003f * static_cast<float>(n), way = dice_.real(-3.1f, 3.1f);
+    const Photograph picture = photograph(
+        PixelFormat::kRgb24, at, {0.3, -0.2, 0.93},
+        [&](FieldPoint floor) {
+          const float beyond = std::cos(way) * (floor.x_m - at.x_m) + std::sin(way) * (floor.y_m - at.y_m) - from;
+          return beyond > 0.0f ? kWhiteLight : kFloorLight;
+        },
+        1e6f);
+    const float error = error_px(picture, at, 0.6f * std::cos(way), -0.6f * std::sin(way));
+    EXPECT_LT(error, 0.4f) << n;
+    const float scale = camera_.scale_px_per_m(at, ball_.radius_m);
+    EXPECT_GT(3.0f * std::hypot(sightings_.ball.sigma_m, 0.0005f) * scale, error) << n;
   }
 }
 
@@ -103,7 +155,7 @@ TEST_F(BallCenterTest, IsTheSameWithEveryKernel) {
   portable.configure(ball_, camera_, KernelChoice::kPortable);
   for (const PixelFormat format : kAllFormats) {
     const FieldPoint at{dice_.real(-0.9f, 0.9f), dice_.real(-0.7f, 0.7f)};
-    const Photograph picture = photograph(format, at, {0.3, -0.2, 0.93}, false);
+    const Photograph picture = photograph(format, at, {0.3, -0.2, 0.93});
     error_px(picture, at, 0.7f, 0.4f);
     Sightings other = sightings_;
     const PixelPoint start = camera_.to_pixel(at, ball_.radius_m);

@@ -12,6 +12,87 @@ constexpr float kSaturation = 0.98f;
 // Surface normals are limited to this radius, because their derivative diverges at the outline.
 constexpr float kMaxNormalRadius = 0.98f;
 
+// Squared distance from the most frequent surroundings, as a part of the largest one, at which others count half.
+constexpr float kOtherSurroundings = 0.02f;
+// Weight of the error that wrong surroundings may cause against an error that is seen; errors below the one
+// at which the weight is one half count less.
+constexpr float kDoubtWeight = 64.0f, kNegligibleDoubt = 1.0f;
+
+inline Integer8 hidden_by(const BallView& ball, Float8 u, Float8 v) {
+  Integer8 hidden = u < u;  // none
+  for (const HidingTop& top : ball.tops) {
+    const Float8 from_u = u - broadcast(top.center.u_px), from_v = v - broadcast(top.center.v_px);
+    const Float8 x = broadcast(top.inverse[0]) * from_u + broadcast(top.inverse[1]) * from_v;
+    const Float8 y = broadcast(top.inverse[2]) * from_u + broadcast(top.inverse[3]) * from_v;
+    hidden = hidden | ((abs(x) < broadcast(top.reach_x)) & (abs(y) < broadcast(top.reach_y)));
+  }
+  return hidden;
+}
+
+// Finds the light of most of the surroundings, which is near that of the darkest or the brightest place around the
+// ball. Where the light just outside of a pixel differs from it, a line, a wall or a robot may begin anywhere under the
+// pixel.
+inline void doubt_surroundings(BallDisk& disk) {
+  const Float8 zero = broadcast(0.0f), one = broadcast(1.0f);
+  using Light = std::array<float, kLightChannels>;
+  const auto distance2 = [&](const BallPixels& pixels, const Light& from) {
+    Float8 sum = zero;
+    TOUCHLINE_UNROLL for (std::size_t c = 0; c < kLightChannels; ++c) {
+      const Float8 difference = load(pixels.outside[c]) - broadcast(from[c]);
+      sum += difference * difference;
+    }
+    return sum;
+  };
+  const auto is_edge = [&](const BallPixels& pixels) {
+    const Float8 x = load(pixels.out_x), y = load(pixels.out_y);
+    return x * x + y * y > broadcast(0.5f);
+  };
+  float darkest = 1e9f, brightest = -1.0f;
+  std::array<Light, 2> ends{};
+  for (const BallPixels& pixels : disk) {
+    if (!pixels.on_edge) continue;
+    StoredFloat8 sums, edge;
+    store(load(pixels.outside[0]) + load(pixels.outside[1]) + load(pixels.outside[2]), sums);
+    store(select(is_edge(pixels), one), edge);
+    for (std::size_t i = 0; i < kLanes; ++i) {
+      if (edge.value[i] == 0.0f) continue;
+      const Light light{pixels.outside[0].value[i], pixels.outside[1].value[i], pixels.outside[2].value[i]};
+      if (sums.value[i] < darkest) {
+        darkest = sums.value[i];
+        ends[0] = light;
+      }
+      if (sums.value[i] > brightest) {
+        brightest = sums.value[i];
+        ends[1] = light;
+      }
+    }
+  }
+  if (brightest < darkest) return;
+  float apart2 = 1e-6f;
+  for (std::size_t c = 0; c < kLightChannels; ++c) apart2 += (ends[1][c] - ends[0][c]) * (ends[1][c] - ends[0][c]);
+  const Float8 scale2 = broadcast(kOtherSurroundings * apart2);
+  std::array<float, 2> count{};
+  std::array<Light, 2> mean{};
+  for (std::size_t end = 0; end < 2; ++end) {
+    Float8 weights = zero;
+    LinearRgb8 sum{zero, zero, zero};
+    for (const BallPixels& pixels : disk) {
+      if (!pixels.on_edge) continue;
+      const Float8 weight = select(is_edge(pixels), scale2 / (scale2 + distance2(pixels, ends[end])));
+      weights += weight;
+      TOUCHLINE_UNROLL for (std::size_t c = 0; c < kLightChannels; ++c) sum[c] += weight * load(pixels.outside[c]);
+    }
+    count[end] = horizontal_sum(weights);
+    for (std::size_t c = 0; c < kLightChannels; ++c) mean[end][c] = horizontal_sum(sum[c]) / count[end];
+  }
+  const Light& most = count[1] > count[0] ? mean[1] : mean[0];
+  for (BallPixels& pixels : disk) {
+    if (!pixels.on_edge) continue;
+    const Float8 part = one - load(pixels.coverage);
+    store(select(is_edge(pixels), part * part * distance2(pixels, most)), pixels.doubt);
+  }
+}
+
 inline bool sample_ball(const Frame& frame, const BallView& ball, BallDisk& disk) {
   const LinearRgbImage picture(frame);
   const Float8 zero = broadcast(0.0f), one = broadcast(1.0f);
@@ -37,7 +118,7 @@ inline bool sample_ball(const Frame& frame, const BallView& ball, BallDisk& disk
           [&](Float8 from_v) { return crossed(from_v, std::max(0.0f, 2.0f - reach)); })) {
     return false;
   }
-  return pixels_of_ball.for_each_eight([&](Integer8 u, Integer8 v, Integer8 counts) {
+  const bool is_collected = pixels_of_ball.for_each_eight([&](Integer8 u, Integer8 v, Integer8 counts) {
     const Float8 from_u = to_floats(u) - broadcast(ball.center.u_px);
     const Float8 from_v = to_floats(v) - broadcast(ball.center.v_px);
     const Float8 x = broadcast(inverse[0]) * from_u + broadcast(inverse[1]) * from_v;
@@ -45,6 +126,7 @@ inline bool sample_ball(const Frame& frame, const BallView& ball, BallDisk& disk
     const Float8 r = sqrt(x * x + y * y), per_r = one / max(r, broadcast(1e-6f));
     const Float8 coverage = min(one, broadcast(0.5f) - (r - one) * broadcast(ball.radius_px / kRampPx));
     counts = counts & (coverage > zero);
+    if (!ball.tops.empty()) counts = counts & ~hidden_by(ball, to_floats(u), to_floats(v));
     if (!any(counts)) return true;
     if (disk.full()) return false;
     disk.resize(disk.size() + 1);
@@ -55,15 +137,17 @@ inline bool sample_ball(const Frame& frame, const BallView& ball, BallDisk& disk
     }
     const Integer8 edge = counts & (coverage < one);
     pixels.on_edge = any(edge);
+    store(zero, pixels.doubt);
     if (pixels.on_edge) {
       const Float8 beyond = per_r * broadcast(1.0f + kBeyondBallPx / ball.radius_px);
       const Float8 beyond_x = beyond * x, beyond_y = beyond * y;
+      const Float8 beyond_u = broadcast(ball.center.u_px) + broadcast(ball.axis[0].u_px) * beyond_x +
+                              broadcast(ball.axis[1].u_px) * beyond_y;
+      const Float8 beyond_v = broadcast(ball.center.v_px) + broadcast(ball.axis[0].v_px) * beyond_x +
+                              broadcast(ball.axis[1].v_px) * beyond_y;
       Integer8 inside;
-      const LinearRgb8 light = picture.nearest(broadcast(ball.center.u_px) + broadcast(ball.axis[0].u_px) * beyond_x +
-                                                   broadcast(ball.axis[1].u_px) * beyond_y,
-                                               broadcast(ball.center.v_px) + broadcast(ball.axis[0].v_px) * beyond_x +
-                                                   broadcast(ball.axis[1].v_px) * beyond_y,
-                                               inside);
+      const LinearRgb8 light = picture.nearest(beyond_u, beyond_v, inside);
+      if (!ball.tops.empty()) inside = inside & ~hidden_by(ball, beyond_u, beyond_v);
       counts = counts & (inside | ~edge);
       store(select(edge & counts, per_r * x), pixels.out_x);
       store(select(edge & counts, per_r * y), pixels.out_y);
@@ -82,6 +166,8 @@ inline bool sample_ball(const Frame& frame, const BallView& ball, BallDisk& disk
     TOUCHLINE_UNROLL for (std::size_t c = 0; c < kLightChannels; ++c) store(rest[c], pixels.rest[c]);
     return true;
   });
+  if (is_collected) doubt_surroundings(disk);
+  return is_collected;
 }
 
 /// Eight pixels of the ball compared with the shading model.
@@ -89,7 +175,7 @@ struct ShadedPixels {
   std::array<Float8, kShadeTerms> terms;  // w and w n
   LinearRgb8 model, error;                // error: measured light minus the model
   LinearRgb8 rest;
-  Float8 weight;
+  Float8 weight, fitting;  // fitting: the weight that follows from the error alone
 
   ShadedPixels(const BallPixels& pixels, const BallShading& shading)
       : terms{load(pixels.coverage), load(pixels.slopes[0]), load(pixels.slopes[1]), load(pixels.slopes[2])} {
@@ -103,7 +189,11 @@ struct ShadedPixels {
       error[c] = rest[c] - model[c];
       square += error[c] * error[c];
     }
-    weight = broadcast(shading.allowed) / (broadcast(shading.allowed) + square);
+    const Float8 allowed = broadcast(shading.allowed);
+    fitting = allowed / (allowed + square);
+    const Float8 doubt = load(pixels.doubt);
+    const Float8 counted = doubt * doubt / (doubt + broadcast(kNegligibleDoubt) * allowed);
+    weight = allowed / (allowed + square + broadcast(kDoubtWeight) * counted);
   }
 };
 
@@ -132,13 +222,14 @@ inline ShadingEquations accumulate_shading(const BallDisk& disk, const BallShadi
 inline BallOutlineEquations accumulate_outline(const BallDisk& disk, const BallShading& shading, float radius_px) {
   const Float8 zero = broadcast(0.0f), steepness = broadcast(radius_px / kRampPx);
   Float8 xx = zero, xy = zero, yy = zero, rx = zero, ry = zero, fitting = zero, covered = zero;
+  Float8 pull_xx = zero, pull_xy = zero, pull_yy = zero;
   std::array<std::array<Float8, kShadeTerms>, kLightChannels> shared_x, shared_y;
   for (auto& row : shared_x) row.fill(zero);
   for (auto& row : shared_y) row.fill(zero);
   for (const BallPixels& stored : disk) {
     const ShadedPixels pixels(stored, shading);
     const Float8 coverage = pixels.terms[0];
-    fitting += pixels.weight * coverage;
+    fitting += pixels.fitting * coverage;
     covered += coverage;
     if (!stored.on_edge) continue;
     const Float8 whole = broadcast(1.0f) / max(coverage, broadcast(1e-6f));
@@ -158,8 +249,12 @@ inline BallOutlineEquations accumulate_outline(const BallDisk& disk, const BallS
     xx += weight_x * power * out_x;
     xy += weight_x * power * out_y;
     yy += weight_y * power * out_y;
-    rx += weight_x * along;
-    ry += weight_y * along;
+    const Float8 pull_x = weight_x * along, pull_y = weight_y * along;
+    rx += pull_x;
+    ry += pull_y;
+    pull_xx += pull_x * pull_x;
+    pull_xy += pull_x * pull_y;
+    pull_yy += pull_y * pull_y;
   }
   BallOutlineEquations sums;
   sums.edge = {
@@ -170,6 +265,9 @@ inline BallOutlineEquations accumulate_outline(const BallDisk& disk, const BallS
       sums.shared_y[c][i] = horizontal_sum(shared_y[c][i]);
     }
   }
+  sums.pull_xx = horizontal_sum(pull_xx);
+  sums.pull_xy = horizontal_sum(pull_xy);
+  sums.pull_yy = horizontal_sum(pull_yy);
   sums.fitting = horizontal_sum(fitting);
   sums.covered = horizontal_sum(covered);
   return sums;

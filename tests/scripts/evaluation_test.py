@@ -11,6 +11,7 @@ import unittest
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 sys.path.insert(0, str(ROOT / "tools" / "evaluation"))
 import judging  # noqa: E402
+import motion  # noqa: E402
 import table  # noqa: E402
 import truth  # noqa: E402
 
@@ -111,6 +112,49 @@ class Table(unittest.TestCase):
         self.assertEqual(table.summary([failed]), {"a: b": {"failed": "failed"}})
 
 
+class Motion(unittest.TestCase):
+    @staticmethod
+    def game(error, nees, count=10):
+        def errors(rms):
+            return {"count": count, "rms": rms, "p95": 2 * rms, "max": 3 * rms}
+        robots = [{"name": name, "sighting_m": errors(0.001), "track_m": errors(error), "sighting_rad": errors(0.01),
+                   "track_rad": errors(0.01), "at_action_m": errors(error), "at_action_rad": errors(0.01), "nees_position": nees,
+                   "nees_heading": 1.0, "nis": 1.0}
+                  for name in ("own robots", "opponents", "at rest", "own at 1 m/s", "opponents at 1 m/s")]
+        balls = [{"name": name, "sighting_m": errors(error), "track_m": errors(error), "lost": 0, "nees": nees, "nis": 1.0}
+                 for name in ("ball", "ball within 60 mm of a wall")]
+        impacts = [{"name": name, "frames_after": after, "track_m": errors(error), "speed_mps": errors(0.1), "lost": 0}
+                   for name in ("own robots", "opponents", "ball") for after in (0, 1, 2)]
+        return {"robots": robots, "balls": balls, "impacts": impacts}
+
+    def row(self, games, case):
+        return next(row for row in motion.rows_of(games) if row["case"] == case)
+
+    def test_pools_games_by_their_number_of_samples(self):
+        games = [self.game(0.001, 1.0), self.game(0.003, 2.0, count=30)]
+        self.assertAlmostEqual(self.row(games, "own robots, when the command acts, mm")["value"], 7 ** 0.5)
+        self.assertAlmostEqual(self.row(games, "own robots, NEES of the position")["value"], 1.75)
+        self.assertAlmostEqual(self.row(games, "own robots, 1 frame after an impact, max mm")["value"], 9.0)
+        self.assertEqual(self.row(games, "ball, NEES")["each"], [1.0, 2.0])
+
+    def test_marks_what_is_outside_of_its_goal(self):
+        good, bad = [self.game(0.0005, 1.0)], [self.game(0.0021, 0.6)]
+        self.assertEqual([r["case"] for r in motion.rows_of(good) if table.missed_goals(r)], [])
+        missed = [r["case"] for r in motion.rows_of(bad) if table.missed_goals(r)]
+        for case in ("own robots, when the command acts, mm", "opponents, track / sighting, position", "ball, NEES",
+                     "ball within 60 mm of a wall, sighting, mm"):
+            self.assertIn(case, missed)
+        row = self.row(bad, "ball, NEES")
+        self.assertIn("0.60 !", table.text_of(row, {}))
+        self.assertIn("goal: 0.7 to 1.5, before: 1.10", table.text_of(row, {"motion: ball, NEES": {"value": 1.1}}))
+        self.assertEqual(table.summary([row]), {"motion: ball, NEES": {"value": 0.6}})
+
+    def test_a_game_without_impacts_has_no_value(self):
+        empty = self.row([self.game(0.001, 1.0, count=0)], "own robots, 1 frame after an impact, max mm")
+        self.assertIsNone(empty["value"])
+        self.assertEqual(table.missed_goals(empty), [])
+
+
 class Program(unittest.TestCase):
     def test_keeps_its_results_when_every_set_fails(self):
         with tempfile.TemporaryDirectory() as folder:
@@ -124,7 +168,7 @@ class Program(unittest.TestCase):
                                   text=True, check=False)
             self.assertEqual(done.returncode, 1, done.stderr)
             rows = json.loads((folder / "out" / "evaluation.json").read_text())["rows"]
-            self.assertEqual([r["set"] for r in rows if "failed" in r], ["first", "second"])
+            self.assertEqual([r["set"] for r in rows if "failed" in r], ["first", "second"] + ["motion"] * len(motion.SEEDS))
             self.assertIn("second", (folder / "out" / "evaluation.html").read_text())
             self.assertIn("failed", done.stdout)
 

@@ -24,6 +24,11 @@ class Report:
         self.rows.append(row)
         programs.progress(table.text_of(row, self.base))
 
+    def measured(self, row):
+        """Adds a row with one measured value."""
+        self.rows.append(row)
+        programs.progress(table.text_of(row, self.base))
+
     def note(self, words):
         """Adds words to the last row."""
         self.rows[-1]["note"] = words

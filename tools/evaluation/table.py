@@ -1,5 +1,6 @@
 """The table of all measurements: goals, values of an earlier evaluation beside them, one line per case."""
 import json
+import math
 import re
 
 # Columns: heading, width.
@@ -22,6 +23,9 @@ def missed_goals(row):
     goal, out = row.get("goal", {}), []
     if "failed" in row:
         return ["failed"] if goal else []
+    if "value" in row:
+        low, high = goal.get("value", (-math.inf, math.inf))
+        return [] if row["value"] is None or low - 1e-9 <= row["value"] <= high + 1e-9 else ["value"]
     for name, value in (("right", share(row, "right", "robots")), ("ball", share(row, "balls_seen", "balls"))):
         if name in goal and value is not None and value < goal[name] - 1e-9:
             out.append(name)
@@ -43,7 +47,24 @@ def number(value):
     return "-" if value is None else f"{value:.1f}"
 
 
+def measured(value):
+    return "-" if value is None else f"{value:.2f}"
+
+
+def measured_cells(row, base):
+    goal, old = row.get("goal", {}).get("value"), base.get(key_of(row), {}).get("value")
+    words = []
+    if goal is not None:
+        words.append(f"goal: at most {goal[1]:g}" if goal[0] == 0 else f"goal: {goal[0]:g} to {goal[1]:g}")
+    if old is not None:
+        words.append(f"before: {measured(old)}")
+    return [row["set"], row["case"], str(row["count"]), measured(row["value"]) + (" !" if missed_goals(row) else ""), "", "", "",
+            "", "", " / ".join(measured(one) for one in row["each"]), ", ".join(words)]
+
+
 def cells(row, base):
+    if "value" in row:
+        return measured_cells(row, base)
     missed = missed_goals(row)
 
     def mark(name):
@@ -66,6 +87,9 @@ def cells(row, base):
 
 def text_of(row, base):
     values = cells(row, base)
+    if "value" in row:
+        name, case, count, value, *_, each, words = values
+        return f"{name:<{COLUMNS[0][1]}}{case:<{COLUMNS[1][1]}}{count:>7}{value:>9}  {each:<30}  {words}".rstrip()
     if "failed" in row:
         name, case, reason, before = values
         return f"{name:<{COLUMNS[0][1]}}{case:<{COLUMNS[1][1]}}{reason}" + (f"  [before: {before}]" if before else "")
@@ -92,6 +116,8 @@ def print_rows(rows, base):
     for row in rows:
         if last is not None and row["set"] != last:
             print()
+            if "value" in row:
+                print(f"{'':<{COLUMNS[0][1] + COLUMNS[1][1]}}{'samples':>7}{'all':>9}  in each game")
         last = row["set"]
         print(text_of(row, base))
     goals = [row for row in rows if row.get("goal")]
@@ -111,7 +137,7 @@ def print_reliability(rows):
 
 def summary(rows):
     """The values of an evaluation in short, for --base."""
-    return {key_of(row): {"failed": "failed"} if "failed" in row else {
+    return {key_of(row): {"failed": "failed"} if "failed" in row else {"value": row["value"]} if "value" in row else {
         "right": share(row, "right", "robots"), "wrong": row["wrong"] + row.get("wrong_earlier", 0),
         "ball": share(row, "balls_seen", "balls")} for row in rows}
 

@@ -1,32 +1,71 @@
 // The setup of a copy of the arena TOUCHLINE_BOARD, with the real programs TOUCHLINE_PROGRAM and TOUCHLINE_SETUP.
 import assert from 'node:assert/strict';
-import { cp, mkdtemp, readFile, readdir, rm } from 'node:fs/promises';
+import { on } from 'node:events';
+import { cp, mkdtemp, readFile, readdir, rm, writeFile } from 'node:fs/promises';
+import { createRequire } from 'node:module';
 import { tmpdir } from 'node:os';
 import { basename, dirname, join } from 'node:path';
 import { after, before, test } from 'node:test';
-import { launch, open } from './browser.mjs';
+import { hold, launch, open, show, waitForPicture } from './browser.mjs';
 import { startProgram, startSetup } from './console_server.mjs';
-import { begin } from './setup_steps.mjs';
+import { act, begin, next } from './setup_steps.mjs';
 
+const { WebSocket } = createRequire(new URL('../../tools/console/package.json', import.meta.url))('ws');
 const { TOUCHLINE_PROGRAM: program, TOUCHLINE_SETUP: setupProgram, TOUCHLINE_BOARD: original } = process.env;
 
 let browser;
 before(async () => (browser = await launch()));
 after(async () => browser?.close());
 
-/** Both programs with a copy of the board's folder. */
-async function withArena(run) {
+const CALIBRATED = /^\[+(camera_model|light|colors|color|noise)\b/;
+
+/** A venue file without the sections that calibration writes. */
+function uncalibrated(text) {
+  let keep = true;
+  return text
+    .split('\n')
+    .filter((line) => {
+      if (line.startsWith('[')) keep = !CALIBRATED.test(line);
+      return keep;
+    })
+    .join('\n');
+}
+
+/** Until the ball is seen in a goal. */
+async function waitForGoal(server) {
+  const socket = new WebSocket(`${server.url.replace('http', 'ws')}ws`, 'touchline.1');
+  let field;
+  try {
+    for await (const [data, isBinary] of on(socket, 'message')) {
+      if (isBinary) continue;
+      const message = JSON.parse(data);
+      if (message.type === 'hello') {
+        field = message.field;
+        socket.send(JSON.stringify({ type: 'watch', picture: null, state_hz: 60 }));
+      }
+      const { ball } = message.type === 'state' ? message : {};
+      if (ball && Math.abs(ball.x_m) > field.length_m / 2 && Math.abs(ball.y_m) < field.goal_width_m / 2) return;
+    }
+  } finally {
+    socket.close();
+  }
+}
+
+/** Both programs with a copy of the board's folder; `change` of its venue file. */
+async function withArena(run, change = (text) => text) {
   const folder = await mkdtemp(join(tmpdir(), 'touchline-arena-'));
   let setup;
   let server;
   try {
     for (const name of await readdir(dirname(original))) if (/\.(toml|png)$/.test(name)) await cp(join(dirname(original), name), join(folder, name));
+    const venue = join(folder, 'venue.toml');
+    await writeFile(venue, change(await readFile(venue, 'utf8')));
     const board = join(folder, basename(original));
     const socket = join(folder, 'setup.sock');
     setup = await startSetup(setupProgram, board, join(folder, 'state'), socket);
     server = await startProgram(program, board, 0, ['--set', `console.setup_socket=${socket}`]);
     const { page, problems, close } = await open(browser, `${server.url}#setup`);
-    await run(page, folder);
+    await run(page, folder, server);
     assert.deepEqual(problems, []);
     await close();
   } finally {
@@ -64,3 +103,49 @@ test('the field is found, undone with one key, and saved after its difference wa
     assert.equal(await readFile(join(folder, 'venue.toml.bak'), 'utf8'), before);
     await page.waitForSelector('[data-begin]');
   }));
+
+test('from an arena without calibration to a scored goal', () =>
+  withArena(async (page, folder, server) => {
+    const venue = () => readFile(join(folder, 'venue.toml'), 'utf8');
+    const before = await venue();
+    assert.ok(!before.includes('camera_model') && !before.includes('[[color]]'));
+
+    await begin(page);
+    await waitForPicture(page);
+    await page.waitForSelector('[data-live="true"]');
+    await act(page, 'camera');
+    await next(page, 'field');
+    await page.selectOption('[data-preset]:not([disabled])', 'mirosot-middle');
+    await page.fill('[data-height]', '2.3');
+    await act(page, 'field');
+    await next(page, 'light');
+    await act(page, 'light');
+    await page.waitForSelector('[data-after]');
+    await next(page, 'colors');
+    await act(page, 'colors');
+    await page.waitForSelector('[data-color-chip="orange"]:not(.missing)');
+    await next(page, 'robots');
+    await page.waitForSelector('[data-top="own-4"]');
+    await act(page, 'robots');
+    await next(page, 'radio');
+    await page.click('[data-robot="2"]:not([disabled])');
+    await hold(page, () => page.keyboard.down('KeyW'), () => page.keyboard.up('KeyW'), '[data-driving]:text-matches("^0.[1-9]")');
+    await page.keyboard.up('KeyW');
+    await act(page, 'radio');
+    await next(page);
+
+    await page.waitForSelector('[data-save-panel] .added:has-text("[camera_model]")');
+    assert.equal(await venue(), before, 'nothing is written before the differences were shown');
+    await page.click('[data-confirm-save]:not([disabled])');
+    await page.waitForSelector('[data-message]:has-text("Saved")');
+    const after = await venue();
+    assert.ok(after.includes('[camera_model') && after.includes('[[color]]'));
+
+    await show(page, 'play');
+    await page.click('[data-start]:not([disabled])');
+    await page.waitForFunction(() => document.querySelector('[data-halt]').dataset.halt === '');
+    await waitForGoal(server);
+    await page.close();
+    await server.end();
+    assert.match(server.output(), /goals ([1-9]\d* : \d+|\d+ : [1-9])/);
+  }, uncalibrated));

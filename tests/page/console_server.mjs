@@ -11,7 +11,7 @@ const children = new Set();
 process.on('exit', () => children.forEach((child) => child.kill('SIGKILL')));
 for (const signal of ['SIGINT', 'SIGTERM', 'SIGHUP']) process.on(signal, () => process.exit(1));
 
-/** Returns {found, end()}; `found` is what `ready` matches in the program's output. Fails with the program's output if it ends before. */
+/** Returns {found, output(), end()}; `found` is what `ready` matches in the program's output. Fails with the program's output if it ends before. */
 async function start(command, options, ready) {
   const child = spawn(command, options, { stdio: ['ignore', 'pipe', 'pipe'] });
   children.add(child);
@@ -34,13 +34,13 @@ async function start(command, options, ready) {
     child.kill(signal);
     await ended;
   };
-  return { found, end };
+  return { found, output: () => lines.join('\n'), end };
 }
 
-/** Returns {url, port, end()}. `port` 0 of a server's options: any. */
+/** Returns {url, port, output(), end()}. `port` 0 of a server's options: any. */
 async function startServer(command, options) {
-  const { found, end } = await start(command, options, /http:\/\/127\.0\.0\.1:\d+/);
-  return { url: `${found}/`, port: Number(new URL(found).port), end };
+  const { found, output, end } = await start(command, options, /http:\/\/127\.0\.0\.1:\d+/);
+  return { url: `${found}/`, port: Number(new URL(found).port), output, end };
 }
 
 export const startProgram = (program, board, port = 0, options = []) =>

@@ -13,6 +13,14 @@ export async function act(page, step) {
   await page.waitForSelector(`[data-action="${step}"]:not([disabled])`);
 }
 
-export const next = (page) => page.click('[data-next]');
+/** Goes on to the step `name`, or to the differences. Results that arrive meanwhile may move the button away from under the pointer. */
+export async function next(page, name) {
+  const shown = name ? `[data-step="${name}"]` : '[data-save-panel]';
+  for (let attempt = 0; attempt < 5; attempt += 1) {
+    await page.click('[data-next]');
+    if (await page.waitForSelector(shown, { timeout: 5000 }).catch(() => null)) return;
+  }
+  throw new Error(`${shown} does not appear`);
+}
 
 export const undoCount = async (page) => Number(await page.getAttribute('[data-undo]', 'data-undo'));

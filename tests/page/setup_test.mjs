@@ -39,11 +39,11 @@ for (const [width, colorScheme] of [[360, 'light'], [768, 'dark'], [1920, 'light
       };
       await look('welcome');
       await begin(page);
-      for (const name of ['camera', 'field', 'light', 'colors']) {
+      for (const [name, after] of [['camera', 'field'], ['field', 'light'], ['light', 'colors'], ['colors', 'robots']]) {
         await look(name);
         await act(page, name);
         await look(`${name}, done`);
-        await next(page);
+        await next(page, after);
       }
       // Two opponents have the same colors: that is not accepted.
       await page.click('[data-action="robots"]:not([disabled])');
@@ -53,7 +53,7 @@ for (const [width, colorScheme] of [[360, 'light'], [768, 'dark'], [1920, 'light
       await page.selectOption('[data-top="opponent-3"] select:not([disabled])', 'cyan');
       await page.waitForFunction(() => document.querySelectorAll('[data-top].bad').length === 0);
       await act(page, 'robots');
-      await next(page);
+      await next(page, 'radio');
       await look('radio');
       await act(page, 'radio');
       await next(page);
@@ -69,7 +69,7 @@ test('Ctrl+Z undoes, Ctrl+Y does it again, from every step', () =>
   withBoard(async (page) => {
     await begin(page);
     await act(page, 'camera');
-    await next(page);
+    await next(page, 'field');
     await act(page, 'field');
     const before = await undoCount(page);
     await page.keyboard.press('Control+z');

@@ -48,7 +48,6 @@ export class Setup {
   pictures = new Map();
   nextPicture = 1;
   source = 'saved';
-  timer = null;
 
   /** `tell(message)` and `send(kind, id, content)` reach every client that watches. */
   constructor(game, tell, send) {
@@ -98,14 +97,14 @@ export class Setup {
 
   async run(message) {
     const { command } = message;
-    if (this.busy && !['cancel', 'camera.live'].includes(command)) throw new Error(`busy: ${this.busy.text}`);
+    if (this.busy && !['cancel', 'camera.quality'].includes(command)) throw new Error(`busy: ${this.busy.text}`);
     if (!this.open && !['begin', 'import', 'export'].includes(command)) throw new Error('nothing is being set up: begin first');
     const handler = handlers[command];
     if (!handler) throw new Error(`unknown command: ${command}`);
     try {
       return await handler(this, message);
     } finally {
-      if (!['differences', 'export', 'camera.live', 'drive'].includes(command)) this.show();
+      if (!['differences', 'export', 'camera.quality', 'drive'].includes(command)) this.show();
     }
   }
 
@@ -247,12 +246,10 @@ const handlers = {
     if (name === 'exposure_us' && (value < 0 || value > 1000000)) throw new Error(`board.toml: ${key} = ${value} is out of range: 0 to 1000000`);
     setup.change(`${key} = ${value}`, section, { values: { ...setup.steps[section].values, [name]: value } });
   },
-  'camera.live'(setup, { on }) {
-    clearInterval(setup.timer);
-    if (on) setup.timer = setInterval(() => setup.tell({ type: 'setup', live: { camera: setup.measure() } }), 500);
-  },
   'camera.quality'(setup) {
-    setup.change('camera measured', 'camera', setup.measure());
+    const measure = setup.measure();
+    Object.assign(setup.steps.camera, measure);
+    return measure;
   },
   confirm(setup, { step }) {
     if (step === 'robots' && setup.steps.robots.quality.level === 'bad') throw new Error(setup.steps.robots.quality.text);
@@ -293,9 +290,8 @@ const handlers = {
       advice: setup.steps.colors.advice?.filter((text) => !text.includes(`${name} was not found`)) ?? [],
     });
   },
-  'colors.remove'(setup, { name, click }) {
-    const { names, wanted, clicks } = setup.steps.colors;
-    setup.change(name ? `${name} removed` : 'click removed', 'colors', name ? { names: names.filter((color) => color.name !== name), wanted: [...wanted, name] } : { clicks: clicks.filter((_, i) => i !== click) });
+  'colors.remove'(setup, { click }) {
+    setup.change('click removed', 'colors', { clicks: setup.steps.colors.clicks.filter((_, i) => i !== click) });
   },
   'robots.set'(setup, { own, opponent }) {
     setup.change('robots', 'robots', { ...(own ? { own } : {}), ...(opponent ? { opponent } : {}), done: false });

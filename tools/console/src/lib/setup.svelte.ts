@@ -1,5 +1,5 @@
 import { completeState } from './setup_defaults';
-import type { CameraMeasure, SetupCommand, SetupMessage, SetupPicture, SetupState } from './setup_protocol';
+import type { SetupCommand, SetupMessage, SetupPicture, SetupState } from './setup_protocol';
 
 // Every step has a few pictures, and clicks replace each other's.
 const MAX_PICTURES = 48;
@@ -15,7 +15,6 @@ interface Result {
 /** What the setup program said, and the commands to it. */
 export class Setup {
   state = $state.raw<SetupState | null>(null);
-  live = $state.raw<CameraMeasure | null>(null); // of the camera, while it is asked for
   running = $state(false);
   pictures = $state.raw<ReadonlyMap<number, { url: string; image: ImageBitmap }>>(new Map());
   error = $state(''); // the answer to the last command, if it was refused
@@ -50,7 +49,6 @@ export class Setup {
 
   receive(message: SetupMessage): void {
     if (message.state) this.state = completeState(message.state);
-    if (message.live?.camera) this.live = message.live.camera;
   }
 
   async receivePicture({ id, content }: SetupPicture): Promise<void> {
@@ -70,7 +68,6 @@ export class Setup {
   forget(): void {
     for (const resolve of this.answers.values()) resolve({ ok: false, error: 'The connection was lost before the answer came.' });
     this.answers.clear();
-    this.live = null;
   }
 
   private release(pictures: Map<number, { url: string; image: ImageBitmap }>, id: number): void {

@@ -152,7 +152,6 @@ export interface SetupState {
 export interface SetupMessage {
   type: 'setup';
   state?: Partial<SetupState>;
-  live?: { camera?: CameraMeasure };
 }
 
 type FieldSize = { camera_height_m: number } & ({ preset: string } | { length_m: number; width_m: number });
@@ -169,15 +168,12 @@ export type SetupCommand =
   | { command: 'try' | 'drive'; on: boolean }
   | { command: 'confirm'; step: StepName }
   | { command: 'set'; key: string; value: KeyValue }
-  | { command: 'camera.quality' } // into steps.camera
-  | { command: 'camera.live'; on: boolean }
+  | { command: 'camera.quality' } // result: CameraMeasure; not a step of undo
   | ({ command: 'field.find' } & FieldSize)
   | ({ command: 'field.corners'; corners_px: [number, number][] } & FieldSize)
   | { command: 'light.measure'; surface: LightSurface }
   | { command: 'colors.find'; accept?: boolean }
   | { command: 'colors.click'; name: string; u_px: number; v_px: number; picture?: number }
-  | { command: 'colors.preview'; name: string; u_px: number; v_px: number; picture?: number } // result: {picture}
-  | { command: 'colors.remove'; name: string }
   | { command: 'colors.remove'; click: number }
   | { command: 'robots.set'; own?: TeamTable; opponent?: TeamTable }
   | { command: 'radio.set'; backend?: string; device?: string; baud?: number };

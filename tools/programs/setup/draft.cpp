@@ -2,6 +2,8 @@
 
 #include <filesystem>
 
+#include "firmware/config/section_writer.h"
+
 namespace touchline::setup {
 namespace {
 
@@ -38,6 +40,9 @@ Result<void> Draft::begin(const std::string& board_path) {
     state.files = saved;
     TOUCHLINE_TRY(write_folder(saved, folder_ + "/saved"));
   }
+  // The firmware runs without calibration, but not without the file.
+  FileContent& venue = state.files.content[state.files.venue];
+  if (venue == nullptr) venue = std::make_shared<const std::string>(config::kNewFile);
   TOUCHLINE_TRY(store(state));
   saved_ = std::move(saved);
   states_.clear();

@@ -81,6 +81,7 @@ void SetupProgram::accept() {
   if (!descriptor.is_open()) return;
   firmware_.close();
   firmware_ = MessageLink(std::move(descriptor));
+  use_runs_ = use_is_stale_ = false;
   // A restarted firmware runs with the saved files and knows nothing of a frame that was asked for.
   if (running_ && running_->waits_for_frame) request_frames();
   if (draft_.is_open() && uses_draft_) use(true);
@@ -120,6 +121,8 @@ void SetupProgram::handle(const Message& message) {
     const Result<std::string> error = Arguments(message.content).text("error", "");
     preview_ = {{"source", uses_draft_ ? "draft" : "saved"}, {"ok", error.ok() && error.value().empty()}};
     preview_["error"] = error.ok() ? error.value() : "";
+    use_runs_ = false;
+    if (use_is_stale_) use(uses_draft_);
     send_state();
   }
   if (type == "watch" && draft_.is_open() && message.content.contains("client")) {
@@ -199,6 +202,10 @@ void SetupProgram::send_picture(std::uint32_t id, const ShownPicture& picture, c
 
 void SetupProgram::use(bool draft) {
   uses_draft_ = draft;
+  // The firmware refuses an order while it loads the files of another: only the newest one matters then.
+  use_is_stale_ = use_runs_;
+  if (use_runs_ || !firmware_.is_open()) return;
+  use_runs_ = true;
   // Relative to the firmware's folder, which may be another one.
   const auto absolute = [](const fs::path& path) {
     std::error_code error;

@@ -123,6 +123,7 @@ class SetupProgram {
 
   bool uses_draft_ = false;
   std::uint32_t use_request_ = 0;
+  bool use_runs_ = false, use_is_stale_ = false;  // the firmware has not answered yet; the files have changed since
   nlohmann::json preview_ = {{"source", "saved"}, {"ok", true}, {"error", ""}};
   std::string error_;
   std::uint32_t next_picture_ = 1;

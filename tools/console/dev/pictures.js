@@ -1,4 +1,4 @@
-// The pictures of docs/console.md, of a running console: node dev/pictures.js URL
+// The pictures of docs/console.md, of a running console, if possible with touchline-setup: node dev/pictures.js URL
 import { chromium } from 'playwright-core';
 
 const url = process.argv[2];
@@ -41,4 +41,18 @@ await phone.waitForTimeout(500);
 await save(phone, 'phone');
 await page.click('[data-start]');
 await page.click('button:text-is("Give up control")');
+// With touchline-setup beside the firmware.
+await page.click('nav a[href="#setup"]');
+if (await page.waitForSelector('[data-begin]', { timeout: 5000 }).catch(() => null)) {
+  await page.click('[data-begin]:not([disabled])');
+  await page.click('[data-goto="field"]');
+  await page.click('[data-action="field"]:not([disabled])');
+  await page.waitForSelector('[data-error-map]');
+  await page.waitForTimeout(1000);
+  await save(page, 'setup');
+  await page.click('.menu summary');
+  await page.click('[data-discard]:not([disabled])');
+  await page.click('[data-confirm-discard]');
+  await page.waitForSelector('[data-begin]');
+}
 await browser.close();

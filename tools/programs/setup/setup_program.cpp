@@ -25,7 +25,7 @@ std::string type_of(const nlohmann::json& message) {
 
 // The header of a binary message of the console, for a picture with an id (docs/console-protocol.md).
 std::string picture_header(std::uint32_t id, std::uint32_t width_px, std::uint32_t height_px) {
-  constexpr std::size_t kHeaderBytes = 32;
+  constexpr std::size_t kPageHeaderBytes = 32;
   std::string out = "TLPC";
   const auto append = [&out](std::uint32_t value, unsigned bytes) {
     for (unsigned shift = 0; shift < 8 * bytes; shift += 8) out += static_cast<char>(value >> shift & 0xffu);
@@ -36,7 +36,7 @@ std::string picture_header(std::uint32_t id, std::uint32_t width_px, std::uint32
   append(height_px, 2);
   append(0, 2);
   append(id, 4);
-  out.resize(kHeaderBytes, '\0');
+  out.resize(kPageHeaderBytes, '\0');
   return out;
 }
 

@@ -28,7 +28,7 @@ case $1 in
     grep -q "built-in arena" "$work/output" || fail "does not report what it copied"
     called "adduser --quiet touchline gpio" || fail "not in the group gpio"
     ! called "adduser --quiet touchline video" || fail "added to a group again"
-    called "deb-systemd-invoke try-restart touchline.service" || fail "the new program does not run"
+    called "deb-systemd-invoke try-restart touchline.service touchline-setup.service" || fail "the new programs do not run"
     echo "the hall's own" >"$etc/venue.toml"
     rm "$etc/team.toml"
     script postinst configure ""
@@ -51,15 +51,19 @@ case $1 in
     ;;
   AFailedRemovalRestartsTheService)
     script prerm remove
-    called "deb-systemd-invoke stop touchline.service" || fail "not stopped"
+    called "deb-systemd-invoke stop touchline.service touchline-setup.service" || fail "not stopped"
     script postinst abort-remove
-    called "deb-systemd-invoke start touchline.service" || fail "not started again"
+    for service in touchline touchline-setup; do
+      called "deb-systemd-invoke start $service.service" || fail "$service is not started again"
+    done
     [ ! -e "$etc" ] || fail "files were copied"
     # A service that is not enabled was not running.
     rm "$work/called"
     touch "$work/no---quiet"
     script postinst abort-remove
-    ! called "deb-systemd-invoke start touchline.service" || fail "started though it is not enabled"
+    for service in touchline touchline-setup; do
+      ! called "deb-systemd-invoke start $service.service" || fail "$service is started though it is not enabled"
+    done
     ;;
   PurgingLeavesNothing)
     script postinst configure ""

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <numbers>
 
 #include "core/geometry/camera_model.h"
 
@@ -12,7 +13,6 @@ namespace {
 constexpr float kUsualLengthM = 1.5f, kUsualWidthM = 1.3f, kUsualHeightM = 2.0f;
 // The field fills most of the picture.
 constexpr float kFocalOfWidth = 0.9f;
-constexpr float kPi = 3.14159265f;
 
 }  // namespace
 
@@ -52,7 +52,7 @@ void do_without_calibration(Configuration& configuration) {
   model.fx_px = model.fy_px = kFocalOfWidth * static_cast<float>(picture.width_px);
   model.cx_px = static_cast<float>(picture.width_px) / 2;
   model.cy_px = static_cast<float>(picture.height_px) / 2;
-  model.rotation_rad = {kPi, 0.0f, 0.0f};  // looks down
+  model.rotation_rad = {std::numbers::pi_v<float>, 0.0f, 0.0f};  // looks down
   model.position_m = {0.0f, 0.0f, std::max(kUsualHeightM, field.length_m)};
   out.camera = {};
   out.camera.kind = CameraModelKind::kFull;

@@ -15,7 +15,7 @@ using namespace std::chrono_literals;
 constexpr Duration kConnectPause = 1s;
 // A program that is busy reads at least its socket.
 constexpr Duration kSilenceLimit = 5s;
-constexpr std::size_t kHeaderBytes = 8;
+constexpr std::size_t kFrameHeaderBytes = 8;
 // Several pages that drag corners.
 constexpr std::size_t kMaxWaitingMessages = 256;
 // Of one call, so that the console's other clients do not wait: with a call each 8 ms more than 100 MB/s.
@@ -111,14 +111,14 @@ Result<void> SetupLink::read() {
 
 Result<void> SetupLink::split() {
   std::size_t begin = 0;
-  while (input_.size() - begin >= kHeaderBytes) {
+  while (input_.size() - begin >= kFrameHeaderBytes) {
     const std::size_t text = length_at(input_, begin), binary = length_at(input_, begin + 4);
     if (text > kMaxSetupTextBytes || binary > kMaxSetupBinaryBytes) {
       return failure(ErrorCode::kOutOfRange, "its message of %zu and %zu bytes is too long", text, binary);
     }
-    const std::size_t end = begin + kHeaderBytes + text + binary;
+    const std::size_t end = begin + kFrameHeaderBytes + text + binary;
     if (input_.size() < end) break;
-    const std::byte* const from = input_.data() + begin + kHeaderBytes;
+    const std::byte* const from = input_.data() + begin + kFrameHeaderBytes;
     SetupMessage& message = received_.emplace_back();
     message.text.assign(reinterpret_cast<const char*>(from), text);
     message.binary.assign(from + text, from + text + binary);
@@ -139,7 +139,7 @@ std::optional<SetupMessage> SetupLink::receive() {
 bool SetupLink::send(std::string_view text, std::span<const std::byte> binary) {
   if (!is_connected() || output_.size() >= kMaxWaitingMessages) return false;
   std::vector<std::byte>& message = output_.emplace_back();
-  message.reserve(kHeaderBytes + text.size() + binary.size());
+  message.reserve(kFrameHeaderBytes + text.size() + binary.size());
   append_length(message, text.size());
   append_length(message, binary.size());
   const auto bytes = std::as_bytes(std::span(text));

@@ -18,7 +18,7 @@ constexpr Duration kWatchedPeriod = 8ms, kIdlePeriod = 200ms;
 // Sockets and requests of a page, four streams, and those of libwebsockets itself.
 constexpr unsigned kMaxDescriptors = 56;
 // As many requests as connections, so that connections that say nothing keep nobody waiting.
-constexpr unsigned kHeaderBytes = 4096, kHeaderPool = kMaxDescriptors;
+constexpr unsigned kHttpHeaderBytes = 4096, kHeaderPool = kMaxDescriptors;
 constexpr unsigned kHandshakeTimeS = 5;
 constexpr int kKeepAliveS = 5;
 constexpr std::size_t kReceiveBytes = 4096;
@@ -101,7 +101,7 @@ Result<void> WebServer::Implementation::open() {
   info.user = this;
   info.options = LWS_SERVER_OPTION_EXPLICIT_VHOSTS | LWS_SERVER_OPTION_DISABLE_IPV6;
   info.fd_limit_per_thread = kMaxDescriptors;
-  info.max_http_header_data = kHeaderBytes;
+  info.max_http_header_data = kHttpHeaderBytes;
   info.max_http_header_pool = kHeaderPool;
   info.timeout_secs = kHandshakeTimeS;
   info.pt_serv_buf_size = kReceiveBytes;

@@ -19,7 +19,7 @@ constexpr float kOtherSurroundings = 0.02f;
 constexpr float kDoubtWeight = 64.0f, kNegligibleDoubt = 1.0f;
 
 inline Integer8 hidden_by(const BallView& ball, Float8 u, Float8 v) {
-  Integer8 hidden = u < u;  // none
+  Integer8 hidden = broadcast_integer(0);
   for (const HidingTop& top : ball.tops) {
     const Float8 from_u = u - broadcast(top.center.u_px), from_v = v - broadcast(top.center.v_px);
     const Float8 x = broadcast(top.inverse[0]) * from_u + broadcast(top.inverse[1]) * from_v;

@@ -31,10 +31,16 @@ function uncalibrated(text) {
     .join('\n');
 }
 
-/** Until the ball is seen in a goal. */
+/**
+ * Until the ball is seen behind a goal line, and soon after in the center of the field: a ball on the line is no goal yet.
+ * A ball that lies still for longer also returns to the center.
+ */
 async function waitForGoal(server) {
   const socket = new WebSocket(`${server.url.replace('http', 'ws')}ws`, 'touchline.1');
+  const SOON_S = 1.5, KICK_OFF_M = 0.1;
   let field;
+  let crossedAt = -Infinity;
+  let wasBehind = false;
   try {
     for await (const [data, isBinary] of on(socket, 'message')) {
       if (isBinary) continue;
@@ -43,8 +49,12 @@ async function waitForGoal(server) {
         field = message.field;
         socket.send(JSON.stringify({ type: 'watch', picture: null, state_hz: 60 }));
       }
-      const { ball } = message.type === 'state' ? message : {};
-      if (ball && Math.abs(ball.x_m) > field.length_m / 2 && Math.abs(ball.y_m) < field.goal_width_m / 2) return;
+      const { ball, captured_s } = message.type === 'state' ? message : {};
+      if (!ball) continue;
+      const isBehind = Math.abs(ball.x_m) > field.length_m / 2 && Math.abs(ball.y_m) < field.goal_width_m / 2;
+      if (isBehind && !wasBehind) crossedAt = captured_s;
+      wasBehind = isBehind;
+      if (Math.hypot(ball.x_m, ball.y_m) < KICK_OFF_M && captured_s - crossedAt < SOON_S) return;
     }
   } finally {
     socket.close();
@@ -63,7 +73,7 @@ async function withArena(run, change = (text) => text) {
     const board = join(folder, basename(original));
     const socket = join(folder, 'setup.sock');
     setup = await startSetup(setupProgram, board, join(folder, 'state'), socket);
-    server = await startProgram(program, board, 0, ['--set', `console.setup_socket=${socket}`]);
+    server = await startProgram(program, board, 0, ['--set', `console.setup_socket=${socket}`, '--set', 'arena.opponents=stand']);
     const { page, problems, close } = await open(browser, `${server.url}#setup`);
     await run(page, folder, server);
     assert.deepEqual(problems, []);

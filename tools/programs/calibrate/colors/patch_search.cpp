@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 
 #include "tools/programs/calibrate/colors/region_growing.h"
@@ -46,10 +47,12 @@ bool is_shadow(const Rgb& rgb, const Channels& floor) {
   return darker && *most - *least < *floor_most - *floor_least + kDiffersFromFloor;
 }
 
-// Keeps the region with the clearest edge of those that overlap.
-std::vector<FoundPatch> clearest(std::vector<FoundPatch> patches, std::size_t pixels) {
-  std::sort(patches.begin(), patches.end(),
-            [](const FoundPatch& a, const FoundPatch& b) { return a.instability < b.instability; });
+// Keeps the region with the clearest edge of those that overlap, and of `others` those that overlap none of these.
+std::vector<FoundPatch> clearest(std::vector<FoundPatch> patches, std::vector<FoundPatch> others, std::size_t pixels) {
+  const auto is_clearer = [](const FoundPatch& a, const FoundPatch& b) { return a.instability < b.instability; };
+  std::sort(patches.begin(), patches.end(), is_clearer);
+  std::sort(others.begin(), others.end(), is_clearer);
+  std::move(others.begin(), others.end(), std::back_inserter(patches));
   std::vector<std::uint8_t> owned(pixels, 0);
   std::vector<FoundPatch> out;
   for (FoundPatch& patch : patches) {
@@ -175,7 +178,7 @@ std::vector<FoundPatch> find_patches(const ChannelImage& image, const std::vecto
       }
     }
   };
-  std::vector<FoundPatch> grown_patches;
+  std::vector<FoundPatch> grown_patches, shaded_patches;
   for (const auto& even : seeds) {
     for (const auto& [u, v] : even) {
       if (tried[image.index(u, v)] != 0) continue;
@@ -195,7 +198,8 @@ std::vector<FoundPatch> find_patches(const ChannelImage& image, const std::vecto
       if (grown.ok()) patch = patch_of(image, middle, limits.radius_px, std::move(grown).value());
       // The bright part of a shaded ball can be more even than the whole.
       limits.min_area_px = static_cast<std::size_t>(std::ceil(least_area_px(middle, camera, sizes)));
-      if (patch.pixels.size() < limits.min_area_px) {
+      const bool is_part = patch.pixels.size() < limits.min_area_px;
+      if (is_part) {
         grown = grow_region(image, inside, static_cast<double>(middle.u_px), static_cast<double>(middle.v_px), limits);
         if (!grown.ok() || grown.value().instability >= kClear) continue;
         FoundPatch whole = patch_of(image, middle, limits.radius_px, std::move(grown).value());
@@ -206,6 +210,11 @@ std::vector<FoundPatch> find_patches(const ChannelImage& image, const std::vecto
           is_shadow(patch.rgb, to_rgb8(floor.at(u, v), image.space))) {
         continue;
       }
+      // Another seed may find the same patch with a better edge.
+      if (is_part) {
+        shaded_patches.push_back(std::move(patch));
+        continue;
+      }
       if (patch.instability < kClear) {
         const auto width = static_cast<std::size_t>(image.width_px);
         for (const std::size_t pixel : patch.pixels)
@@ -214,7 +223,7 @@ std::vector<FoundPatch> find_patches(const ChannelImage& image, const std::vecto
       grown_patches.push_back(std::move(patch));
     }
   }
-  return clearest(std::move(grown_patches), image.pixels.size());
+  return clearest(std::move(grown_patches), std::move(shaded_patches), image.pixels.size());
 }
 
 }  // namespace touchline::calibrate

@@ -9,6 +9,7 @@
 #include "firmware/config/standard_layouts.h"
 #include "firmware/config/team_file.h"
 #include "firmware/config/toml_file.h"
+#include "firmware/config/wording.h"
 #include "tools/programs/calibrate/colors/team_colors.h"
 #include "tools/programs/calibrate/imaging/channel_image.h"
 #include "tools/programs/setup/arguments.h"
@@ -21,27 +22,13 @@ namespace {
 constexpr double kLookAlike_levels = 20;
 constexpr std::size_t kMostPairs = 12;
 
-const char* word_of_outline(PatchOutline outline) {
-  switch (outline) {
-    case PatchOutline::kSquare:
-      return "square";
-    case PatchOutline::kBar:
-      return "bar";
-    case PatchOutline::kTriangle:
-      return "triangle";
-    case PatchOutline::kCircle:
-      return "circle";
-  }
-  return "square";
-}
-
 nlohmann::json layouts_json() {
   nlohmann::json out = nlohmann::json::array();
   for (const config::StandardLayout& standard : config::standard_layouts()) {
     nlohmann::json patches = nlohmann::json::array();
     for (const PatchPlace& patch : standard.layout.patches) {
-      patches.push_back({{"role", patch.role == PatchRole::kTeam ? "team" : "identification"},
-                         {"outline", word_of_outline(patch.outline)},
+      patches.push_back({{"role", config::word_of(patch.role, config::kPatchRoles)},
+                         {"outline", config::word_of(patch.outline, config::kPatchOutlines)},
                          {"x_m", patch.x_m},
                          {"y_m", patch.y_m},
                          {"length_m", patch.length_m},

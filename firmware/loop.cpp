@@ -113,7 +113,7 @@ void Loop::process_frame(const hal::FrameLease& lease) {
   check_output(outputs_.set_strobe(true), timing.received);
   const Instant machine_received = hal::MonotonicClock::read();
   last_frame_ = timing.received;
-  count_lost_frames(frame.sequence);
+  statistics_.frames_lost += frame_gaps_.lost_before(frame.sequence);
   // No frame is captured after its arrival. A stamp in the future would make old commands look recent.
   if (frame.capture_time > timing.received) {
     frame.capture_time = timing.received;
@@ -172,13 +172,6 @@ void Loop::write_snapshot(const StepTrace& trace, const StepTiming& timing, Inst
   snapshot_.halt = rules_.halt();
   snapshot_.referee = external_.referee();
   settings_.snapshots->write(snapshot_);
-}
-
-void Loop::count_lost_frames(std::uint32_t sequence) {
-  // Signed: a repeated or decreasing number does not mean lost frames.
-  const auto step = static_cast<std::int32_t>(sequence - last_sequence_.value_or(sequence - 1));
-  if (step > 1) statistics_.frames_lost += static_cast<std::uint64_t>(step - 1);
-  last_sequence_ = sequence;
 }
 
 void Loop::measure_latency(const Frame& frame, const StepTiming& timing) {
@@ -383,7 +376,7 @@ void Loop::on_reopened(Device device, Instant now) {
     case Device::kCamera:
       // Robots have moved meanwhile, and the driver restarts its frame numbers.
       pipeline_.reset();
-      last_sequence_.reset();
+      frame_gaps_.restart();
       last_frame_ = now;
       break;
     case Device::kGpio:

@@ -11,6 +11,7 @@
 #include "firmware/board_outputs.h"
 #include "firmware/config/board_file.h"
 #include "firmware/external_input.h"
+#include "firmware/frame_gaps.h"
 #include "firmware/latency_estimate.h"
 #include "firmware/live_update.h"
 #include "firmware/loop_devices.h"
@@ -128,7 +129,6 @@ class Loop {
 
   // The parts of a frame.
   void process_frame(const hal::FrameLease& lease);
-  void count_lost_frames(std::uint32_t sequence);
   void measure_latency(const Frame& frame, const StepTiming& timing);
   void adapt_to_light();
   void write_snapshot(const StepTrace& trace, const StepTiming& timing, Instant machine_sent);
@@ -164,7 +164,7 @@ class Loop {
   Instant last_packet_{};
   Duration packet_time_{};          // of the last packet on the radio's line
   bool needs_final_stops_ = false;  // packets were sent since the last final stop packets
-  std::optional<std::uint32_t> last_sequence_;
+  FrameGaps frame_gaps_;
   LatencyEstimate latency_;
   AdaptationRequestReader adaptation_requests_;
   Snapshot snapshot_;                      // too large for the stack

@@ -150,10 +150,6 @@ Result<ClientMessage> parse_client_message(std::string_view text) {
   }
   if (out.kind == MessageKind::kDrive) read_drive(reader, out);
   if (out.kind == MessageKind::kAdaptation) read_adaptation(reader, out);
-  // The server inserts it, and a second one would replace it.
-  if (out.kind == MessageKind::kSetup && object.contains("client")) {
-    reader.fail(failure(ErrorCode::kInconsistent, "\"client\" is not yours to say"));
-  }
   if (reader.error()) return *reader.error();
   return out;
 }

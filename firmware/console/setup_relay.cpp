@@ -107,10 +107,11 @@ void SetupRelay::announce() {
 Result<void> SetupRelay::pass_command(const Client& client, std::string_view text, std::int64_t request) {
   if (!is_running()) return failure(ErrorCode::kDisconnected, "%s", kNotRunning);
   if (requests_.size() >= kMaxRequests) return failure(ErrorCode::kBusy, "the setup program has not answered yet");
-  // The parser has found an object with at least a type.
-  const std::size_t begin = text.find('{') + 1;
-  const std::string passed = "{\"client\":" + std::to_string(client.number) + "," + std::string(text.substr(begin));
-  if (!link_.send(passed)) return failure(ErrorCode::kBusy, "the setup program does not read its messages");
+  Json message = Json::parse(text, nullptr, false);
+  if (!message.is_object()) return failure(ErrorCode::kCorruptFrame, "the message is not a JSON object");
+  // Replaces what a page may have written there: only the server knows who speaks.
+  message["client"] = client.number;
+  if (!link_.send(text_of(message))) return failure(ErrorCode::kBusy, "the setup program does not read its messages");
   if (request != 0) requests_.push_back({client.number, request});
   return {};
 }

@@ -37,8 +37,8 @@ class SetupRelay {
   void set_hello(std::string text);
   /// Exchanges what can be exchanged at the moment.
   void serve(Instant now);
-  /// Passes a command of a client on. `request`: 0 if it wants no answer. kDisconnected: the program is not there;
-  /// kBusy: it does not read.
+  /// Passes a command of a client on with the client's number. `request`: 0 if it wants no answer. kDisconnected: the
+  /// program is not there; kBusy: it does not read; kCorruptFrame: `text` is not a JSON object.
   Result<void> pass_command(const Client& client, std::string_view text, std::int64_t request);
   /// The client begins or ends to watch.
   void watch(Client& client, bool watches);

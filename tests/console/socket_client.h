@@ -17,7 +17,7 @@ class SocketClient {
   SocketClient& operator=(const SocketClient&) = delete;
 
   void send(std::string_view bytes) const;
-  /// The kernel keeps as little as possible of what is not read: the TCP window closes soon.
+  /// Makes the receive buffer as small as the kernel permits, so that the TCP window closes soon when nothing is read.
   void shrink_window() const;
   /// Everything until the other side closes the connection, or until `end` has arrived.
   std::string read_until(std::string_view end = {});

@@ -79,7 +79,7 @@ Answer SetupProgram::differences(const Arguments&) {
   const SetupFiles& files = draft_.now().files;
   nlohmann::json list = nlohmann::json::array();
   for (const std::string& name : changed_files(draft_.saved(), files)) {
-    // What is not part of the setup any more stays where it is.
+    // Saving deletes no file, so a file that the setup no longer uses is not a difference.
     if (files.content.count(name) == 0) continue;
     const bool is_text = name.ends_with(".toml");
     list.push_back(

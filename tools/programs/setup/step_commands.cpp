@@ -179,7 +179,7 @@ Answer SetupProgram::colors_remove(const Arguments& arguments) {
   const auto colors = draft.measured.find("colors");
   const std::size_t clicks =
       colors != draft.measured.end() && colors->contains("clicks") ? colors->at("clicks").size() : 0;
-  if (clicks == 0) return Error{ErrorCode::kNotFound, "there is no click to remove"};
+  if (clicks == 0) return Error{ErrorCode::kNotFound, "no click can be removed: there are none"};
   TOUCHLINE_TRY_ASSIGN(const double number, arguments.number("click", 0, static_cast<double>(clicks - 1)));
   ColorRequest request;
   request.removed_click = static_cast<std::size_t>(number);

@@ -29,7 +29,7 @@ export class Setup {
     if (!silent) this.error = '';
     const number = this.send({ type: 'setup', ...command });
     if (number === 0) {
-      if (!silent) this.error = 'There is no connection to the board.';
+      if (!silent) this.error = 'The page is not connected to the board. Nothing was sent.';
       return null;
     }
     if (!silent) this.waiting += 1;

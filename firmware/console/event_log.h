@@ -9,6 +9,7 @@
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 namespace touchline::console {
 
@@ -36,6 +37,12 @@ class EventLog {
       if (event.number > number) return event;
     }
     return std::nullopt;
+  }
+
+  /// Oldest first.
+  [[nodiscard]] std::vector<Event> all() const {
+    const std::scoped_lock lock(mutex_);
+    return {events_.begin(), events_.end()};
   }
 
  private:

@@ -19,6 +19,18 @@ const Snapshot* FrameFeed::find(std::uint64_t number) const {
   return nullptr;
 }
 
+std::vector<Snapshot> FrameFeed::last(Duration time) const {
+  std::uint64_t first = count_;
+  while (first > 0 && count_ - first + 1 < kKept &&
+         slot(count_ - 1).machine_sent - slot(first - 1).machine_sent <= time) {
+    --first;
+  }
+  std::vector<Snapshot> snapshots;
+  snapshots.reserve(count_ - first);
+  for (; first < count_; ++first) snapshots.push_back(slot(first));
+  return snapshots;
+}
+
 void FrameFeed::count(const Snapshot& snapshot) {
   latency_.add(snapshot.latency);
   const Duration processing = snapshot.latency - (snapshot.received - snapshot.captured);

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <vector>
 
 #include "firmware/console/latency_window.h"
 #include "firmware/snapshot_ring.h"
@@ -24,6 +25,9 @@ class FrameFeed {
   /// Null: it is not kept.
   [[nodiscard]] const Snapshot* find(std::uint64_t number) const;
 
+  /// Copies of those that were sent at most so long before the newest one and are kept, oldest first.
+  [[nodiscard]] std::vector<Snapshot> last(Duration time) const;
+
   /// Call it once a second.
   void next_second();
   [[nodiscard]] const LatencyWindow& latency() const { return latency_; }
@@ -37,8 +41,8 @@ class FrameFeed {
   [[nodiscard]] std::uint64_t rate_hz() const { return rate_hz_; }
 
  private:
-  // A picture is at most some frames older than the newest snapshot.
-  static constexpr std::size_t kKept = 16;
+  // Ten seconds at 120 Hz, 7 MB. A picture is at most some frames older than the newest snapshot.
+  static constexpr std::size_t kKept = 1200;
 
   [[nodiscard]] const Snapshot& slot(std::uint64_t index) const { return (*kept_)[index % kKept]; }
   void count(const Snapshot& snapshot);

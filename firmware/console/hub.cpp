@@ -305,6 +305,30 @@ std::uint64_t Hub::next_picture_number() const {
   return newest != nullptr ? newest->number : 0;
 }
 
+BugReportContent Hub::bug_report_content(std::uint64_t from, Instant now) {
+  feed_.read();
+  const auto text = [this](const auto& write) {
+    const Outgoing message = text_message(write);
+    return std::string(reinterpret_cast<const char*>(message.bytes.data()), message.bytes.size());
+  };
+  BugReportContent content;
+  content.scene = scene_;
+  content.made = now;
+  content.unix_time = unix_time_;
+  content.hello = text([&](auto& json) { write_hello(json, scene_, setup_.is_running(), 0, unix_s(now)); });
+  content.status = text(
+      [&](auto& json) { write_status(json, scene_, feed_, report_, monitor_.status(), clients_.size(), unix_s(now)); });
+  content.events = links_.reports.events.all();
+  content.snapshots = feed_.last(kBugReportTime);
+  content.console = driving_.input();
+  if (!has_picture(from)) return content;
+  content.frame = *pictures_.frame();
+  const std::size_t bytes = picture_layout(content.frame.format, content.frame.width_px, content.frame.height_px).bytes;
+  // The exchange keeps the planes one after the other without padding.
+  content.pixels.assign(content.frame.plane[0], content.frame.plane[0] + bytes);
+  return content;
+}
+
 std::string Hub::metrics() {
   feed_.read();
   return metrics_text(feed_, report_, monitor_.status(), clients_.size(), pictures_.compressed());

@@ -10,6 +10,7 @@
 #include <string_view>
 #include <vector>
 
+#include "firmware/console/bug_report.h"
 #include "firmware/console/client.h"
 #include "firmware/console/client_message.h"
 #include "firmware/console/event_log.h"
@@ -125,6 +126,9 @@ class Hub {
   std::span<std::byte> current_jpeg(std::uint64_t from);
   [[nodiscard]] std::uint64_t picture_number() const { return pictures_.number(); }
   std::string metrics();
+  /// What a bug report of now is made of, with the current picture if has_picture(from). Copies up to 7 MB and the
+  /// picture.
+  BugReportContent bug_report_content(std::uint64_t from, Instant now);
 
   [[nodiscard]] std::size_t clients() const { return clients_.size(); }
   [[nodiscard]] const Driving& driving() const { return driving_; }

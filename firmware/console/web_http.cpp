@@ -17,6 +17,8 @@ constexpr Duration kPictureWait = 3s;
 // Streams cost as much as WebSockets with pictures.
 constexpr std::ptrdiff_t kMaxStreams = 4;
 constexpr std::size_t kHeaderRoom = 2048;
+// A client that reads so much within the patience of the server is not given up.
+constexpr std::size_t kBodyPart = std::size_t{32} * 1024;
 
 // Memory for the headers of an answer, as libwebsockets fills it.
 struct HeaderBuffer {
@@ -64,6 +66,7 @@ int WebServer::Implementation::begin_request(lws* connection, std::string_view p
   if (is_login) return login(connection);
   if (path == "/snapshot.jpg") return begin_pictures(connection, HttpRequest::Kind::kSnapshot);
   if (path == "/stream.mjpg") return begin_pictures(connection, HttpRequest::Kind::kStream);
+  if (path == "/bug-report") return begin_bug_report(connection);
   if (path == "/metrics") return answer(connection, HTTP_STATUS_OK, "text/plain; version=0.0.4", hub_.metrics());
   if (is_page) files_.scan();
   const PageFile* const file = files_.find(path);
@@ -110,9 +113,10 @@ int WebServer::Implementation::answer(lws* connection, unsigned status, const ch
 int WebServer::Implementation::begin_pictures(lws* connection, HttpRequest::Kind kind) {
   const Instant now = hal::MonotonicClock::read();
   const bool is_stream = kind == HttpRequest::Kind::kStream;
-  const auto pictures = std::count_if(requests_.begin(), requests_.end(),
-                                      [](const auto& entry) { return entry.second.kind != HttpRequest::Kind::kText; });
-  if (pictures >= kMaxStreams) {
+  const auto pictures = std::count_if(requests_.begin(), requests_.end(), [](const auto& entry) {
+    return entry.second.kind == HttpRequest::Kind::kSnapshot || entry.second.kind == HttpRequest::Kind::kStream;
+  });
+  if (kind != HttpRequest::Kind::kBugReport && pictures >= kMaxStreams) {
     return answer(connection, HTTP_STATUS_SERVICE_UNAVAILABLE, kPlainText, "Too many streams are open.\n");
   }
   if (is_stream) {
@@ -134,8 +138,46 @@ int WebServer::Implementation::begin_pictures(lws* connection, HttpRequest::Kind
   return 0;
 }
 
+int WebServer::Implementation::begin_bug_report(lws* connection) {
+  const bool is_asked_for = std::any_of(requests_.begin(), requests_.end(), [](const auto& entry) {
+    return entry.second.kind == HttpRequest::Kind::kBugReport;
+  });
+  // One that nobody waits for any more.
+  if (!is_asked_for && reporter_.is_done()) static_cast<void>(reporter_.take());
+  if (is_asked_for || reporter_.is_busy()) {
+    return answer(connection, HTTP_STATUS_SERVICE_UNAVAILABLE, kPlainText, "Another bug report is on its way.\n");
+  }
+  return begin_pictures(connection, HttpRequest::Kind::kBugReport);
+}
+
+int WebServer::Implementation::write_bug_report(lws* connection, HttpRequest& request, Instant now) {
+  if (!request.body.empty()) return write_body(connection, request, kBodyPart);
+  if (!is_ready(request, now)) return 0;
+  if (!request.is_made) {
+    BugReportContent content = hub_.bug_report_content(request.picture, now);
+    content.secret = settings_.access.token;
+    report_name_ = bug_report_name(content);
+    request.is_made = true;
+    reporter_.start(std::move(content));
+    return 0;
+  }
+  const std::string report = reporter_.take();
+  if (report.empty()) {
+    return answer(connection, HTTP_STATUS_INTERNAL_SERVER_ERROR, kPlainText, "Memory is too short for a report.\n");
+  }
+  const int answered = answer(connection, HTTP_STATUS_OK, "application/gzip", report,
+                              "content-disposition:", "attachment; filename=\"" + report_name_ + ".tar.gz\"");
+  request.kind = HttpRequest::Kind::kBugReport;
+  return answered;
+}
+
+bool WebServer::Implementation::is_waiting(const HttpRequest& request) const {
+  return request.kind != HttpRequest::Kind::kText && request.body.empty();
+}
+
 bool WebServer::Implementation::is_ready(const HttpRequest& request, Instant now) {
-  const bool is_late = request.kind == HttpRequest::Kind::kSnapshot && now - request.begin > kPictureWait;
+  if (request.is_made) return reporter_.is_done();
+  const bool is_late = request.kind != HttpRequest::Kind::kStream && now - request.begin > kPictureWait;
   return is_late || hub_.has_picture(request.picture);
 }
 
@@ -146,12 +188,25 @@ int WebServer::Implementation::write_request(lws* connection) {
   if (request.kind == HttpRequest::Kind::kStream) return write_stream_part(connection, request);
   if (request.kind == HttpRequest::Kind::kSnapshot)
     return write_snapshot(connection, request, hal::MonotonicClock::read());
-  const std::size_t size = request.body.size() - LWS_PRE;
-  auto* const body = reinterpret_cast<unsigned char*>(request.body.data()) + LWS_PRE;
+  if (request.kind == HttpRequest::Kind::kBugReport)
+    return write_bug_report(connection, request, hal::MonotonicClock::read());
+  return write_body(connection, request, request.body.size());
+}
+
+int WebServer::Implementation::write_body(lws* connection, HttpRequest& request, std::size_t most) {
+  const std::size_t size = std::min(request.body.size() - request.sent, most);
+  auto* const part = reinterpret_cast<unsigned char*>(request.body.data()) + request.sent;
+  request.sent += size;
+  const bool is_last = request.sent == request.body.size();
   // libwebsockets keeps what the socket does not take at once.
-  const int written = lws_write(connection, body, size, LWS_WRITE_HTTP_FINAL);
-  requests_.erase(found);
-  return written < 0 ? -1 : complete(connection);
+  const int written = lws_write(connection, part, size, is_last ? LWS_WRITE_HTTP_FINAL : LWS_WRITE_HTTP);
+  if (written < 0) return -1;
+  if (!is_last) {
+    ask_to_write(connection);
+    return 0;
+  }
+  requests_.erase(connection);
+  return complete(connection);
 }
 
 int WebServer::Implementation::write_snapshot(lws* connection, HttpRequest& request, Instant now) {

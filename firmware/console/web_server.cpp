@@ -157,11 +157,11 @@ void WebServer::Implementation::tick() {
   }
   bool waits_for_picture = false;
   for (auto& [connection, request] : requests_) {
-    if (request.kind == HttpRequest::Kind::kText) continue;
+    if (!is_waiting(request)) continue;
     waits_for_picture = true;
     if (is_ready(request, now)) {
       ask_to_write(connection);
-    } else {
+    } else if (!request.is_made) {
       hub_.request_picture(now);
     }
   }

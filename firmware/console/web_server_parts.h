@@ -16,11 +16,13 @@ static_assert(kMessagePrefix >= LWS_PRE, "libwebsockets writes its header in fro
 
 /// A request that is being answered.
 struct HttpRequest {
-  enum class Kind : std::uint8_t { kText, kSnapshot, kStream };
+  enum class Kind : std::uint8_t { kText, kSnapshot, kStream, kBugReport };
   Kind kind = Kind::kText;
-  std::string body;           // of kText, with LWS_PRE bytes in front
-  std::uint64_t picture = 0;  // lowest number of the next picture
-  Instant begin{};            // of the wait for a picture
+  std::string body;            // of kText and kBugReport, with LWS_PRE bytes in front
+  std::size_t sent = LWS_PRE;  // bytes of it
+  std::uint64_t picture = 0;   // lowest number of the next picture
+  Instant begin{};             // of the wait for a picture
+  bool is_made = false;        // the bug report, or it is being made
 };
 
 /// A WebSocket.
@@ -69,9 +71,13 @@ class WebServer::Implementation {
   int answer(lws* connection, unsigned status, const char* type, std::string_view body, const char* header = nullptr,
              std::string_view value = {});
   int begin_pictures(lws* connection, HttpRequest::Kind kind);
+  int begin_bug_report(lws* connection);
+  int write_bug_report(lws* connection, HttpRequest& request, Instant now);
+  int write_body(lws* connection, HttpRequest& request, std::size_t most);
   int write_request(lws* connection);
   int write_stream_part(lws* connection, HttpRequest& request);
   int write_snapshot(lws* connection, HttpRequest& request, Instant now);
+  [[nodiscard]] bool is_waiting(const HttpRequest& request) const;
   [[nodiscard]] bool is_ready(const HttpRequest& request, Instant now);
   [[nodiscard]] static int complete(lws* connection);
 
@@ -95,6 +101,8 @@ class WebServer::Implementation {
   lws_vhost* host_ = nullptr;
   Timer timer_{};
   std::map<lws*, HttpRequest> requests_;
+  BugReportWorker reporter_;
+  std::string report_name_;  // of the report that is made
   std::map<lws*, Socket> sockets_;
   std::map<lws*, Instant> waiting_;  // to be written to, since when
 };

@@ -1,5 +1,9 @@
 // The page with the real program, TOUCHLINE_PROGRAM, and its arena, TOUCHLINE_BOARD.
 import assert from 'node:assert/strict';
+import { execFileSync } from 'node:child_process';
+import { mkdtemp, readFile, readdir, rm } from 'node:fs/promises';
+import { tmpdir } from 'node:os';
+import { join } from 'node:path';
 import { after, before, test } from 'node:test';
 import { PAGES, hold, launch, open, show, waitForHalt, waitForLink, waitForPicture } from './browser.mjs';
 import { startProgram } from './console_server.mjs';
@@ -138,6 +142,26 @@ test('the timing page has figures, and the report can be downloaded', async () =
   for await (const chunk of await download.createReadStream()) chunks.push(chunk);
   const report = JSON.parse(Buffer.concat(chunks).toString());
   assert.ok(report.status.latency.start.count > 0 && report.hello.board.length > 0);
+  assert.deepEqual(problems, []);
+  await close();
+});
+
+test('a bug report can be downloaded, and tar unpacks it', async () => {
+  const { page, problems, close } = await open(browser, server.url);
+  await show(page, 'timing');
+  const [download] = await Promise.all([page.waitForEvent('download'), page.click('text=Download a bug report')]);
+  assert.match(download.suggestedFilename(), /^touchline-bug-report-\d{8}-\d{6}\.tar\.gz$/);
+  const folder = await mkdtemp(join(tmpdir(), 'touchline-'));
+  try {
+    await download.saveAs(join(folder, 'report.tar.gz'));
+    execFileSync('tar', ['--extract', '--file', join(folder, 'report.tar.gz'), '--strip-components=1', '--directory', folder]);
+    const results = (await readFile(join(folder, 'results.jsonl'), 'utf8')).trim().split('\n').map((line) => JSON.parse(line));
+    assert.ok(results.length > 1 && results.every((state) => state.type === 'state'));
+    assert.deepEqual((await readdir(join(folder, 'files'))).sort().filter((name) => name.endsWith('.toml')), ['board.toml', 'team.toml', 'venue.toml']);
+    assert.equal((await readFile(join(folder, 'picture.png'))).toString('latin1', 1, 4), 'PNG');
+  } finally {
+    await rm(folder, { recursive: true, force: true });
+  }
   assert.deepEqual(problems, []);
   await close();
 });

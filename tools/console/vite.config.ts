@@ -15,6 +15,7 @@ export default defineConfig({
     proxy: {
       '/ws': { target: server, ws: true, rewriteWsOrigin: true, changeOrigin: true },
       '/snapshot.jpg': { target: server, changeOrigin: true },
+      '/bug-report': { target: server, changeOrigin: true },
       '/metrics': { target: server, changeOrigin: true },
     },
   },

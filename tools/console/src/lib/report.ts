@@ -12,3 +12,8 @@ export function reportName(hello: Hello | null, status: Status | null): string {
   const time = status ? new Date(status.time_s * 1000).toISOString().replace(/[-:]/g, '').replace('T', '-').slice(0, 15) : 'no-data';
   return `touchline-${board}-${time}.json`;
 }
+
+/** The file name in a header Content-Disposition. */
+export function bugReportName(disposition: string | null): string {
+  return disposition?.match(/filename="([\w.-]+)"/)?.[1] ?? 'touchline-bug-report.tar.gz';
+}

@@ -1,0 +1,60 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "firmware/console/messages.h"
+
+namespace touchline::console {
+
+/// How far the results of a bug report reach back.
+inline constexpr Duration kBugReportTime = std::chrono::seconds(10);
+
+/// What a bug report is made of; copied from what the console's thread knows, so that another one can work on it.
+struct BugReportContent {
+  Scene scene;
+  Instant made{};
+  hal::UnixTimeOffset unix_time;
+  std::string hello, status;        // as a client gets them
+  std::vector<Event> events;        // oldest first
+  std::vector<Snapshot> snapshots;  // oldest first
+  ConsoleInput console;
+  Frame frame;                       // a width of 0: there is no picture. Its planes are in `pixels`
+  std::vector<std::uint8_t> pixels;  // as picture_layout() without padding
+  std::string secret;                // is removed from all texts; "": there is none
+};
+
+/// "touchline-bug-report-20261123-211502", UTC: the archive's name without its extension, and the folder in it.
+std::string bug_report_name(const BugReportContent& content);
+/// A .tar.gz file (docs/console.md). Reads the files that the configuration names, and facts about the machine; writes
+/// nothing. What cannot be read is missing, and README.txt says why. Throws std::bad_alloc if memory is short.
+std::string make_bug_report(const BugReportContent& content);
+
+/// Makes bug reports, one at a time, on a thread of the lowest priority.
+class BugReportWorker {
+ public:
+  BugReportWorker() = default;
+  ~BugReportWorker() { static_cast<void>(take()); }
+  BugReportWorker(const BugReportWorker&) = delete;
+  BugReportWorker& operator=(const BugReportWorker&) = delete;
+
+  /// Until take().
+  [[nodiscard]] bool is_busy() const { return thread_.joinable(); }
+  /// Whether take() does not have to wait.
+  [[nodiscard]] bool is_done() const { return is_busy() && is_done_.load(std::memory_order_acquire); }
+  /// Call it only if it is not busy. Throws std::system_error if there is no thread.
+  void start(BugReportContent content);
+  /// The report; "" if memory was short, or if it was not busy.
+  std::string take();
+
+ private:
+  std::string report_;
+  std::atomic<bool> is_done_{false};
+  std::thread thread_;
+};
+
+}  // namespace touchline::console

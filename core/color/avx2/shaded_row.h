@@ -10,7 +10,7 @@
 namespace touchline::TOUCHLINE_TARGET_NAMESPACE {
 
 // Layout functions that rows with a light map need:
-// - tile_planes: see pixel_layout.h.
+// - tile_planes, candidates of two tiles: see pixel_layout.h.
 // - reject_eight_tiles: returns a bit for each of eight tiles that is background. Writes background to all of them.
 template <class Layout>
 struct ShadedLayout : Layout {
@@ -146,6 +146,13 @@ template <class Layout>
 TOUCHLINE_PASS OccupiedWords classify_ends(const SpanTables& tables, const RowPixels& row, std::uint32_t begin,
                                            std::uint32_t end, ColorId* colors) {
   const std::uint32_t last = end - kTile;
+  // Most regions of interest end on the floor.
+  const TwoTiles ends = {begin, last, &tables.tile_at(begin), &tables.tile_at(end - 1)};
+  if (tables.has_background_box && is_zero(Layout::candidates(row, ends)) != 0) {
+    store_half(colors + begin, _mm_setzero_si128());
+    store_half(colors + last, _mm_setzero_si128());
+    return 0;
+  }
   const auto of_first = static_cast<char>((kTile - begin % kTile) % kTile),
              before_last = static_cast<char>(kTile - end % kTile);
   const __m128i place = _mm_setr_epi8(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);

@@ -88,10 +88,10 @@ TOUCHLINE_TARGET_INLINE __m256i plane(__m512i bytes, const Bytes64& which) {
 // Each layout below has these functions:
 // - candidate_words: returns a bit for each eight bytes of 64 pixels, in memory order, that contain a candidate. A tile
 //   has kWords bits. With several planes, their bits are combined.
-// - tile_planes: as in the AVX2 kernel.
+// - tile_planes, candidates of two tiles: as in the AVX2 kernel.
 
 template <PixelFormat kFormat>
-struct ShadedPacked24 {
+struct ShadedPacked24 : Packed24<kFormat> {
   static constexpr std::uint32_t kWords = 6;
   TOUCHLINE_TARGET_INLINE static std::uint64_t candidate_words(const RowPixels& row, std::uint32_t u,
                                                                const TileParameters* lights) {
@@ -109,7 +109,7 @@ struct ShadedPacked24 {
 };
 
 template <PixelFormat kFormat>
-struct ShadedPacked32 {
+struct ShadedPacked32 : Packed32<kFormat> {
   static constexpr std::uint32_t kWords = 8;
   TOUCHLINE_TARGET_INLINE static std::uint64_t candidate_words(const RowPixels& row, std::uint32_t u,
                                                                const TileParameters* lights) {
@@ -128,7 +128,7 @@ struct ShadedPacked32 {
 };
 
 template <PixelFormat kFormat>
-struct ShadedPacked16 {
+struct ShadedPacked16 : Packed16<kFormat> {
   static constexpr std::uint32_t kWords = 4;
   TOUCHLINE_TARGET_INLINE static std::uint64_t candidate_words(const RowPixels& row, std::uint32_t u,
                                                                const TileParameters* lights) {

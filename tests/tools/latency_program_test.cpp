@@ -75,6 +75,29 @@ TEST_F(LatencyProgram, AStallIsReportedWithTheFramesThatItDelayedAndLost) {
   EXPECT_EQ(longest_wait(planted->waits), latency::Span::kMarker);
 }
 
+TEST_F(LatencyProgram, ClientsReadTheConsoleDuringTheMeasurement) {
+  ASSERT_EQ(measure("--pace --frames 60 --console-clients 2 --out " + path("a.json")), 0) << read("out");
+  const Result<latency::LatencyReport> read_back = latency::from_json(read("a.json"));
+  ASSERT_TRUE(read_back.ok()) << read_back.text();
+  const std::optional<latency::ConsoleTraffic>& console = read_back.value().console;
+  ASSERT_TRUE(console.has_value());
+  EXPECT_EQ(console->clients, 2U);
+  EXPECT_GT(console->elapsed_s, 0.0);
+  EXPECT_GT(console->states, 1U);
+  EXPECT_GE(console->pictures, 2U) << "each gets at least the first one";
+  EXPECT_GT(console->bytes, 10000U);
+  EXPECT_TRUE(output_contains("each received ")) << read("out");
+  ASSERT_EQ(measure("--frames 12 --out " + path("b.json")), 0) << read("out");
+  EXPECT_FALSE(latency::from_json(read("b.json")).value().console.has_value());
+  ASSERT_EQ(latency("--compare " + path("b.json") + " " + path("a.json")), 0);
+  EXPECT_TRUE(output_contains("A unknown; B 2 clients")) << read("out");
+}
+
+TEST_F(LatencyProgram, ClientsOfAConsoleThatIsNotThereFail) {
+  // No console listens at this port, which needs root.
+  EXPECT_EQ(latency("--read-console 1 --console-clients 2"), 2) << read("out");
+}
+
 // No stage is blamed for it, whatever else the machine does.
 TEST_F(LatencyProgram, PreemptionBlamesNoStage) {
   const int code = measure("--frames 40 --list 20 --plant preemption=300 --out " + path("a.json"));

@@ -86,6 +86,7 @@ class Difference(unittest.TestCase):
 
 class Report(unittest.TestCase):
     def test_names_frames_differences_and_verdict(self):
+        self.assertIn("3000 frames without clients of the console, 3000 with 4\n", cost.report(rounds_of(10, 300, 1.2, 7), 0, 4))
         text = cost.report(rounds_of(10, 300, 1.2, 7), 0)
         for expected in ("3000 frames without outputs, 3000 with 4 outputs and 3 listeners", "p99.9", "allocations in the loop: 0",
                          "the cost at p99.9 is more than 2%"):

@@ -1,4 +1,4 @@
-"""Measures what publishing costs; tools/publishing-cost runs it. docs/latency.md explains the result."""
+"""Measures what publishing and the console cost; tools/publishing-cost runs it. docs/latency.md explains the result."""
 import argparse
 import csv
 import json
@@ -137,13 +137,20 @@ def listen(folder, number):
             (folder / f"listener-{number}").write_text(json.dumps(received), encoding="utf-8")
 
 
+def check_console(traffic, clients):
+    if traffic["elapsed_s"] <= 0 or traffic["pictures"] < clients or traffic["states"] < clients:
+        sys.exit(f"the console's clients have not received states and pictures: {traffic}")
+
+
 def run(latency, options, folder, with_outputs):
     """Times of all frames in nanoseconds."""
     folder.mkdir()
     command = [latency, "--board", options.board, "--pace", "--duration", str(options.seconds),
                "--csv", str(folder / "times.csv"), "--out", str(folder / "report.json"), *options.options]
     listeners = []
-    if with_outputs:
+    if options.console_clients:
+        command += ["--console-clients", str(options.console_clients if with_outputs else 0)]
+    elif with_outputs:
         for name, (group, port) in GROUPS.items():
             command += ["--publish", f"{name}=udp://{group}:{port}%lo"]
         command += ["--publish", f"json=unix://{folder / 'json'}"]
@@ -164,8 +171,10 @@ def run(latency, options, folder, with_outputs):
             sys.exit(f"listener {i} has not received all outputs: {received}")
     with open(folder / "times.csv", encoding="utf-8") as file:
         times = [int(row[SPAN]) for row in csv.DictReader(file)]
-    allocations = json.loads((folder / "report.json").read_text(encoding="utf-8"))["allocations"]
-    return times, allocations
+    measured = json.loads((folder / "report.json").read_text(encoding="utf-8"))
+    if options.console_clients and with_outputs:
+        check_console(measured["console"], options.console_clients)
+    return times, measured["allocations"]
 
 
 def measure(latency, options, folder):
@@ -178,13 +187,15 @@ def measure(latency, options, folder):
             allocations += allocated or 0
         rounds.append(pair)
         p999 = [percentile(times, 99.9) / 1e6 for times in pair]
-        print(f"round {number + 1} of {options.rounds}: p99.9 {p999[0]:.3f} ms without, {p999[1]:.3f} ms with outputs", flush=True)
+        print(f"round {number + 1} of {options.rounds}: p99.9 {p999[0]:.3f} ms without, {p999[1]:.3f} ms with", flush=True)
     return rounds, allocations
 
 
-def report(rounds, allocations):
+def report(rounds, allocations, console_clients=0):
     frames = [sum(len(pair[kind]) for pair in rounds) for kind in (0, 1)]
     lines = [f"{SPAN}, {frames[0]} frames without outputs, {frames[1]} with {len(GROUPS) + 1} outputs and {LISTENERS} listeners"]
+    if console_clients:
+        lines = [f"{SPAN}, {frames[0]} frames without clients of the console, {frames[1]} with {console_clients}"]
     for percent in (50, 99, 99.9):
         found = Difference(rounds, percent)
         lines.append(f"p{percent:<5g} {found.without / 1e6:.4f} ms without, {found.with_outputs / 1e6:.4f} ms with: "
@@ -204,6 +215,8 @@ def parse(arguments):
     parser.add_argument("--rounds", type=int, default=20, help="pairs of runs (20)")
     parser.add_argument("--seconds", type=float, default=30, help="length of each run (30)")
     parser.add_argument("--board", default=str(ROOT / "boards/mock/board.toml"), help="board file (the mock arena)")
+    parser.add_argument("--console-clients", type=int, default=0, metavar="N",
+                        help="measure the cost of N clients of the console at full rate instead, against none")
     parser.add_argument("--keep", type=pathlib.Path, metavar="FOLDER", help="new folder for the times of all frames")
     parser.add_argument("options", nargs="*", metavar="OPTION", help="more options of touchline-latency, after --")
     options = parser.parse_args(arguments)
@@ -221,10 +234,10 @@ def main():
     print(f"{options.rounds} rounds take {options.rounds * 2 * (options.seconds + 5) / 60:.0f} minutes", flush=True)
     if options.keep is not None:
         options.keep.mkdir(parents=True)
-        print(report(*measure(latency, options, options.keep)))
+        print(report(*measure(latency, options, options.keep), options.console_clients))
         return
     with tempfile.TemporaryDirectory() as folder:
-        print(report(*measure(latency, options, pathlib.Path(folder))))
+        print(report(*measure(latency, options, pathlib.Path(folder)), options.console_clients))
 
 
 if __name__ == "__main__":

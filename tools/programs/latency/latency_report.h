@@ -126,6 +126,21 @@ class LogHistogram {
   std::array<std::uint64_t, kBins> counts{};
 };
 
+/// What clients of the console received during the measurement.
+struct ConsoleTraffic {
+  std::uint64_t clients = 0, states = 0, pictures = 0, bytes = 0;  // of all together
+  double elapsed_s = 0.0;                                          // 0: one was disconnected, or there were none
+
+  template <class Self, class Visitor>
+  static void describe(Self& self, Visitor& visit) {
+    visit("clients", self.clients);
+    visit("states", self.states);
+    visit("pictures", self.pictures);
+    visit("bytes", self.bytes);
+    visit("elapsed_s", self.elapsed_s);
+  }
+};
+
 /// Result of a measurement: the content of the JSON file and of all reports.
 struct LatencyReport {
   static constexpr std::int64_t kFormat = 2;
@@ -151,6 +166,7 @@ struct LatencyReport {
   std::optional<std::uint64_t> allocations;  // likewise; empty in builds with a sanitizer
   std::optional<NoiseReport> noise;          // of a thread beside the loop; empty: not measured
   std::optional<LedReport> led;              // empty: no LED was watched
+  std::optional<ConsoleTraffic> console;     // empty: the console was not served
   SystemFacts system;
 };
 

@@ -4,6 +4,7 @@
 
 #include "hal/linux/standard_descriptors.h"
 #include "tools/programs/command_line/command_line.h"
+#include "tools/programs/latency/console_reader.h"
 #include "tools/programs/latency/measure_command.h"
 
 int main(int argc, char** argv) {
@@ -73,6 +74,12 @@ int main(int argc, char** argv) {
       ->type_name("NAME[=ADDRESS]")
       ->expected(1)
       ->take_all();
+  app.add_option("--console-clients", options.console_clients,
+                 "Serve the console during the measurement, and read it with this number of clients at full rate")
+      ->check(CLI::Range(0, 16));
+  // The process of those clients; for this program itself.
+  std::uint16_t console_port = 0;
+  app.add_option("--read-console", console_port)->group("");
   app.add_flag("--pace", options.pace,
                "The mock arena's time is the machine's: after a stall, frames are late or lost as with a real camera");
   app.add_option("--out", outputs.json, "Write all numbers into this JSON file");
@@ -89,8 +96,9 @@ int main(int argc, char** argv) {
       ->expected(2)
       ->type_name("A.json B.json");
   app.final_callback([&] {
-    if (compared.empty() && files.board.empty()) throw CLI::RequiredError("--board or --compare");
+    if (console_port == 0 && compared.empty() && files.board.empty()) throw CLI::RequiredError("--board or --compare");
   });
   if (const auto exit_code = parse_arguments(app, argc, argv)) return *exit_code;
+  if (console_port != 0) return latency::read_console(console_port, options.console_clients.value_or(1));
   return compared.empty() ? latency::measure(options) : latency::compare(compared[0], compared[1], outputs.html);
 }

@@ -21,6 +21,7 @@
 #include "hal/linux/monotonic_clock.h"
 #include "tools/programs/command_line/command_line.h"
 #include "tools/programs/latency/background_load.h"
+#include "tools/programs/latency/console_clients.h"
 #include "tools/programs/latency/measurement.h"
 #include "tools/programs/latency/progress.h"
 #include "tools/programs/latency/report_content.h"
@@ -114,6 +115,9 @@ class Run {
     measurement_.set_led(*watch_);
   }
 
+  // Reads the console while the loop runs.
+  void read_console(ConsoleClients& clients) { console_clients_ = &clients; }
+
   int measure(Loop& loop, const std::string& source, double rate_hz, const std::string& time) {
     LoopEnd end = LoopEnd::kRequested;
     SystemFacts facts;
@@ -133,6 +137,7 @@ class Run {
       end = loop.run(handle_stop_signals());
       measurement_.end();
       if (blinker_ != nullptr) blinker_->stop();
+      if (console_clients_ != nullptr) traffic_ = console_clients_->stop();
       const std::optional<ProcessorTimes> finish = read_processor_times();
       if (begin && finish) add_load(facts, *begin, *finish);
       add_interrupts(facts, interrupts_begin, read_interrupts());
@@ -157,9 +162,13 @@ class Run {
     if (!load_.stop()) facts.load += " (ended before the measurement did)";
     facts.refused = std::move(refused_);
     report.system = std::move(facts);
+    report.console = traffic_;
     report.saved = recorder_.is_on() ? replay_command() : "";
     int code = output(report);
     if (const Result<void> saved = recorder_.write(names_of(configuration_)); !saved.ok()) code = fail(saved.text());
+    if (traffic_ && traffic_->clients > 0 && traffic_->elapsed_s <= 0.0) {
+      return fail("a client of the console was disconnected during the measurement", kExitDeviceFailure);
+    }
     if (end != LoopEnd::kFault && end != LoopEnd::kDeviceLost) return code;
     return fail(std::string("the loop ended because of a fault: ") + loop.last_fault().reason.data(),
                 kExitDeviceFailure);
@@ -230,6 +239,8 @@ class Run {
   std::optional<TimerNoise> noise_;
   KernelTrace trace_;
   LedBlinker* blinker_ = nullptr;
+  ConsoleClients* console_clients_ = nullptr;
+  std::optional<ConsoleTraffic> traffic_;
   std::optional<LedWatch> watch_;
   BackgroundLoad load_;
   std::vector<std::string> refused_;
@@ -258,7 +269,8 @@ Result<void> check_led(const config::BoardFile& board) {
 }
 
 int measure_board(MeasureOptions& options) {
-  LedBlinker blinker;  // before the session, which uses it until its end
+  LedBlinker blinker;  // before the session, which uses it until its end, as the console's
+  ConsoleClients console_clients(options.console_clients.value_or(0));
   Session session;
   session.set_stage_clock(ExecutionMeter::read);
   if (options.pace || options.led) options.session.arena_time = ArenaTime::kMachine;
@@ -273,6 +285,10 @@ int measure_board(MeasureOptions& options) {
   Result<network::NetworkPlan> plan = network::plan_network(configuration, options.network);
   if (!plan.ok()) return refuse(plan.error());
   network::Connections connections(std::move(plan).value());
+  if (options.console_clients) {
+    const Result<void> attached = console_clients.attach(session, connections.snapshots());
+    if (!attached.ok()) return refuse(attached.error());
+  }
   connections.attach(session);
   // The rate of a video is not known yet.
   Run run(options, configuration, board.camera.rate_hz > 0.0 ? board.camera.rate_hz : 240.0);
@@ -285,6 +301,11 @@ int measure_board(MeasureOptions& options) {
   // Before this thread gets its real-time priority, which theirs would inherit.
   const network::ConnectionThreads threads(connections, configuration,
                                            [](const std::string& line) { std::cerr << line + "\n"; });
+  if (options.console_clients) {
+    const Result<void> served = console_clients.start(session);
+    if (!served.ok()) return fail(served.text());
+    run.read_console(console_clients);
+  }
   const hal::CameraInfo& info = session.devices().hal_devices().camera.info();
   const double rate_hz = info.rate_hz > 0.0 ? info.rate_hz : board.camera.rate_hz;
   const int code =

@@ -30,6 +30,8 @@ struct MeasureOptions {
   double stop_trace_ms = 0.0;   // stop the kernel's tracing at a frame that takes longer; 0: never
   bool pace = false;            // an arena follows the machine's clock
   PlantedDelay planted;
+  // The console is served, and so many clients read it from a process of their own; empty: it is not served.
+  std::optional<unsigned> console_clients;
   network::NetworkOptions network;  // connections that work during the measurement
   Outputs outputs;
 };

@@ -32,6 +32,15 @@ std::string noise_text(const NoiseReport& noise) {
          ", " + noise.thread + ")";
 }
 
+std::string traffic_text(const ConsoleTraffic& traffic) {
+  if (traffic.elapsed_s <= 0.0) return traffic.clients > 0 ? "no result: one was disconnected" : "";
+  const auto each = [&](std::uint64_t received) {
+    return number(static_cast<double>(received) / (static_cast<double>(traffic.clients) * traffic.elapsed_s));
+  };
+  return "each received " + each(traffic.states) + " states and " + each(traffic.pictures) + " pictures a second, " +
+         each(traffic.bytes / 1000) + " kB/s";
+}
+
 Table span_table(const LatencyReport& report) {
   Table table{"Milliseconds, " + count(report.frames) + " frames", {"", "p50", "p90", "p99", "p99.9", "max"}, {}};
   for (std::size_t i = 0; i < kSpanCount; ++i) {
@@ -192,6 +201,7 @@ Document document_of(const LatencyReport& report) {
         smi ? count(*smi) + " interrupts" : "not readable here (Intel only, as root with the module msr)");
   }
   if (report.noise) add(facts, "timer beside the loop", noise_text(*report.noise));
+  if (report.console) add(facts, "console's clients", traffic_text(*report.console));
   add(facts, "kernel's trace", report.system.trace);
   add(facts, "frequency", begin_and_end(report.system.begin_mhz, report.system.end_mhz, " MHz"));
   add(facts, "temperature", begin_and_end(report.system.begin_celsius, report.system.end_celsius, " °C"));

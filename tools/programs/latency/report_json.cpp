@@ -83,6 +83,7 @@ void describe_report(Self& report, Visitor& visit) {
   visit("rare_frames", report.rare_frames);
   visit("noise", report.noise);
   visit("led", report.led);
+  visit("console", report.console);
   visit("system", report.system);
   // Pairs of bin and count; bin i begins at 100 ns * 10^(i / 20).
   visit("histograms", BySpan{report.histograms});

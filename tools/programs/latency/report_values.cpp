@@ -56,6 +56,7 @@ Facts conditions_of(const LatencyReport& report) {
     add(facts, "frequency range", number(*system.min_mhz) + " to " + number(*system.max_mhz) + " MHz");
   }
   add(facts, "kernel", system.kernel + ", " + system.preemption);
+  if (report.console) add(facts, "console", count(report.console->clients) + " clients");
   add(facts, "background load", system.load.empty() ? "none requested" : system.load);
   return facts;
 }

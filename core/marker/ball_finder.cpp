@@ -40,8 +40,9 @@ constexpr float kUnclearShapeOdds = 0.1f;
 constexpr float kColorfulOdds = -8.0f, kNeutralColorful = 0.25f;
 // Of a patch of another color, whose robot was not found, against the ball: alone, and by the share of other colors.
 constexpr float kPatchOdds = -6.0f, kPatchBesideOdds = 80.0f, kMostPatchOdds = 2.0f;
-// Least visible share of the ball.
-constexpr float kMinVisible = 0.35f;
+// Least visible share of the ball: anywhere, and where the track expects it. Robots can pin the ball against a wall for
+// many seconds and leave a crescent of it.
+constexpr float kMinVisible = 0.35f, kMinVisibleExpected = 0.15f;
 // Standard deviations of the color's logarithm: of its brightness, and of a channel against the others.
 constexpr float kBrightnessSigma = 0.5f, kChannelSigma = 0.22f;
 constexpr float kColorNoise_levels = 12.0f, kLeastColorOdds = -10.0f;
@@ -211,6 +212,10 @@ float BallFinder::place_log_odds(const Scene& now, PixelPoint center, const Sigh
   return is_on_robot ? kOnRobotOdds : 0.0f;
 }
 
+bool BallFinder::shows_enough(const Scene& now, const BallAppearance& shown) const {
+  return shown.visible >= (expectation_log_odds(now, shown.center) > 0.0f ? kMinVisibleExpected : kMinVisible);
+}
+
 void BallFinder::examine(const Scene& now, const PatchCandidate& patch, const Sightings& seen, Candidates& out) const {
   Candidate candidate;
   candidate.patch = &patch;
@@ -236,7 +241,7 @@ void BallFinder::examine(const Scene& now, const PatchCandidate& patch, const Si
       !look_at_ball(*now.frame, patch.center, radius_px, rgb, {tops.data(), tops.size()}, candidate.shown)) {
     return;
   }
-  if (candidate.shown.visible < kMinVisible) return;
+  if (!shows_enough(now, candidate.shown)) return;
   const auto same = [&](const Candidate& other) {
     return std::hypot(other.shown.center.u_px - candidate.shown.center.u_px,
                       other.shown.center.v_px - candidate.shown.center.v_px) < radius_px;
@@ -260,7 +265,7 @@ void BallFinder::examine_expected_place(const Scene& now, const Sightings& seen,
   const auto tops = tops_at(now.expected.position, now, seen);
   if (!look_at_ball(*now.frame, seed, radius_px, colors_.typical_rgb(ball_.color, space), {tops.data(), tops.size()},
                     candidate.shown) ||
-      candidate.shown.visible < kMinVisible) {
+      !shows_enough(now, candidate.shown)) {
     return;
   }
   candidate.log_odds = log_odds_of(candidate.shown, kExpectedOdds, space) +

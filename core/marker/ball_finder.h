@@ -80,6 +80,7 @@ class BallFinder {
   [[nodiscard]] float log_odds_of(const BallAppearance& shown, float prior, ColorSpace space) const;
   [[nodiscard]] float place_log_odds(const Scene& now, PixelPoint center, const Sightings& seen) const;
   [[nodiscard]] float expectation_log_odds(const Scene& now, PixelPoint center) const;
+  [[nodiscard]] bool shows_enough(const Scene& now, const BallAppearance& shown) const;
 
   BallParameters ball_;
   ColorEvidence colors_;

@@ -187,6 +187,27 @@ TEST_P(BallFromPixels, BesideARobotIsFound) {
   }
 }
 
+// Robots pin the ball against a wall, and hide all of it except a crescent of a quarter.
+TEST_P(BallFromPixels, IsFoundByACrescentWhereItIsExpected) {
+  const Placed robot{Team::kOwn, 1, {{0.2f, 0.1f}, 0.0f}};
+  boxes.paint(robot);
+  shown.paint(robot);
+  const MarkerLayout& layout = parameters.teams[0].layout;
+  const CameraModel& camera = boxes.camera();
+  const PixelPoint edge = camera.to_pixel({0.2f + 0.5f * layout.robot_side_m, 0.1f}, layout.height_m);
+  constexpr float kHidden = 0.4f;  // radii from the center to the robot's edge
+  const float radius_px = radius_m * camera.scale_px_per_m({0.2f, 0.1f}, radius_m);
+  const FieldPoint at = camera.to_field({edge.u_px - kHidden * radius_px, edge.v_px}, radius_m);
+  for_each_pixel(at, [&](const BallPixel& p) {
+    if (p.right * p.right + p.down * p.down > 1.0f || p.right < kHidden) return;
+    boxes.grid().at(p.u, p.v) = kOrange;
+    own_color.emplace_back(p.v * 640 + p.u, kOrangeRgb);
+  });
+  EXPECT_FALSE(look().ball.seen);
+  expect_ball(look({true, {at.x_m + 0.004f, at.y_m - 0.003f}, 0.01f}), at, 2.0f, 0.8f);
+  EXPECT_FALSE(look({true, {at.x_m + 0.1f, at.y_m}, 0.01f}).ball.seen);
+}
+
 // A hand of which a part as large as the ball fell into the ball's box.
 TEST_P(BallFromPixels, EndsWhereItsColorEnds) {
   const Placed somewhere{Team::kOwn, 0, {{-0.4f, 0.1f}, 0.5f}};

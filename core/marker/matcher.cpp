@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/marker/centroid_noise.h"
+#include "core/marker/unnamed_robot.h"
 #include "core/parameter.h"
 
 namespace touchline {
@@ -14,9 +15,8 @@ constexpr float kMinUnpairedRatio = 0.5f;
 // Team patches beyond the number of robots of a team that are looked at, for each team.
 constexpr std::size_t kSurplusPlaces = 2;
 
-// Confidence of what the boxes found: an id, or without one the team at this place. In scenes under changed light,
-// blurred and compressed, 777 of 778 robots without an id were right, a team patch alone as often as several patches.
-// Other things of a team's color may stand on a real field; the identifier replaces the confidence of an id.
+// Confidence of what the boxes found, if no pixels are known. Otherwise identifier_ replaces that of an id, and
+// confidence_without_id() the others.
 constexpr float kFound = 0.99f;
 
 constexpr std::array<Team, 2> kTeams{Team::kOwn, Team::kOpponent};
@@ -308,6 +308,33 @@ void Matcher::drop_surplus(Sightings& out) {
   }
 }
 
+// Weighs the robots without an id, and drops those that hardly are robots. An id that only pixels gave needs an outline
+// if the team patch was cut from a larger region.
+void Matcher::weigh_unnamed(const Frame& frame, Sightings& out) {
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < out.robots.size(); ++i) {
+    RobotSighting& robot = out.robots[i];
+    const BoxSighting box = box_sightings_[i];
+    const PatchCandidate& patch = team_patches_[box.team_patch].patch;
+    const MarkerLayout& layout = parameters_.teams[index_of(robot.team)].layout;
+    const CameraModel& camera = finder_.camera();
+    if (patch.is_split_part && robot.patches.size() == 1 && robot.has_heading &&
+        !has_team_outline(frame, camera, layout, robot)) {
+      robot.id = kUnknownId;
+    }
+    if (robot.id == kUnknownId) robot.confidence = confidence_without_id(frame, camera, layout, robot, patch.ratio);
+    if (robot.confidence < kLeastUnnamed) {
+      reported_[box.team_patch] = false;
+      out.verdicts[patch.region] = Verdict::kNoPartner;
+    } else {
+      box_sightings_[kept] = box;
+      out.robots[kept++] = robot;
+    }
+  }
+  out.robots.resize(kept);
+  box_sightings_.resize(kept);
+}
+
 void Matcher::write_verdicts(Sightings& out) {
   std::array<bool, kMaxIdentification> is_in_hypothesis{};
   for (const Hypothesis& h : hypotheses_) {
@@ -360,6 +387,7 @@ void Matcher::match(const Frame* frame, const ExpectedGain& light, const Expecte
                          {box_sightings_.data(), box_sightings_.size()}, used_, out);
     drop_tentative(out);
     drop_surplus(out);
+    weigh_unnamed(*frame, out);
   }
   write_verdicts(out);
   ball_finder_.find({frame, ball_patches_, finder_, parameters_.teams, regions, ball}, out);

@@ -70,6 +70,7 @@ class Matcher {
   void report_unpaired(bool with_pixels, Sightings& out);
   void drop_tentative(Sightings& out);
   void drop_surplus(Sightings& out);
+  void weigh_unnamed(const Frame& frame, Sightings& out);
   [[nodiscard]] bool is_on_robot(const TeamPatch& patch, const Sightings& out) const;
   [[nodiscard]] std::size_t free_places(Team team, const Sightings& out) const;
   void write_verdicts(Sightings& out);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
 
 #include "tests/replay/media.h"
 #include "tools/programs/relight/changed_series.h"
@@ -98,7 +99,7 @@ TEST(ChangedSeries, WritesEveryNthPictureAndNeverOverItsInput) {
   for (const char* name : {"a.png", "b.png", "c.png"}) {
     ASSERT_TRUE(hal::write_picture((in / name).string(), plain(200, 100, 0)).ok());
   }
-  const Result<std::uint64_t> written = change_series(in.string(), out.string(), {.light = 0.5}, 2);
+  const Result<std::uint64_t> written = change_series(in.string(), out.string(), {.light = 0.5}, {}, 2);
   ASSERT_TRUE(written.ok()) << written.text();
   EXPECT_EQ(written.value(), 2U);
   EXPECT_FALSE(std::filesystem::exists(out / "b.png"));
@@ -106,10 +107,51 @@ TEST(ChangedSeries, WritesEveryNthPictureAndNeverOverItsInput) {
   ASSERT_TRUE(picture.ok()) << picture.text();
   EXPECT_EQ(pixel(picture.value(), 0, 0), (Rgb{146, 73, 0}));
 
-  EXPECT_EQ(change_series(in.string(), in.string(), {.light = 0.5}, 1).code(), ErrorCode::kInconsistent);
+  EXPECT_EQ(change_series(in.string(), in.string(), {.light = 0.5}, {}, 1).code(), ErrorCode::kInconsistent);
   const Result<hal::Picture> kept = hal::read_picture((in / "a.png").string());
   ASSERT_TRUE(kept.ok()) << kept.text();
   EXPECT_EQ(pixel(kept.value(), 0, 0), (Rgb{200, 100, 0}));
+}
+
+// Two floors of which the right one has half the light. A paper like a pixel on the left has half its light on the
+// right.
+TEST(PaintedThings, HaveTheLightOfTheFloorAroundThem) {
+  hal::Picture picture;
+  picture.width_px = 400;
+  picture.height_px = 120;
+  for (int i = 0; i < 400 * 120; ++i) {
+    const std::uint8_t level = i % 400 < 200 ? 100 : 73;  // 0.5^(1/2.2) = 0.730
+    picture.rgb8.insert(picture.rgb8.end(), {level, level, level});
+  }
+  for (std::size_t v = 50; v < 60; ++v) {
+    for (std::size_t u = 60; u < 70; ++u) picture.rgb8[3 * (v * 400 + u)] = 200;
+  }
+  Thing paper;
+  paper.u_px = 320;
+  paper.v_px = 60;
+  paper.size_px = 20;
+  paper.colors = {{.like_pixel = true, .pixel = {65, 55}, .rgb = {}}};
+  paint({paper}, picture);
+  const auto near = [](int a, int b) { return std::abs(a - b) <= 6; };  // noise of 1.2 levels
+  EXPECT_TRUE(near(pixel(picture, 320, 60)[0], 146)) << pixel(picture, 320, 60)[0];
+  EXPECT_TRUE(near(pixel(picture, 320, 60)[1], 73)) << pixel(picture, 320, 60)[1];
+  EXPECT_EQ(pixel(picture, 340, 60), (Rgb{73, 73, 73})) << "beside the paper";
+}
+
+TEST(PaintedThings, FileWithAnUnknownKindIsRefusedByName) {
+  const std::filesystem::path file = std::filesystem::path(::testing::TempDir()) / "things.json";
+  {
+    std::ofstream out(file);
+    out << R"({"a.png": [{"kind": "paper", "u": 1, "v": 2, "size": 3, "colors": [{"rgb": [1, 2, 3]}]}]})";
+  }
+  const Result<Things> read = read_things(file.string());
+  ASSERT_TRUE(read.ok()) << read.text();
+  EXPECT_EQ(read.value().at("a.png").at(0).colors.at(0).rgb[2], 3);
+  {
+    std::ofstream out(file);
+    out << R"({"a.png": [{"kind": "cat", "u": 1, "v": 2, "size": 3, "colors": [{"rgb": [1, 2, 3]}]}]})";
+  }
+  EXPECT_EQ(read_things(file.string()).code(), ErrorCode::kInconsistent);
 }
 
 }  // namespace

@@ -64,24 +64,25 @@ TEST_F(IdsFromPixels, FindThePatchBesideASquareThatFellIntoNoBox) {
   }
 }
 
-// Its place is reported if the pixels around it show nothing.
-TEST_F(IdsFromPixels, ReportThePlaceOfASquareOrDiskWithoutIdentification) {
+// A robot whose identification has an unknown color is reported; a paper of the team's color is not.
+TEST_F(IdsFromPixels, ReportARobotWithAnUnknownPatchButNoPaper) {
+  covered = {230, 230, 230};
   for (const MarkerLayout& layout : {paper_teams().teams[0].layout, disks_layout()}) {
     use(teams_with(layout, 3));
-    const std::vector<Placed> placed{kLeft, kMiddle, kRight};
-    for (const Placed& robot : placed) {
-      for (PaintedField* field : {boxes.get(), shown.get()}) field->paint_patch(robot, 0, kBlue);
+    const std::vector<Placed> robots{kLeft, kMiddle};
+    for (const Placed& robot : robots) {
+      paint_without_regions(robot);
+      for (std::size_t k = 1; k < layout.patches.size(); ++k) shown->paint_patch(robot, k, kGrey);
     }
+    for (PaintedField* field : {boxes.get(), shown.get()}) field->paint_patch(kRight, 0, kBlue);
     const Sightings& seen = look(kLampLight);
-    ASSERT_EQ(seen.robots.size(), placed.size());
+    ASSERT_EQ(seen.robots.size(), robots.size());
     for (const RobotSighting& robot : seen.robots) {
       EXPECT_EQ(robot.id, kUnknownId);
-      EXPECT_FALSE(robot.has_heading);
-      EXPECT_GT(robot.confidence, 0.5f);
-      EXPECT_TRUE(std::any_of(placed.begin(), placed.end(), [&](const Placed& one) {
-        const PatchPlace& patch = layout.patches[0];
-        return distance_m(robot.pose.position, on_field(one.pose, patch.x_m, patch.y_m)) < 0.003f;
-      })) << "the place of a team patch";
+      EXPECT_GT(robot.confidence, 0.9f);
+      EXPECT_TRUE(std::any_of(robots.begin(), robots.end(), [&](const Placed& one) {
+        return distance_m(robot.pose.position, one.pose.position) < 0.5f * layout.robot_side_m;
+      })) << "the place of a robot";
     }
   }
 }

@@ -31,6 +31,8 @@ def missed_goals(row):
             out.append(name)
     if "wrong" in goal and row["wrong"] + row.get("wrong_earlier", 0) > goal["wrong"]:
         out.append("wrong")
+    if row.get("false", 0) > goal.get("false", math.inf):
+        out.append("false")
     if row.get("worse_than_off"):
         out.append("worse than off")
     return out
@@ -80,7 +82,7 @@ def cells(row, base):
     halves = " / ".join(number(h) for h in row["halves"]) if "halves" in row else ""
     return [row["set"], row["case"], str(row["robots"]), number(share(row, "right", "robots")) + mark("right"),
             str(row["unknown"]), f"{row['wrong']}{earlier}" + mark("wrong"), str(row["missed"]),
-            str(row["ghosts"] + row["ball_ghosts"]), number(share(row, "balls_seen", "balls")) + mark("ball"), halves,
+            str(row["ghosts"] + row["ball_ghosts"]) + mark("false"), number(share(row, "balls_seen", "balls")) + mark("ball"), halves,
             "  ".join(filter(None, [before, "adaptation is worse than off !" if row.get("worse_than_off") else "",
                                     row.get("note", "")]))]
 

@@ -10,7 +10,7 @@
 namespace touchline::relight {
 
 Result<std::uint64_t> change_series(const std::string& input, const std::string& out, const PictureChange& change,
-                                    std::uint64_t every) {
+                                    const Things& things, std::uint64_t every) {
   namespace fs = std::filesystem;
   hal::ReplayCamera camera({input, PixelFormat::kRgb24, 0.0});
   TOUCHLINE_TRY(camera.open());
@@ -33,7 +33,9 @@ Result<std::uint64_t> change_series(const std::string& input, const std::string&
     if (fs::equivalent(folder.empty() ? "." : folder, out, error) && fs::exists(target)) {
       return Error{ErrorCode::kInconsistent, target.string() + ": would be replaced; name another folder"};
     }
-    const hal::Picture picture = changed(calibrate::picture_of(lease.value().frame()), change);
+    hal::Picture picture = calibrate::picture_of(lease.value().frame());
+    if (const auto found = things.find(camera.file()); found != things.end()) paint(found->second, picture);
+    picture = changed(picture, change);
     TOUCHLINE_TRY(hal::write_picture(target.string(), picture, {.sync = false}));
     ++written;
   }

@@ -18,7 +18,7 @@ namespace {
 using calibrate::ChannelImage;
 
 struct Options {
-  std::string picture, venue, out, channel = "red";
+  std::string picture, venue, out, things, channel = "red";
   std::vector<double> patch;
   int margin = 25;
   PictureChange change;
@@ -93,7 +93,11 @@ Result<void> change_pictures(const Options& options) {
   PictureChange change = options.change;
   if (!options.values.empty()) std::copy(options.values.begin(), options.values.end(), change.values.begin());
   const std::uint64_t every = options.every == 0 ? 1 : options.every;
-  TOUCHLINE_TRY_ASSIGN(const std::uint64_t written, change_series(options.picture, options.out, change, every));
+  Things things;
+  if (!options.things.empty()) {
+    TOUCHLINE_TRY_ASSIGN(things, read_things(options.things));
+  }
+  TOUCHLINE_TRY_ASSIGN(const std::uint64_t written, change_series(options.picture, options.out, change, things, every));
   std::printf("%llu pictures written to %s\n", static_cast<unsigned long long>(written), options.out.c_str());
   return {};
 }
@@ -190,6 +194,12 @@ int main(int argc, char** argv) {
       ->expected(3);
   add_change("--jpeg", options.change.jpeg_quality, "What JPEG compression with this quality leaves of the picture",
              CLI::Range(1, 100));
+  changes.push_back(
+      app.add_option("--things", options.things,
+                     "JSON file with things to paint into the pictures: {\"NAME.png\": [{\"kind\": paper, "
+                     "hand, shoe or robot, \"u\", \"v\", \"size\": px, \"colors\": [{\"rgb\": [R,G,B]} or "
+                     "{\"like\": [U,V]}]}]}")
+          ->group("Changes"));
   add_change("--every", options.every, "Only every n-th picture or frame", CLI::Range(1, 1000000));
   if (const auto exit_code = touchline::parse_arguments(app, argc, argv)) return *exit_code;
   const bool change = std::any_of(changes.begin(), changes.end(), [](const CLI::Option* o) { return o->count() > 0; });

@@ -1,0 +1,208 @@
+#include "core/marker/unnamed_robot.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "core/fixed_vector.h"
+#include "core/marker/surface_color.h"
+
+namespace touchline {
+namespace {
+
+using Rgb = std::array<float, 3>;
+
+// Log odds of a team patch whose outline and surroundings are as in the layout, and what each missing share takes from
+// them. Logistic regression over papers and shoes of the team's color and robots with a covered patch in rendered
+// scenes, and the first half of the real ones; with less weight on the outline's outside than they have, because blur
+// hides it.
+constexpr float kComplete = 3.3f, kPerInside = 7.0f, kPerOutside = 10.0f, kPerPatches = 7.0f, kPerArea = 3.0f;
+// An identification region at the right distance.
+constexpr float kPerRegion = 2.5f;
+constexpr float kMostUnnamed = 0.99f;
+
+// Least shares for a name. A patch beside a saturated one of nearly its color has no outline on one of its four sides.
+constexpr float kLeastInside = 0.5f, kLeastOutside = 0.75f;
+
+constexpr std::size_t kHeadings = 16;
+// The floor is sampled on a circle of this radius around the team patch, relative to the robot's side.
+constexpr std::size_t kFloorSamples = 12;
+constexpr float kFloorCircle = 1.1f;
+// Points within a patch lie this far on the way from its center to its outline, points outside of it beyond the blur.
+constexpr float kWithinTeam = 0.6f, kWithinOther = 0.5f, kBlurredEdge_px = 1.5f;
+// Least difference of two surfaces in a channel, relative to their mean; stray light is added to both.
+constexpr float kOtherSurface = 0.25f, kAmbient_levels = 6.0f;
+
+using Offsets = FixedVector<FieldPoint, 5 * kMaxPatches>;
+
+bool differ(const Rgb& a, const Rgb& b) {
+  for (std::size_t c = 0; c < 3; ++c) {
+    if (std::abs(a[c] - b[c]) > kOtherSurface * (0.5f * (a[c] + b[c]) + kAmbient_levels)) return true;
+  }
+  return false;
+}
+
+// Adds four points of a patch, `part` of the way from its center to its outline and `beyond_m` farther, relative to
+// `origin`.
+void add_points(const PatchPlace& patch, const PatchPlace& origin, float part, float beyond_m, Offsets& out) {
+  // A triangle's centroid is a third of its height above the base, where it has two thirds of its width.
+  const bool is_triangle = patch.outline == PatchOutline::kTriangle;
+  const float ahead = part * (is_triangle ? 2.0f / 3.0f : 0.5f) * patch.length_m + beyond_m;
+  const float behind = part * (is_triangle ? 1.0f / 3.0f : 0.5f) * patch.length_m + beyond_m;
+  const float beside = part * (is_triangle ? 1.0f / 3.0f : 0.5f) * patch.width_m + beyond_m;
+  const float c = std::cos(patch.turn_rad), s = std::sin(patch.turn_rad);
+  const auto add = [&](float along, float across) {
+    out.push_back({patch.x_m - origin.x_m + c * along - s * across, patch.y_m - origin.y_m + s * along + c * across});
+  };
+  add(ahead, 0);
+  add(-behind, 0);
+  add(0, beside);
+  add(0, -beside);
+}
+
+// The picture near a point of the plane of the patches, where it is nearly an affine map of the plane.
+class Surroundings {
+ public:
+  Surroundings(const Frame& frame, const CameraModel& camera, FieldPoint at, float height_m)
+      : frame_(frame), center_(camera.to_pixel(at, height_m)) {
+    constexpr float kStep_m = 0.02f;
+    const PixelPoint x = camera.to_pixel({at.x_m + kStep_m, at.y_m}, height_m);
+    const PixelPoint y = camera.to_pixel({at.x_m, at.y_m + kStep_m}, height_m);
+    by_x_ = {(x.u_px - center_.u_px) / kStep_m, (x.v_px - center_.v_px) / kStep_m};
+    by_y_ = {(y.u_px - center_.u_px) / kStep_m, (y.v_px - center_.v_px) / kStep_m};
+  }
+
+  [[nodiscard]] PixelPoint center() const { return center_; }
+  [[nodiscard]] float scale_px_per_m() const {
+    return std::sqrt(std::abs(by_x_.u_px * by_y_.v_px - by_x_.v_px * by_y_.u_px));
+  }
+  // False if the point is not in the picture.
+  bool sample(FieldPoint offset, Rgb& out) const {
+    const float u = center_.u_px + offset.x_m * by_x_.u_px + offset.y_m * by_y_.u_px + 0.5f;
+    const float v = center_.v_px + offset.x_m * by_x_.v_px + offset.y_m * by_y_.v_px + 0.5f;
+    if (!(u >= 0.0f && v >= 0.0f && u < static_cast<float>(frame_.width_px) &&
+          v < static_cast<float>(frame_.height_px))) {
+      return false;
+    }
+    const auto value = pixel_at(frame_, static_cast<std::size_t>(u), static_cast<std::size_t>(v));
+    out = to_rgb({static_cast<float>(value[0]), static_cast<float>(value[1]), static_cast<float>(value[2])},
+                 color_space(frame_.format));
+    return true;
+  }
+  // Share of the points, turned by the angle whose cosine and sine are given, at which `is` holds; 1 without any.
+  template <class Is>
+  [[nodiscard]] float share(const Offsets& points, float c, float s, Is is) const {
+    int count = 0, valid = 0;
+    for (const FieldPoint& point : points) {
+      Rgb rgb;
+      if (!sample({c * point.x_m - s * point.y_m, s * point.x_m + c * point.y_m}, rgb)) continue;
+      ++valid;
+      count += is(rgb) ? 1 : 0;
+    }
+    return valid == 0 ? 1.0f : static_cast<float>(count) / static_cast<float>(valid);
+  }
+
+ private:
+  const Frame& frame_;
+  PixelPoint center_, by_x_, by_y_;
+};
+
+// Finds the median of the surfaces around a robot. False if most of them are not in the picture.
+bool floor_around(const Surroundings& picture, float radius_m, Rgb& out) {
+  std::array<FixedVector<float, kFloorSamples>, 3> around;
+  for (std::size_t i = 0; i < kFloorSamples; ++i) {
+    const float angle = 2.0f * std::numbers::pi_v<float> * static_cast<float>(i) / float{kFloorSamples};
+    Rgb rgb;
+    if (!picture.sample({radius_m * std::cos(angle), radius_m * std::sin(angle)}, rgb)) continue;
+    for (std::size_t c = 0; c < 3; ++c) around[c].push_back(rgb[c]);
+  }
+  if (around[0].size() < kFloorSamples / 2) return false;
+  for (std::size_t c = 0; c < 3; ++c) {
+    float* const middle = around[c].begin() + around[c].size() / 2;
+    std::nth_element(around[c].begin(), middle, around[c].end());
+    out[c] = *middle;
+  }
+  return true;
+}
+
+// Place of the team patch.
+FieldPoint team_patch_at(const RobotSighting& robot, const PatchPlace& patch) {
+  if (!robot.has_heading) return robot.pose.position;
+  const float c = std::cos(robot.pose.theta_rad), s = std::sin(robot.pose.theta_rad);
+  return {robot.pose.position.x_m + c * patch.x_m - s * patch.y_m,
+          robot.pose.position.y_m + s * patch.x_m + c * patch.y_m};
+}
+
+// What one direction of a robot shows: shares of the points at which the picture is as in the layout.
+struct Shares {
+  float inside = 1, outside = 1, patches = 1;
+  [[nodiscard]] float doubt() const {
+    return kPerInside * (1.0f - inside) + kPerOutside * (1.0f - outside) + kPerPatches * (1.0f - patches);
+  }
+};
+
+class TopView {
+ public:
+  TopView(const Frame& frame, const CameraModel& camera, const MarkerLayout& layout, const RobotSighting& robot)
+      : picture_(frame, camera, team_patch_at(robot, layout.patches[0]), layout.height_m) {
+    const float scale = picture_.scale_px_per_m();
+    is_visible_ = scale > 1.0f && sample_surface(frame, picture_.center(), 1, team_) &&
+                  floor_around(picture_, kFloorCircle * layout.robot_side_m, floor_);
+    if (!is_visible_) return;
+    const PatchPlace& origin = layout.patches[0];
+    add_points(origin, origin, kWithinTeam, 0, inside_);
+    add_points(origin, origin, 1.0f, kBlurredEdge_px / scale, outside_);
+    for (std::size_t k = 1; k < layout.patches.size(); ++k) {
+      add_points(layout.patches[k], origin, kWithinOther, 0, patches_);
+      patches_.push_back({layout.patches[k].x_m - origin.x_m, layout.patches[k].y_m - origin.y_m});
+    }
+  }
+
+  /// False at the border of the picture.
+  [[nodiscard]] bool is_visible() const { return is_visible_; }
+  [[nodiscard]] Shares along(float heading_rad) const {
+    const float c = std::cos(heading_rad), s = std::sin(heading_rad);
+    const auto differs = [&](const Rgb& seen) { return differ(seen, team_.rgb); };
+    return {picture_.share(inside_, c, s, [&](const Rgb& seen) { return !differs(seen); }),
+            picture_.share(outside_, c, s, differs),
+            picture_.share(patches_, c, s, [&](const Rgb& seen) { return differs(seen) && differ(seen, floor_); })};
+  }
+
+ private:
+  Surroundings picture_;
+  SurfaceColor team_;
+  Rgb floor_{};
+  bool is_visible_ = false;
+  Offsets inside_, outside_, patches_;
+};
+
+}  // namespace
+
+bool has_team_outline(const Frame& frame, const CameraModel& camera, const MarkerLayout& layout,
+                      const RobotSighting& robot) {
+  const TopView view(frame, camera, layout, robot);
+  if (!view.is_visible()) return true;
+  const Shares shares = view.along(robot.pose.theta_rad);
+  return shares.inside >= kLeastInside && shares.outside >= kLeastOutside;
+}
+
+float confidence_without_id(const Frame& frame, const CameraModel& camera, const MarkerLayout& layout,
+                            const RobotSighting& robot, float area_ratio) {
+  const TopView view(frame, camera, layout, robot);
+  float doubt = 0;
+  if (view.is_visible() && robot.has_heading) {
+    doubt = view.along(robot.pose.theta_rad).doubt();
+  } else if (view.is_visible()) {
+    doubt = kPerInside + kPerOutside + kPerPatches;
+    for (std::size_t i = 0; i < kHeadings; ++i) {
+      const float heading_rad = 2.0f * std::numbers::pi_v<float> * static_cast<float>(i) / float{kHeadings};
+      doubt = std::min(doubt, view.along(heading_rad).doubt());
+    }
+  }
+  const float regions = robot.patches.empty() ? 0.0f : static_cast<float>(robot.patches.size() - 1);
+  const float log_odds = kComplete - doubt - kPerArea * (1.0f - std::min(1.0f, area_ratio)) + kPerRegion * regions;
+  return std::min(kMostUnnamed, 1.0f / (1.0f + std::exp(-log_odds)));
+}
+
+}  // namespace touchline

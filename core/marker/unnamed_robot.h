@@ -1,0 +1,24 @@
+#pragma once
+
+#include "core/geometry/camera_model.h"
+#include "core/marker/marker_layout.h"
+#include "core/types.h"
+
+namespace touchline {
+
+/// Unnamed robots below this confidence are not reported: ten to one, the thing is no robot.
+constexpr float kLeastUnnamed = 0.1f;
+
+/// Probability that a robot of this team is where one without an id was seen. A region of the team's color may be any
+/// thing; a robot has the outline of its team patch, and beside it, in one direction, patches that differ from the
+/// floor and from the team color, whichever colors they have. `area_ratio`: visible area of the team patch relative to
+/// the layout's.
+float confidence_without_id(const Frame& frame, const CameraModel& camera, const MarkerLayout& layout,
+                            const RobotSighting& robot, float area_ratio);
+
+/// False if the surface at the team patch of a robot with a heading has not its outline, for example because it is a
+/// part of a larger surface.
+bool has_team_outline(const Frame& frame, const CameraModel& camera, const MarkerLayout& layout,
+                      const RobotSighting& robot);
+
+}  // namespace touchline

@@ -71,7 +71,11 @@ void add_motion_without_wheels(MatrixMap p, double dt, const RobotFilterParamete
   p(2, 2) += parameters.spin_rad_rts * parameters.spin_rad_rts * dt;
 }
 
-void symmetrize(MatrixMap p) { p = (0.5 * (p + p.transpose())).eval(); }
+void symmetrize(MatrixMap p) {
+  for (int i = 0; i < kN; ++i) {
+    for (int k = 0; k < i; ++k) p(i, k) = p(k, i) = 0.5 * (p(i, k) + p(k, i));
+  }
+}
 
 // Eq. (6) in Joseph form, which keeps the covariance positive despite rounding. The first Rows states are measured.
 template <int Rows>
@@ -100,6 +104,10 @@ Eigen::Vector3d pose_innovation(const Pose& sighted, const DriveFilter::State& x
 
 Eigen::Vector2d position_innovation(FieldPoint sighted, const DriveFilter::State& x) {
   return {static_cast<double>(sighted.x_m) - x[0], static_cast<double>(sighted.y_m) - x[1]};
+}
+
+double from_to(const DriveFilter::State& a, const DriveFilter::State& b, std::size_t i) {
+  return i == 2 ? wrap_angle(b[i] - a[i]) : b[i] - a[i];
 }
 
 }  // namespace
@@ -155,14 +163,27 @@ void DriveFilter::predict_contact_state(double dt_s, const RobotFilterParameters
 
 DriveFilter DriveFilter::mixed(const DriveFilter& other, double weight) const {
   DriveFilter out = *this;
-  Vector between = ConstVectorMap(other.x_.data()) - ConstVectorMap(x_.data());
-  between(2) = wrap_angle(between(2));
-  VectorMap(out.x_.data()) += weight * between;
-  out.x_[2] = wrap_angle(out.x_[2]);
-  MatrixMap(out.p_.data()) = (1.0 - weight) * ConstMatrixMap(p_.data()) + weight * ConstMatrixMap(other.p_.data()) +
-                             weight * (1.0 - weight) * between * between.transpose();
+  out.x_ = mixed_state(other, weight);
+  for (std::size_t i = 0; i < kStates; ++i) {
+    for (std::size_t k = 0; k <= i; ++k) {
+      out.p_[i * kStates + k] = out.p_[k * kStates + i] = mixed_covariance(other, weight, i, k);
+    }
+  }
   out.slides_ = out.slides_ || std::abs(out.x_[5]) > kLeastSlide_mps;
   return out;
+}
+
+DriveFilter::State DriveFilter::mixed_state(const DriveFilter& other, double weight) const {
+  State mean = x_;
+  for (std::size_t i = 0; i < kStates; ++i) mean[i] += weight * from_to(x_, other.x_, i);
+  mean[2] = wrap_angle(mean[2]);
+  return mean;
+}
+
+double DriveFilter::mixed_covariance(const DriveFilter& other, double weight, std::size_t i, std::size_t k) const {
+  const std::size_t at = i * kStates + k;
+  return (1.0 - weight) * p_[at] + weight * other.p_[at] +
+         weight * (1.0 - weight) * from_to(x_, other.x_, i) * from_to(x_, other.x_, k);
 }
 
 // True if the tires would need more than their friction at the beginning or the end of a step.
@@ -353,8 +374,8 @@ void DriveFilter::update(FieldPoint patch, const RobotFilterParameters& paramete
              variance * Eigen::Matrix2d::Identity());
 }
 
-Pose DriveFilter::pose() const {
-  return {{static_cast<float>(x_[0]), static_cast<float>(x_[1])}, wrap_to_float(x_[2])};
+Pose DriveFilter::pose_of(const State& x) {
+  return {{static_cast<float>(x[0]), static_cast<float>(x[1])}, wrap_to_float(x[2])};
 }
 
 double DriveFilter::sigma(std::size_t i) const { return std::sqrt(std::max(0.0, p_[i * kStates + i])); }

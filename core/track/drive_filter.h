@@ -40,6 +40,9 @@ class DriveFilter {
 
   /// Mean and covariance of this distribution and `other`, which has the probability `weight`.
   [[nodiscard]] DriveFilter mixed(const DriveFilter& other, double weight) const;
+  /// Only the mean, and only entry (i, k) of the covariance.
+  [[nodiscard]] State mixed_state(const DriveFilter& other, double weight) const;
+  [[nodiscard]] double mixed_covariance(const DriveFilter& other, double weight, std::size_t i, std::size_t k) const;
 
   /// Adds the uncertainty of an impact at an unknown instant during the last dt_s seconds, which changed the velocities
   /// in any direction.
@@ -68,9 +71,11 @@ class DriveFilter {
 
   [[nodiscard]] const State& state() const { return x_; }
   [[nodiscard]] const Covariance& covariance() const { return p_; }
-  [[nodiscard]] Pose pose() const;
+  [[nodiscard]] static Pose pose_of(const State& x);
+  [[nodiscard]] static Twist twist_of(const State& x) { return {static_cast<float>(x[3]), static_cast<float>(x[4])}; }
+  [[nodiscard]] Pose pose() const { return pose_of(x_); }
   [[nodiscard]] bool slides() const { return slides_; }
-  [[nodiscard]] Twist twist() const { return {static_cast<float>(x_[3]), static_cast<float>(x_[4])}; }
+  [[nodiscard]] Twist twist() const { return twist_of(x_); }
   /// Standard deviation of state i.
   [[nodiscard]] double sigma(std::size_t i) const;
   /// Covariance of x and y.

@@ -39,6 +39,12 @@ void RobotMotion::shift_to(FieldPoint position) {
   contact_.shift_to(position);
 }
 
+double RobotMotion::sigma(std::size_t i) const {
+  return std::sqrt(std::max(0.0, free_.mixed_covariance(contact_, contact_probability_, i, i)));
+}
+
+double RobotMotion::xy_covariance() const { return free_.mixed_covariance(contact_, contact_probability_, 0, 1); }
+
 double RobotMotion::distance2(const Pose& sighted, const PoseCovariance& noise) const {
   return both().distance2(sighted, noise);
 }

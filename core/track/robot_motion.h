@@ -28,12 +28,14 @@ class RobotMotion {
   [[nodiscard]] double contact() const { return contact_probability_; }
   /// Mean and covariance of both models.
   [[nodiscard]] DriveFilter both() const { return free_.mixed(contact_, contact_probability_); }
-  [[nodiscard]] Pose pose() const { return both().pose(); }
-  [[nodiscard]] Twist twist() const { return both().twist(); }
-  [[nodiscard]] double sigma(std::size_t i) const { return both().sigma(i); }
-  [[nodiscard]] double xy_covariance() const { return both().xy_covariance(); }
+  [[nodiscard]] Pose pose() const { return DriveFilter::pose_of(state()); }
+  [[nodiscard]] Twist twist() const { return DriveFilter::twist_of(state()); }
+  [[nodiscard]] double sigma(std::size_t i) const;
+  [[nodiscard]] double xy_covariance() const;
 
  private:
+  [[nodiscard]] DriveFilter::State state() const { return free_.mixed_state(contact_, contact_probability_); }
+
   DriveFilter free_, contact_;
   double contact_probability_ = 0.0;
   double unmixed_s_ = 0.0;  // time predicted since the last update

@@ -65,6 +65,16 @@ std::vector<std::string> ConfigReloader::reload(const std::atomic<bool>& cancell
   return messages;
 }
 
+bool ConfigReloader::adjust_camera_only(const config::Configuration& next) {
+  const std::vector<config::Change> changes = config::difference(*running_, next);
+  const bool is_possible = !changes.empty() && std::all_of(changes.begin(), changes.end(), [](const auto& change) {
+    return change.reload == Reload::kCamera;
+  });
+  if (!is_possible || !camera_.adjust(next.board.camera).ok()) return false;
+  running_->board.camera = next.board.camera;
+  return true;
+}
+
 Result<void> ConfigReloader::prepare(const config::Configuration& next, const config::ReloadChanges& changes) {
   live_settings_->tables = nullptr;
   live_settings_->control = next.pipeline.control;

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <mutex>
 #include <string>
 #include <thread>
 #include <vector>
@@ -31,9 +32,16 @@ class ConfigReloader {
   ConfigReloader(const ConfigReloader&) = delete;
   ConfigReloader& operator=(const ConfigReloader&) = delete;
 
+  /// Whether `paths` are those that the program was started with.
+  [[nodiscard]] bool reads(const config::FilePaths& paths) const {
+    return paths.board == paths_.board && paths.venue == paths_.venue && paths.team == paths_.team;
+  }
   /// Returns messages for a person: which keys have changed and from which frame on, which need a restart, and errors
   /// in the files (then nothing changes). Returns when the loop has taken the settings or `cancelled` is set.
   std::vector<std::string> reload(const std::atomic<bool>& cancelled);
+  /// Gives the camera its new controls if `next` differs from the configuration in use by nothing else. False: it
+  /// differs otherwise, or not at all, or the camera refuses; then `next` needs a restart.
+  bool adjust_camera_only(const config::Configuration& next);
   /// The configuration in use.
   [[nodiscard]] const config::Configuration& running() const { return *running_; }
 
@@ -49,6 +57,34 @@ class ConfigReloader {
   std::unique_ptr<ScanTables> second_;  // made at the first reload that needs them
   ScanTables* unused_ = nullptr;        // `second_` or the scanner's own tables
   std::unique_ptr<LiveSettings> live_settings_ = std::make_unique<LiveSettings>();
+};
+
+/// Lets several threads use the reloader of the session that runs at the moment.
+class SharedReloader {
+ public:
+  /// `reloader` is used until detach().
+  void attach(ConfigReloader& reloader) {
+    const std::scoped_lock lock(mutex_);
+    reloader_ = &reloader;
+  }
+  void detach() {
+    const std::scoped_lock lock(mutex_);
+    reloader_ = nullptr;
+  }
+  /// As ConfigReloader::reload().
+  std::vector<std::string> reload(const std::atomic<bool>& cancelled) {
+    const std::scoped_lock lock(mutex_);
+    return reloader_ != nullptr ? reloader_->reload(cancelled) : std::vector<std::string>{};
+  }
+  /// As ConfigReloader::adjust_camera_only(); false also if no session runs, or one with other files.
+  bool adjust_camera_only(const config::FilePaths& paths, const config::Configuration& next) {
+    const std::scoped_lock lock(mutex_);
+    return reloader_ != nullptr && reloader_->reads(paths) && reloader_->adjust_camera_only(next);
+  }
+
+ private:
+  std::mutex mutex_;
+  ConfigReloader* reloader_ = nullptr;
 };
 
 /// A thread that reloads on request. Start it before the loop's thread gets its real-time priority, which it would

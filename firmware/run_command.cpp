@@ -73,6 +73,7 @@ struct RunContext {
   std::vector<std::string>& refused;  // by the system, of the real-time settings
 
   SessionSwitch next{};
+  SharedReloader reloader{};
   LinePrinter lines{};
   std::optional<ServiceNotifier> service{};
   std::optional<console::ConsoleThread> console_thread{};
@@ -102,6 +103,18 @@ Result<std::unique_ptr<Session>> load_session(const SessionOptions& saved, const
   if (!loaded.ok()) return loaded.error();
   if (is_draft) session->set_draft();
   return session;
+}
+
+/// For the console's thread.
+Result<console::FilesUse> use_files(RunContext& run, const config::FilePaths& draft) {
+  Result<std::unique_ptr<Session>> next = load_session(run.command_line.session, draft, true);
+  if (!next.ok()) return next.error();
+  const Session& session = *next.value();
+  if (session.is_draft() && run.reloader.adjust_camera_only(session.files(), session.configuration())) {
+    return console::FilesUse::kAtOnce;
+  }
+  run.next.offer(std::move(next).value());
+  return console::FilesUse::kInNextSession;
 }
 
 Result<void> open_session(Session& session, RunContext& run) {
@@ -141,13 +154,14 @@ LoopEnd run_session(Session& session, RunContext& run, const std::string& error)
   }
   ConfigReloader reloader(session.files(), session.configuration(), session.devices().hal_devices().camera,
                           session.live_update());
+  run.reloader.attach(reloader);
   LoopEnd end = LoopEnd::kRequested;
   {
     // These threads are started before this thread gets its real-time priority, which they would inherit.
     ReportPrinter printer(session.reports(), reporting_of(session, run), stdout, stderr);
     run.lines.set(&printer);
     const auto print_line = [&run](const std::string& line) { run.lines.print(line); };
-    const ReloadThread reload([&](const std::atomic<bool>& cancelled) { return reloader.reload(cancelled); },
+    const ReloadThread reload([&](const std::atomic<bool>& cancelled) { return run.reloader.reload(cancelled); },
                               run.reload_requests, print_line);
     const network::ConnectionThreads threads(run.connections, session.configuration(), print_line);
     if (run.serves_console && is_first) {
@@ -167,6 +181,7 @@ LoopEnd run_session(Session& session, RunContext& run, const std::string& error)
     if (end != LoopEnd::kRestart) run.console_thread.reset();
     run.lines.set(nullptr);
   }
+  run.reloader.detach();
   session.loop().close();
   return end;
 }
@@ -243,12 +258,7 @@ int run_command(const CommandLine& command_line) {
   session->hold_after_crash(marker.exists());
   RunContext run{command_line, connections,     *console, serves_console, paced,
                  adaptation,   reload_requests, stop,     refused};
-  console->set_use_files([&run](const config::FilePaths& draft) -> Result<void> {
-    Result<std::unique_ptr<Session>> next = load_session(run.command_line.session, draft, true);
-    if (!next.ok()) return next.error();
-    run.next.offer(std::move(next).value());
-    return {};
-  });
+  console->set_use_files([&run](const config::FilePaths& draft) { return use_files(run, draft); });
   if (const Result<void> opened = open_session(*session, run); !opened.ok()) {
     std::fprintf(stderr, "%s\n", opened.error().text.c_str());
     return kExitDeviceFailure;

@@ -1,6 +1,7 @@
 #include "firmware/config/uncalibrated.h"
 
 #include <algorithm>
+#include <filesystem>
 #include <memory>
 #include <numbers>
 
@@ -8,6 +9,8 @@
 
 namespace touchline::config {
 namespace {
+
+namespace fs = std::filesystem;
 
 // A table with its camera as most teams have it.
 constexpr float kUsualLengthM = 1.5f, kUsualWidthM = 1.3f, kUsualHeightM = 2.0f;
@@ -24,6 +27,8 @@ bool has_camera_model(const Configuration& configuration) {
 
 bool lacks_calibration(const Configuration& configuration) {
   const Locations& where = configuration.venue_where;
+  std::error_code unknown;
+  if (!where.file().empty() && fs::status(where.file(), unknown).type() == fs::file_type::not_found) return true;
   const bool was_read = where.has("picture") || where.has("field") || where.has("version");
   return was_read && (configuration.venue.color.empty() || !where.has("camera_model"));
 }

@@ -4,8 +4,8 @@
 
 namespace touchline::config {
 
-/// Whether the venue file was read and lacks its camera model or its colors: all that a guided setup has to find. For a
-/// configuration that load() refused.
+/// Whether the venue file does not exist, or was read and lacks its camera model or its colors: all that a guided setup
+/// has to find. For a configuration that load() refused.
 bool lacks_calibration(const Configuration& configuration);
 
 /// Replaces `configuration.pipeline` by parameters with which nothing is recognized, for pictures as the board file

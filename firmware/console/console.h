@@ -9,6 +9,7 @@
 #include <thread>
 
 #include "firmware/console/console_plan.h"
+#include "firmware/console/files_use.h"
 #include "firmware/console/hub.h"
 #include "firmware/console/web_server.h"
 #include "firmware/session.h"
@@ -34,8 +35,8 @@ class Console {
   /// Replaces the session that it shows; call it after the next one's Session::open() and before its loop runs.
   /// `error`: why it is not the one that was wanted, or "".
   void begin_session(const Session& session, const std::string& error);
-  /// Loads files for the next session; called on the console's thread. Call it before start().
-  void set_use_files(std::function<Result<void>(const config::FilePaths& draft)> use) { use_files_ = std::move(use); }
+  /// Call it before start().
+  void set_use_files(UseFiles use) { use_files_ = std::move(use); }
   /// Ends the thread.
   void stop();
 
@@ -57,7 +58,7 @@ class Console {
   SnapshotRing* snapshots_ = nullptr;
   std::unique_ptr<Hub> hub_;
   std::unique_ptr<WebServer> server_;
-  std::function<Result<void>(const config::FilePaths&)> use_files_;
+  UseFiles use_files_;
   std::string version_;
   std::mutex task_mutex_;
   std::condition_variable task_done_;

@@ -14,6 +14,7 @@
 #include "firmware/console/client.h"
 #include "firmware/console/client_message.h"
 #include "firmware/console/event_log.h"
+#include "firmware/console/files_use.h"
 #include "firmware/console/foxglove_messages.h"
 #include "firmware/console/frame_feed.h"
 #include "firmware/console/machine_monitor.h"
@@ -73,8 +74,7 @@ struct HubLinks {
   SharedReports& reports;
   AdaptationRequests* adaptation;  // null: none
   Print print;                     // for a line of the log
-  // Loads these files, or the saved ones if they are empty, for a session that follows this one. Empty: impossible.
-  std::function<Result<void>(const config::FilePaths& draft)> use_files{};
+  UseFiles use_files{};            // empty: impossible
 };
 
 struct HubSettings {

@@ -71,7 +71,7 @@ void Hub::obey(const SetupOrder& order) {
   using Kind = SetupOrder::Kind;
   if (order.kind == Kind::kUseDraft || order.kind == Kind::kUseSaved) {
     const Result<void> used = use(order);
-    if (used.ok()) return;  // begin_session() answers
+    if (used.ok()) return;  // answered, or begin_session() will
     setup_.answer(order, used.text(), scene_.is_calibrated);
     links_.print("console: setup: " + used.text());
     return;
@@ -91,8 +91,12 @@ Result<void> Hub::use(const SetupOrder& order) {
   // Robots stand already while the files are being read.
   update_setup_wish(hal::MonotonicClock::read());
   pass_on();
-  TOUCHLINE_TRY(links_.use_files(order.files));
-  order_ = order;
+  TOUCHLINE_TRY_ASSIGN(const FilesUse used, links_.use_files(order.files));
+  if (used == FilesUse::kInNextSession) {
+    order_ = order;
+  } else {
+    setup_.answer(order, "", scene_.is_calibrated);
+  }
   return {};
 }
 

@@ -17,8 +17,8 @@ namespace touchline::console {
 
 // The state of a setup with the differences of the files has some 20 KiB.
 inline constexpr std::size_t kMaxSetupTextBytes = std::size_t{256} * 1024;
-// An exported setup, or a lossless picture of the largest camera.
-inline constexpr std::size_t kMaxSetupBinaryBytes = std::size_t{8} * 1024 * 1024;
+// A PNG of the largest camera, 2592 x 1944 pixels of 3 bytes, has 14.4 MiB if nothing in it can be compressed.
+inline constexpr std::size_t kMaxSetupBinaryBytes = std::size_t{16} * 1024 * 1024;
 
 /// A message of the setup program: a text in JSON, and bytes that may follow it.
 struct SetupMessage {

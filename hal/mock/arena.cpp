@@ -9,6 +9,10 @@ namespace {
 constexpr Duration kStep = std::chrono::milliseconds(1);
 static_assert(seconds(kStep) == World::kStepS);
 
+// With these the lamps of `parameters` give the values that they describe. The default of camera.exposure_us, and the
+// middle of what cameras with 8 bits offer.
+constexpr int kNominalExposure_us = 5000, kNominalGain = 128;
+
 }  // namespace
 
 Arena::Arena(const ArenaParameters& parameters, const CameraSettings& camera, const RadioSettings& radio,
@@ -22,7 +26,9 @@ Arena::Arena(const ArenaParameters& parameters, const CameraSettings& camera, co
       begin_(begin),
       now_(begin),
       stepped_(begin),
-      led_picture_(parameters.led.radius_px > 0.0 ? std::size_t{3} * camera.width_px * camera.height_px : 0) {}
+      led_picture_(parameters.led.radius_px > 0.0 ? std::size_t{3} * camera.width_px * camera.height_px : 0) {
+  adjust_camera(camera);
+}
 
 bool Arena::fault_active(FaultKind kind, Instant at) const {
   const double t = seconds(at - begin_);
@@ -97,10 +103,8 @@ std::optional<Exposure> Arena::take_exposure() {
 }
 
 void Arena::adjust_camera(const CameraSettings& settings) {
-  const auto ratio = [](int now, int at_begin) {
-    return now > 0 && at_begin > 0 ? static_cast<double>(now) / at_begin : 1.0;
-  };
-  sensor_.set_brightness(ratio(settings.exposure_us, camera_.exposure_us) * ratio(settings.gain, camera_.gain));
+  const auto ratio = [](int value, int nominal) { return value > 0 ? static_cast<double>(value) / nominal : 1.0; };
+  sensor_.set_brightness(ratio(settings.exposure_us, kNominalExposure_us) * ratio(settings.gain, kNominalGain));
 }
 
 void Arena::set_led(bool on) {

@@ -67,8 +67,8 @@ class Arena {
   /// Switches ArenaParameters::led at now().
   void set_led(bool on);
 
-  /// Scales the brightness by exposure time and gain relative to the settings at construction. A value that is 0 (not
-  /// set) in either of them is ignored.
+  /// Scales the brightness by exposure time and gain; a value of 0 (not set) leaves it. The settings at construction
+  /// apply from the beginning.
   void adjust_camera(const CameraSettings& settings);
   [[nodiscard]] const CameraSettings& camera() const { return camera_; }
   [[nodiscard]] World& world() { return world_; }

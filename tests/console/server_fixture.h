@@ -45,7 +45,7 @@ class ConsoleServer : public ::testing::Test {
   double picture_rate_hz = 30.0;
   std::string setup_socket;
   /// What the hub asks for; empty: it may not.
-  std::function<Result<void>(const config::FilePaths&)> use_files;
+  UseFiles use_files;
   std::atomic<bool> camera_delivers{true};
   bool is_crowded = false;  // before start(): 22 robots, and pictures whose JPEG is large
   std::atomic<std::uint64_t> pictures_copied{0}, frames{0};

@@ -167,7 +167,7 @@ TEST_F(SetupRelayTest, PicturesOfTheProgramArePassedOnAndNothingElseInBinary) {
   std::string picture("TLPC\x01\x02\x00\x00\x00\x00\x00\x00\x2a\x00\x00\x00", 16);
   picture.resize(32, '\0');
   picture += "PNG";
-  picture += std::string(300000, 'x');
+  picture += std::string(std::size_t{3} * 2592 * 1944, 'x');  // of the largest camera
   peer->send(R"({"type":"binary"})", picture);
   for (;;) {
     const SocketMessage message = page.read();
@@ -289,10 +289,10 @@ TEST_F(SetupRelayTest, AProgramThatDoesNotReadIsLostAndTheConsoleGoesOn) {
 
 TEST_F(SetupRelayTest, WithADraftRobotsStandExceptOneThatIsDrivenAndATry) {
   std::atomic<int> drafts{0};
-  use_files = [this, &drafts](const config::FilePaths& files) -> Result<void> {
+  use_files = [this, &drafts](const config::FilePaths& files) -> Result<FilesUse> {
     drafts += files.board == "/draft/board.toml" ? 1 : 0;
     begin_session_later(!files.board.empty(), true);
-    return {};
+    return FilesUse::kInNextSession;
   };
   start_both();
   SocketPage driver(port());
@@ -333,6 +333,19 @@ TEST_F(SetupRelayTest, WithADraftRobotsStandExceptOneThatIsDrivenAndATry) {
   EXPECT_TRUE(eventually([&] { return input().setup == SetupWish::kNone && input().stop; })) << "until Start";
 }
 
+TEST_F(SetupRelayTest, ADraftThatTheRunningSessionAdoptsIsAnsweredAtOnce) {
+  use_files = [](const config::FilePaths& /*files*/) -> Result<FilesUse> { return FilesUse::kAtOnce; };
+  start_both();
+  // Twice: the first order does not stay open.
+  for (const char* request : {"4", "5"}) {
+    peer->send(std::string(R"({"type":"use","source":"draft","board":"/draft/board.toml","request":)") + request + "}");
+    const json used = peer->read_type("used").text;
+    EXPECT_EQ(used["ok"], true);
+    EXPECT_EQ(used["calibrated"], true);
+  }
+  EXPECT_TRUE(eventually([&] { return input().setup == SetupWish::kStand; }));
+}
+
 TEST_F(SetupRelayTest, ADraftThatCannotBeUsedLeavesRobotsStopped) {
   use_files = [](const config::FilePaths& /*files*/) { return failure(ErrorCode::kNotFound, "/draft: no such file"); };
   start_both();
@@ -348,9 +361,9 @@ TEST_F(SetupRelayTest, ADraftThatCannotBeUsedLeavesRobotsStopped) {
 }
 
 TEST_F(SetupRelayTest, WithoutCalibrationNothingMoves) {
-  use_files = [this](const config::FilePaths& files) -> Result<void> {
+  use_files = [this](const config::FilePaths& files) -> Result<FilesUse> {
     begin_session_later(!files.board.empty(), false);
-    return {};
+    return FilesUse::kInNextSession;
   };
   start_both();
   SocketPage page(port());

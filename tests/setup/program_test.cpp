@@ -119,6 +119,16 @@ TEST_F(ScriptedFirmware, SetsKeysAsStepsOfUndo) {
   expect_ok("set", {{"key", "camera.exposure_us"}, {"value", 2000}});
   EXPECT_EQ(state_["steps"]["camera"]["values"]["exposure_us"], 2000);
   EXPECT_EQ(state_["undo"], nlohmann::json({"camera.exposure_us 2000"}));
+  // A slider is moved on: still one step. Another key begins a new one.
+  expect_ok("set", {{"key", "camera.exposure_us"}, {"value", 2500}, {"continues", true}});
+  EXPECT_EQ(state_["undo"], nlohmann::json({"camera.exposure_us 2500"}));
+  expect_ok("set", {{"key", "camera.gain"}, {"value", 7}, {"continues", true}});
+  EXPECT_EQ(state_["undo"].size(), 2u);
+  expect_ok("undo");
+  expect_ok("undo");
+  EXPECT_EQ(state_["undo"], nlohmann::json::array());
+  EXPECT_EQ(state_["steps"]["camera"]["values"]["exposure_us"], 5000);
+  expect_ok("redo");
   expect_error("set", {{"key", "camera.exposure_us"}, {"value", -1}}, "exposure_us");
   expect_error("set", {{"key", "camera.speed"}, {"value", 1}}, "speed");
   expect_error("set", {{"key", "warp.speed"}, {"value", 1}}, "unknown");
@@ -134,6 +144,18 @@ TEST_F(ScriptedFirmware, SetsKeysAsStepsOfUndo) {
   EXPECT_EQ(state_["steps"]["robots"]["problems"], nlohmann::json::array());
   expect_ok("confirm", {{"step", "camera"}});
   EXPECT_TRUE(state_["steps"]["camera"]["done"]);
+}
+
+TEST_F(ScriptedFirmware, KeepsCommentsAndWritesShortNumbers) {
+  write("etc/team.toml", read("etc/team.toml") + "\n[control.drive] # ours\nmax_speed_mps = 1.5 # not more\n");
+  start_program();
+  expect_ok("begin");
+  expect_ok("set", {{"key", "control.drive.max_speed_mps"}, {"value", 2.2000000476837158}});
+  EXPECT_NE(read("state/draft/team.toml").find("[control.drive] # ours\nmax_speed_mps = 2.2 # not more\n"),
+            std::string::npos)
+      << read("state/draft/team.toml");
+  expect_ok("set", {{"key", "radio.delay_s"}, {"value", 0.0123}});
+  EXPECT_EQ(state_["steps"]["radio"]["values"]["delay_s"].dump(), "0.0123");
 }
 
 TEST_F(ScriptedFirmware, MeasuresTheCameraWithoutAStep) {

@@ -241,10 +241,12 @@ const handlers = {
     setup.change('import', 'camera', {});
     setup.steps = steps;
   },
-  set(setup, { key, value }) {
+  set(setup, { key, value, continues }) {
     const [section, name] = key.split('.');
     if (name === 'exposure_us' && (value < 0 || value > 1000000)) throw new Error(`board.toml: ${key} = ${value} is out of range: 0 to 1000000`);
+    const former = continues && setup.past.at(-1)?.name.startsWith(`${key} `) ? setup.past.pop().steps : structuredClone(setup.steps);
     setup.change(`${key} = ${value}`, section, { values: { ...setup.steps[section].values, [name]: value } });
+    setup.past.at(-1).steps = former;
   },
   'camera.quality'(setup) {
     const measure = setup.measure();

@@ -1,7 +1,9 @@
 #pragma once
 
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <type_traits>
 
 #include "core/parameter.h"
 #include "firmware/config/wording.h"
@@ -49,9 +51,22 @@ class DescribedKeys {
   void list(const Container&, const Key&) {}
 
  private:
+  // The shortest number that reads back to the same value: 2.2, not 2.2000000476837158.
+  template <class T>
+  static nlohmann::json json_of(const T& value) {
+    if constexpr (std::is_floating_point_v<T>) {
+      return std::isfinite(value) ? nlohmann::json::parse(config::number_text(value)) : nlohmann::json();
+    } else if constexpr (std::is_arithmetic_v<T> || std::is_convertible_v<T, std::string>) {
+      return value;
+    } else {
+      nlohmann::json list = nlohmann::json::array();
+      for (const auto& one : value) list.push_back(json_of(one));
+      return list;
+    }
+  }
   template <class T>
   nlohmann::json& add(const T& value, const Key& key) {
-    values_[std::string(key.name)] = value;
+    values_[std::string(key.name)] = json_of(value);
     keys_.push_back(
         {{"name", std::string(key.name)}, {"unit", std::string(key.unit)}, {"help", std::string(key.help)}});
     return keys_.back();

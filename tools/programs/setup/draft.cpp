@@ -70,6 +70,13 @@ Result<void> Draft::add(DraftState state) {
   return {};
 }
 
+Result<void> Draft::replace(DraftState state) {
+  TOUCHLINE_TRY(store(state));
+  states_.resize(current_ + 1);
+  states_.back() = std::move(state);
+  return {};
+}
+
 Result<void> Draft::move_to(std::size_t index) {
   TOUCHLINE_TRY(store(states_[index]));
   current_ = index;

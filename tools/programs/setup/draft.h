@@ -53,6 +53,8 @@ class Draft {
   /// Adds a step after the current one and drops those that could be redone. On error nothing changes. Errors of
   /// hal::OutputFile.
   Result<void> add(DraftState state);
+  /// As add(), but takes the place of the current step.
+  Result<void> replace(DraftState state);
   /// kNotFound: there is no such step. Errors of hal::OutputFile.
   Result<void> undo();
   Result<void> redo();

@@ -46,9 +46,9 @@ Answer SetupProgram::discard(const Arguments&) {
   return nlohmann::json(nullptr);
 }
 
-// A new state of the draft.
-Answer SetupProgram::change(DraftState next) {
-  TOUCHLINE_TRY(draft_.add(std::move(next)));
+// A new state of the draft. With `replaces_last` undo leads to the state before the last one.
+Answer SetupProgram::change(DraftState next, bool replaces_last) {
+  TOUCHLINE_TRY(replaces_last ? draft_.replace(std::move(next)) : draft_.add(std::move(next)));
   if (uses_draft_) use(true);
   return nlohmann::json(nullptr);
 }
@@ -189,7 +189,8 @@ Answer SetupProgram::confirm(const Arguments& arguments) {
 }
 
 // One file of the draft with another text, as a step.
-Answer SetupProgram::change_text(const std::string& step, const std::string& file, Result<std::string> text) {
+Answer SetupProgram::change_text(const std::string& step, const std::string& file, Result<std::string> text,
+                                 bool replaces_last) {
   if (!text.ok()) return prefixed(file, std::move(text).error());
   DraftState next = draft_.now();
   next.name = step;
@@ -198,7 +199,7 @@ Answer SetupProgram::change_text(const std::string& step, const std::string& fil
   const std::string check = options_.folder + "/check";
   TOUCHLINE_TRY(write_folder(next.files, check));
   TOUCHLINE_TRY(check_file(next.files, file, check));
-  Answer changed = change(std::move(next));
+  Answer changed = change(std::move(next), replaces_last);
   send_state();
   return changed;
 }

@@ -2,6 +2,7 @@
 
 #include <toml++/toml.h>
 #include <algorithm>
+#include <cmath>
 #include <sstream>
 
 #include "firmware/config/board_file.h"
@@ -9,7 +10,9 @@
 #include "firmware/config/section_writer.h"
 #include "firmware/config/team_file.h"
 #include "firmware/config/toml_file.h"
+#include "firmware/config/value_writer.h"
 #include "firmware/config/venue_file.h"
+#include "firmware/config/wording.h"
 
 namespace touchline::setup {
 namespace {
@@ -20,32 +23,12 @@ bool has_section(const std::string& name) {
   return std::any_of(keys.begin(), keys.end(), [&](const config::KeyInfo& key) { return key.path == name; });
 }
 
-// A top-level key is a line; the line scanner of replace_section() is for sections.
-Result<std::string> replace_top_level(const std::string& text, const std::string& key, const std::string& toml_value) {
-  std::string out, line;
-  bool done = false, in_sections = false;
-  std::istringstream lines(text);
-  const std::string written = toml_value.empty() ? "" : key + " = " + toml_value + "\n";
-  while (std::getline(lines, line)) {
-    const std::string first = line.substr(0, line.find_first_of(" =\t"));
-    if (!in_sections && line.starts_with('[')) {
-      in_sections = true;
-      if (!done) out += written;
-      done = true;
-    }
-    if (!in_sections && first == key) {
-      if (!done) out += written;
-      done = true;
-    } else {
-      out += line + "\n";
-    }
-  }
-  return done ? out : out + written;
-}
-
 }  // namespace
 
 Result<std::string> toml_of(const nlohmann::json& value) {
+  // Most values are single-precision: the shortest number that reads back to the same one.
+  const float number = value.is_number_float() ? value.get<float>() : INFINITY;
+  if (std::isfinite(number)) return config::number_text(number);
   if (value.is_number() || value.is_boolean()) return value.dump();
   if (value.is_string()) return config::toml_string(value.get_ref<const std::string&>());
   if (!value.is_array())
@@ -60,24 +43,28 @@ Result<std::string> toml_of(const nlohmann::json& value) {
 }
 
 Result<std::string> replace_key(const std::string& text, const std::string& key, const std::string& toml_value) {
+  const std::string content = text.empty() ? config::kNewFile : text;
+  const std::size_t dot = key.rfind('.');
+  const bool is_top = dot == std::string::npos;
+  const std::string table = is_top ? "" : key.substr(0, dot), name = is_top ? key : key.substr(dot + 1);
+  if (Result<std::string> edited = config::replace_value(content, table, name, toml_value); edited.ok() || is_top) {
+    return edited;
+  }
   const std::string section = key.substr(0, key.find_first_of(".["));
-  if (section == key) return replace_top_level(text, key, toml_value);
   try {
-    toml::table table = toml::parse(text.empty() ? config::kNewFile : text);
-    if (toml_value.empty()) {
-      const std::size_t dot = key.rfind('.');
-      toml::node_view<toml::node> parent = table.at_path(key.substr(0, dot));
-      if (parent.is_table()) parent.as_table()->erase(key.substr(dot + 1));
-    } else {
-      TOUCHLINE_TRY(config::apply({key, toml_value}, table));
+    toml::table root = toml::parse(content);
+    if (!toml_value.empty()) {
+      TOUCHLINE_TRY(config::apply({key, toml_value}, root));
+    } else if (toml::table* const parent = root.at_path(table).as_table(); parent != nullptr) {
+      parent->erase(name);
     }
     std::ostringstream written;
-    if (const toml::node* node = table.get(section)) {
+    if (const toml::node* node = root.get(section)) {
       toml::table only;
       node->visit([&](const auto& value) { only.insert(section, value); });
       written << only << "\n";
     }
-    return config::replace_section(text.empty() ? config::kNewFile : text, section, written.str());
+    return config::replace_section(content, section, written.str());
   } catch (const toml::parse_error& fault) {
     return failure(ErrorCode::kInconsistent, "line %u: %s", fault.source().begin.line,
                    std::string(fault.description()).c_str());

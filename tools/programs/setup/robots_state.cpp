@@ -13,6 +13,7 @@
 #include "tools/programs/calibrate/colors/team_colors.h"
 #include "tools/programs/calibrate/imaging/channel_image.h"
 #include "tools/programs/setup/arguments.h"
+#include "tools/programs/setup/key_writer.h"
 #include "tools/programs/setup/page_state.h"
 
 namespace touchline::setup {
@@ -121,37 +122,36 @@ nlohmann::json robots_state(const std::string& team_path, const calibrate::Venue
 Result<std::string> replace_team(const std::string& text, const std::string& name, const nlohmann::json& table) {
   if (!table.is_object()) return failure(ErrorCode::kInconsistent, "\"%s\" must be an object", name.c_str());
   const Arguments members(table);
-  toml::table file;
+  std::string content = text.empty() ? config::kNewFile : text;
+  for (const char* key : {"layout", "color"}) {
+    if (!members.has(key)) continue;
+    TOUCHLINE_TRY_ASSIGN(const std::string value, members.text(key));
+    TOUCHLINE_TRY_ASSIGN(content, replace_key(content, name + "." + key, config::toml_string(value)));
+  }
+  if (!members.has("robots")) return content;
+  if (!members["robots"].is_array()) return Error{ErrorCode::kInconsistent, "\"robots\" must be a list"};
+  toml::array robots;
+  for (const nlohmann::json& one : members["robots"]) {
+    if (!one.is_object()) return Error{ErrorCode::kInconsistent, "a robot must be an object"};
+    const Arguments robot(one);
+    TOUCHLINE_TRY_ASSIGN(const double id, robot.number("id", 0, 127));
+    TOUCHLINE_TRY_ASSIGN(const std::vector<std::string> colors, robot.texts("colors"));
+    toml::array names;
+    for (const std::string& color : colors) names.push_back(color);
+    robots.push_back(toml::table{{"id", static_cast<std::int64_t>(id)}, {"colors", std::move(names)}});
+  }
   try {
-    file = toml::parse(text.empty() ? config::kNewFile : text);
+    const toml::table file = toml::parse(content);
+    toml::table team;
+    if (const toml::table* former = file[name].as_table()) team = *former;
+    team.insert_or_assign("robot", std::move(robots));
+    std::ostringstream section;
+    section << toml::table{{name, std::move(team)}} << "\n";
+    return config::replace_section(content, name, section.str());
   } catch (const toml::parse_error& fault) {
     return failure(ErrorCode::kInconsistent, "line %u: %s", fault.source().begin.line,
                    std::string(fault.description()).c_str());
   }
-  toml::table team;
-  if (const toml::table* former = file[name].as_table()) team = *former;
-  for (const char* key : {"layout", "color"}) {
-    if (!members.has(key)) continue;
-    TOUCHLINE_TRY_ASSIGN(const std::string value, members.text(key));
-    team.insert_or_assign(key, value);
-  }
-  if (members.has("robots")) {
-    if (!members["robots"].is_array()) return Error{ErrorCode::kInconsistent, "\"robots\" must be a list"};
-    toml::array robots;
-    for (const nlohmann::json& one : members["robots"]) {
-      if (!one.is_object()) return Error{ErrorCode::kInconsistent, "a robot must be an object"};
-      const Arguments robot(one);
-      TOUCHLINE_TRY_ASSIGN(const double id, robot.number("id", 0, 127));
-      TOUCHLINE_TRY_ASSIGN(const std::vector<std::string> colors, robot.texts("colors"));
-      toml::array names;
-      for (const std::string& color : colors) names.push_back(color);
-      robots.push_back(toml::table{{"id", static_cast<std::int64_t>(id)}, {"colors", std::move(names)}});
-    }
-    team.insert_or_assign("robot", std::move(robots));
-  }
-  std::ostringstream section;
-  section << toml::table{{name, std::move(team)}} << "\n";
-  return config::replace_section(text.empty() ? config::kNewFile : text, name, section.str());
 }
 
 }  // namespace touchline::setup

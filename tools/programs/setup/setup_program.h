@@ -96,7 +96,7 @@ class SetupProgram {
   Result<nlohmann::json> picture(const Arguments&);
   Result<nlohmann::json> use_files(const Arguments&);
   Result<nlohmann::json> drive(const Arguments&);
-  Result<nlohmann::json> change(DraftState state);
+  Result<nlohmann::json> change(DraftState state, bool replaces_last = false);
 
   // Commands of the steps (step_commands.cpp).
   Result<nlohmann::json> field_find(const Arguments&);
@@ -113,7 +113,8 @@ class SetupProgram {
   Result<nlohmann::json> radio_set(const Arguments&);
   Result<nlohmann::json> confirm(const Arguments&);
   Result<nlohmann::json> try_draft(const Arguments&);
-  Result<nlohmann::json> change_text(const std::string& step, const std::string& file, Result<std::string> text);
+  Result<nlohmann::json> change_text(const std::string& step, const std::string& file, Result<std::string> text,
+                                     bool replaces_last = false);
 
   SetupOptions options_;
   Draft draft_;

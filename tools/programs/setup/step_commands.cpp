@@ -215,7 +215,11 @@ Answer SetupProgram::set(const Arguments& arguments) {
   }
   const SetupFiles& files = draft_.now().files;
   TOUCHLINE_TRY_ASSIGN(const std::string file, file_of_key(files, key));
-  return change_text(key + " " + (value.empty() ? "removed" : value), file, replace_key(files.text(file), key, value));
+  TOUCHLINE_TRY_ASSIGN(const bool continues, arguments.flag("continues", false));
+  // A slider that is being moved is one step.
+  const bool replaces_last = continues && draft_.now().name.starts_with(key + " ");
+  return change_text(key + " " + (value.empty() ? "removed" : value), file, replace_key(files.text(file), key, value),
+                     replaces_last);
 }
 
 Answer SetupProgram::robots_set(const Arguments& arguments) {

@@ -3,6 +3,8 @@ import type { SetupCommand, SetupMessage, SetupPicture, SetupState } from './set
 
 // Every step has a few pictures, and clicks replace each other's.
 const MAX_PICTURES = 48;
+// The program answers within a moment, or says that it is busy; it waits at most 20 s for a picture of the camera.
+const ANSWER_MS = 25_000;
 
 /** Sends a message; returns the number that the answer repeats, or 0 if there is no connection. */
 type Send = (command: { type: 'setup' } & SetupCommand) => number;
@@ -11,6 +13,12 @@ interface Result {
   error?: string;
   result?: unknown;
 }
+
+interface Ways {
+  tells?: boolean; // false: nobody is told when it fails
+  locks?: boolean; // false: the page stays usable meanwhile
+}
+export const SILENT: Ways = { tells: false, locks: false };
 
 /** What the setup program said, and the commands to it. */
 export class Setup {
@@ -24,19 +32,35 @@ export class Setup {
 
   constructor(private readonly send: Send) {}
 
-  /** The result of a command, or null if it was refused; then `error` says why, unless it is `silent`. */
-  async ask<T = unknown>(command: SetupCommand, silent = false): Promise<T | null> {
-    if (!silent) this.error = '';
+  /** The result of a command, or null if it failed; then `error` says why. */
+  async ask<T = unknown>(command: SetupCommand, { tells = true, locks = true }: Ways = {}): Promise<T | null> {
+    if (tells) this.error = '';
     const number = this.send({ type: 'setup', ...command });
     if (number === 0) {
-      if (!silent) this.error = 'The page is not connected to the board. Nothing was sent.';
+      if (tells) this.error = 'The page is not connected to the board. Nothing was sent.';
       return null;
     }
-    if (!silent) this.waiting += 1;
-    const answer = await new Promise<Result>((resolve) => this.answers.set(number, resolve));
-    if (!silent) this.waiting -= 1;
-    if (!answer.ok && !silent) this.error = answer.error ?? 'The setup program refused this without a reason.';
+    if (locks) this.waiting += 1;
+    const answer = await this.answerTo(number, command.command);
+    if (locks) this.waiting -= 1;
+    if (!answer.ok && tells) this.error = answer.error ?? 'The setup program refused this without a reason.';
     return answer.ok ? ((answer.result ?? {}) as T) : null;
+  }
+
+  private answerTo(number: number, command: string): Promise<Result> {
+    return new Promise((resolve) => {
+      let busyAt = performance.now();
+      const watch = setInterval(() => {
+        if (this.state?.busy?.command === command) busyAt = performance.now();
+        if (performance.now() - busyAt < ANSWER_MS) return;
+        const error = `The setup program has not answered "${command}" for ${ANSWER_MS / 1000} s. Look whether it was done, and try again. If this happens again: systemctl restart touchline-setup`;
+        this.accept({ to: number, ok: false, error });
+      }, 1000);
+      this.answers.set(number, (answer) => {
+        clearInterval(watch);
+        resolve(answer);
+      });
+    });
   }
 
   /** Returns whether the answer was to a command of the setup. */

@@ -167,7 +167,7 @@ export type SetupCommand =
   | { command: 'use'; source: 'draft' | 'saved' }
   | { command: 'try' | 'drive'; on: boolean }
   | { command: 'confirm'; step: StepName }
-  | { command: 'set'; key: string; value: KeyValue }
+  | { command: 'set'; key: string; value: KeyValue; continues?: boolean }
   | { command: 'camera.quality' } // result: CameraMeasure; not a step of undo
   | ({ command: 'field.find' } & FieldSize)
   | ({ command: 'field.corners'; corners_px: [number, number][] } & FieldSize)

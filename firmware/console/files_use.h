@@ -1,0 +1,20 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+
+#include "firmware/config/configuration.h"
+#include "hal/result.h"
+
+namespace touchline::console {
+
+/// When files are in use that the setup program has ordered.
+enum class FilesUse : std::uint8_t {
+  kAtOnce,         // the running session has adopted them
+  kInNextSession,  // another session with them follows this one
+};
+
+/// Loads these files, or the saved ones if they are empty. Called on the console's thread.
+using UseFiles = std::function<Result<FilesUse>(const config::FilePaths& draft)>;
+
+}  // namespace touchline::console

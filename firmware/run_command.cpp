@@ -136,6 +136,7 @@ ReportPrinterSettings reporting_of(const Session& session, RunContext& run) {
   if (!run.connections.plan().empty()) reporting.network = [&run] { return run.connections.status_text(); };
   if (run.serves_console) {
     reporting.on_status = [&run](const StatusReport& status) { run.console.reports().set(status); };
+    reporting.on_halt = [&run](std::uint16_t halt) { run.console.reports().set_halt(halt); };
     reporting.on_event = [&run](const char* level, const std::string& line) {
       run.console.reports().events.add(level, line);
     };

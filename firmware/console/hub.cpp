@@ -14,6 +14,8 @@ using namespace std::chrono_literals;
 // A state of 22 robots has 12 KB, a projection of the largest field 60 KB.
 constexpr std::size_t kFirstTextBytes = std::size_t{64} * 1024;
 constexpr double kDefaultStateHz = 15.0;
+// The loop reports once a second, also without frames. Older halts are not believed.
+constexpr Duration kLoopSilence = 2500ms;
 
 }  // namespace
 
@@ -53,9 +55,9 @@ void Hub::tick(Instant now) {
     unix_time_ = hal::measure_unix_time_offset();
     feed_.next_second();
     monitor_.measure(now);
-    report_ = links_.reports.get();
     for (Client& client : clients_) client.wants_status = true;
   }
+  read_reports(now);
   if (!pictures_.error().empty() && !std::exchange(is_picture_failure_reported_, true)) {
     links_.print("console: no pictures: " + pictures_.error());
   }
@@ -64,6 +66,25 @@ void Hub::tick(Instant now) {
   });
   if (is_wanted) pictures_.request(now);
   serve_setup(now);
+}
+
+void Hub::read_reports(Instant now) {
+  const std::uint64_t count = links_.reports.count();
+  if (count == reports_read_) return;
+  reports_read_ = count;
+  heard_from_loop_ = now;
+  const std::uint16_t before = std::exchange(report_, links_.reports.get()).halt;
+  if (report_.halt == before) return;
+  // Without frames, clients learn it only so.
+  for (Client& client : clients_) client.wants_status = true;
+}
+
+Outgoing Hub::status_message(Instant now) {
+  const bool is_known = reports_read_ > 0 && now - heard_from_loop_ <= kLoopSilence;
+  return text_message([&](auto& json) {
+    write_status(json, scene_, feed_, report_, is_known ? std::optional(report_.halt) : std::nullopt, monitor_.status(),
+                 clients_.size(), unix_s(now));
+  });
 }
 
 void Hub::pass_on() {
@@ -247,11 +268,7 @@ Outgoing Hub::next_message(Client& client, Instant now) {
     client.last_event = event->number;
     return text_message([&](auto& json) { write_event(json, *event); });
   }
-  if (std::exchange(client.wants_status, false)) {
-    return text_message([&](auto& json) {
-      write_status(json, scene_, feed_, report_, monitor_.status(), clients_.size(), unix_s(now));
-    });
-  }
+  if (std::exchange(client.wants_status, false)) return status_message(now);
   const bool is_picture_next = is_picture_due(client, now) && has_fresh_picture(client);
   if (is_picture_next && client.picture_follows) return picture_message(client, now);
   if (is_picture_next) {
@@ -307,17 +324,16 @@ std::uint64_t Hub::next_picture_number() const {
 
 BugReportContent Hub::bug_report_content(std::uint64_t from, Instant now) {
   feed_.read();
-  const auto text = [this](const auto& write) {
-    const Outgoing message = text_message(write);
+  const auto text_in = [](const Outgoing& message) {
     return std::string(reinterpret_cast<const char*>(message.bytes.data()), message.bytes.size());
   };
   BugReportContent content;
   content.scene = scene_;
   content.made = now;
   content.unix_time = unix_time_;
-  content.hello = text([&](auto& json) { write_hello(json, scene_, setup_.is_running(), 0, unix_s(now)); });
-  content.status = text(
-      [&](auto& json) { write_status(json, scene_, feed_, report_, monitor_.status(), clients_.size(), unix_s(now)); });
+  content.hello =
+      text_in(text_message([&](auto& json) { write_hello(json, scene_, setup_.is_running(), 0, unix_s(now)); }));
+  content.status = text_in(status_message(now));
   content.events = links_.reports.events.all();
   content.snapshots = feed_.last(kBugReportTime);
   content.console = driving_.input();

@@ -37,6 +37,18 @@ class SharedReports {
   void set(const StatusReport& report) {
     const std::scoped_lock lock(mutex_);
     report_ = report;
+    ++count_;
+  }
+  /// The reasons to halt have changed since the last status.
+  void set_halt(std::uint16_t halt) {
+    const std::scoped_lock lock(mutex_);
+    report_.halt = halt;
+    ++count_;
+  }
+  /// Number of reports.
+  [[nodiscard]] std::uint64_t count() const {
+    const std::scoped_lock lock(mutex_);
+    return count_;
   }
   [[nodiscard]] StatusReport get() const {
     const std::scoped_lock lock(mutex_);
@@ -47,6 +59,7 @@ class SharedReports {
  private:
   mutable std::mutex mutex_;
   StatusReport report_;
+  std::uint64_t count_ = 0;
 };
 
 /// A message for a client. `bytes` has room for kMessagePrefix bytes in front of it and is valid until the next call of
@@ -139,6 +152,8 @@ class Hub {
   Result<void> change_adaptation(const Client& client, AdaptationMode wanted);
   void pass_on();
   void serve_setup(Instant now);
+  void read_reports(Instant now);
+  [[nodiscard]] Outgoing status_message(Instant now);
   void obey(const SetupOrder& order);
   Result<void> use(const SetupOrder& order);
   void update_setup_wish(Instant now);
@@ -195,6 +210,8 @@ class Hub {
   SetupWish wish_ = SetupWish::kNone;
   ClientNumber last_number_ = 0;
   StatusReport report_;  // the newest
+  std::uint64_t reports_read_ = 0;
+  Instant heard_from_loop_{};  // when it came
   bool is_picture_failure_reported_ = false;
   std::vector<std::byte> text_;
   std::shared_ptr<Parcel> parcel_;  // that is being sent

@@ -52,14 +52,19 @@ struct MachineStatus {
   double memory_mb = 0.0;
 };
 
+/// Writes the member `halt`: the list of the reasons' words. `halt`: bits of Halt.
+void write_halt(report::JsonWriter& json, std::uint16_t halt);
+
 // Each writes one object.
 /// `has_setup`: the setup program is running.
 void write_hello(report::JsonWriter& json, const Scene& scene, bool has_setup, std::uint32_t you, double now_unix_s);
 /// `console`: whose commands the console gives.
 void write_state(report::JsonWriter& json, const Scene& scene, const Snapshot& snapshot, const ConsoleInput& console,
                  const hal::UnixTimeOffset& unix_time);
+/// `halt`: bits of Halt; nullopt: not known.
 void write_status(report::JsonWriter& json, const Scene& scene, const FrameFeed& feed, const StatusReport& report,
-                  const MachineStatus& machine, std::size_t clients, double now_unix_s);
+                  std::optional<std::uint16_t> halt, const MachineStatus& machine, std::size_t clients,
+                  double now_unix_s);
 /// Unix time of the capture.
 double captured_unix_s(const Snapshot& snapshot, const hal::UnixTimeOffset& unix_time);
 void write_event(report::JsonWriter& json, const Event& event);

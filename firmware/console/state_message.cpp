@@ -163,6 +163,12 @@ void write_list(JsonWriter& json, std::string_view key, const List& list, const 
 
 }  // namespace
 
+void write_halt(JsonWriter& json, std::uint16_t halt) {
+  write_list(json, "halt", kHaltWords, [&](const HaltWord& reason) {
+    if ((halt & reason.bit) != 0) json.string(reason.word);
+  });
+}
+
 void write_state(JsonWriter& json, const Scene& scene, const Snapshot& snapshot, const ConsoleInput& console,
                  const hal::UnixTimeOffset& unix_time) {
   json.begin_object();
@@ -185,9 +191,7 @@ void write_state(JsonWriter& json, const Scene& scene, const Snapshot& snapshot,
              [&](const RobotCommand& command) { write_command(json, command, console); });
   json.key("stop");
   json.boolean(snapshot.commands.stop);
-  write_list(json, "halt", kHaltWords, [&](const HaltWord& halt) {
-    if ((snapshot.halt & halt.bit) != 0) json.string(halt.word);
-  });
+  write_halt(json, snapshot.halt);
   json.key("referee");
   json.begin_object();
   json.key("phase");

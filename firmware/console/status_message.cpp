@@ -101,7 +101,8 @@ void add_histogram(std::string& text, const LatencyBins& latency) {
 }  // namespace
 
 void write_status(JsonWriter& json, const Scene& scene, const FrameFeed& feed, const StatusReport& report,
-                  const MachineStatus& machine, std::size_t clients, double now_unix_s) {
+                  std::optional<std::uint16_t> halt, const MachineStatus& machine, std::size_t clients,
+                  double now_unix_s) {
   json.begin_object();
   json.key("type");
   json.string("status");
@@ -119,6 +120,12 @@ void write_status(JsonWriter& json, const Scene& scene, const FrameFeed& feed, c
   write_count(json, "deadlines_missed", feed.missed_deadlines());
   write_count(json, "frames", feed.frames());
   write_count(json, "frames_lost", feed.lost_frames());
+  if (halt) {
+    write_halt(json, *halt);
+  } else {
+    json.key("halt");
+    json.null();
+  }
   write_count(json, "overloads", report.overloads);
   write_count(json, "faults", report.faults);
   write_number(json, "cpu_percent", machine.cpu_percent, 0.1);

@@ -174,5 +174,28 @@ TEST_F(WebConditions, WithoutCameraThePageIsStillTold) {
   EXPECT_EQ(get(port(), "/snapshot.jpg").status, 200);
 }
 
+TEST_F(WebConditions, WithoutFramesTheStatusTellsWhyRobotsAreStopped) {
+  camera_delivers = false;
+  start();
+  SocketPage page(port());
+  StatusReport report;
+  const auto halt_of_next_status = [&] {
+    const std::optional<std::string> status = page.read_type("status");
+    return status ? nlohmann::json::parse(*status)["halt"] : nlohmann::json("no status");
+  };
+  EXPECT_EQ(halt_of_next_status(), nullptr) << "the loop has said nothing yet";
+  report.halt = kHaltNoFrames | kHaltConsole;
+  reports.set(report);
+  while (halt_of_next_status() == nullptr) reports.set(report);
+  reports.set_halt(kHaltNoFrames);
+  nlohmann::json halt = halt_of_next_status();
+  // A status that was on its way may be the former one.
+  for (int i = 0; i < 3 && halt != nlohmann::json{"no_frames"}; ++i, halt = halt_of_next_status()) {
+    reports.set_halt(kHaltNoFrames);
+  }
+  EXPECT_EQ(halt, nlohmann::json{"no_frames"});
+  EXPECT_TRUE(eventually([&] { return halt_of_next_status() == nullptr; })) << "the loop hangs: nothing is known";
+}
+
 }  // namespace
 }  // namespace touchline::console

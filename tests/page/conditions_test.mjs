@@ -1,4 +1,4 @@
-// A color whose name is markup, with the real program, TOUCHLINE_PROGRAM, and its arena, TOUCHLINE_BOARD.
+// A color whose name is markup, and a camera that is unplugged, with the real program, TOUCHLINE_PROGRAM, and its arena, TOUCHLINE_BOARD.
 import assert from 'node:assert/strict';
 import { cp, mkdtemp, readFile, rm, writeFile } from 'node:fs/promises';
 import { tmpdir } from 'node:os';
@@ -43,5 +43,29 @@ test('the name of a color is text on every page', () =>
     }
     assert.equal(await page.evaluate(() => window.hacked), undefined);
     assert.equal(await page.locator('main script, main img[src="x"]').count(), 0);
+    assert.deepEqual(problems, []);
+  }));
+
+// Again and again, so that a slow browser sees it, too: 20 s without camera, 20 s with it.
+const faults = Array.from({ length: 30 }, (_, i) => `[[arena.fault]]\nkind = "camera_lost"\nat_s = ${10 + 40 * i}\nfor_s = 20\n`).join('\n');
+
+test('the camera is unplugged: the page says so, stop is confirmed, and it goes on when the camera is back', () =>
+  withBoard(['board.toml'], (text) => `${text}\n${faults}`, async (page, problems) => {
+    await waitForLink(page, 'Connected');
+    await page.waitForSelector('[data-link^="No frames"]');
+    await page.waitForSelector('[data-halt~="no_frames"]:has-text("Robots stopped"):has-text("no picture from the camera")');
+    await show(page, 'play');
+    await page.waitForSelector('[data-reasons]:has-text("Check the camera and its cable")');
+    await page.keyboard.press('Space');
+    await page.waitForSelector('header [data-stop="confirmed"]');
+    await page.waitForSelector('[data-halt~="console"]');
+    await show(page, 'timing');
+    await page.waitForSelector('.log:has-text("camera")');
+    await waitForLink(page, 'Connected');
+    await page.waitForFunction(() => !document.querySelector('[data-halt]').dataset.halt.includes('no_frames'));
+    // The camera's return starts nobody.
+    await page.waitForSelector('[data-halt~="console"]');
+    await show(page, 'live');
+    await waitForPicture(page);
     assert.deepEqual(problems, []);
   }));

@@ -40,6 +40,20 @@ test('after a restart of the board a stop is confirmed by its first states', () 
   assert.equal(stop.confirmed, true);
 });
 
+test('without frames, only a status after the answer confirms a stop', () => {
+  const stop = new StopRequest(10, 0);
+  stop.passed(7);
+  stop.acceptStatus(['console']);
+  assert.equal(stop.confirmed, false, 'the board may not have heard it yet');
+  stop.answered = true;
+  stop.acceptStatus(null);
+  stop.acceptStatus(undefined);
+  stop.acceptStatus(['no_frames']);
+  assert.equal(stop.confirmed, false);
+  stop.acceptStatus(['no_frames', 'console']);
+  assert.equal(stop.confirmed, true);
+});
+
 test('every halt has words, also one that this page does not know', () => {
   assert.equal(haltReasons(['emergency', 'no_frames']), 'the emergency stop is pulled, no picture from the camera');
   assert.equal(haltText('toString').reason, 'toString');

@@ -170,6 +170,7 @@ export interface Status {
   type: 'status';
   time_s: number;
   elapsed_s: number;
+  halt?: string[] | null; // also without frames; null: the board's loop is silent
   rate_hz: number;
   latency: { start: LatencySummary; minute: LatencySummary };
   deadline_ms?: number;

@@ -8,6 +8,8 @@ import { Trails } from './trails';
 
 /** Values older than this are greyed. States arrive at least five times in this time. */
 export const STALE_MS = 1200;
+// A status comes every second. An older one does not say why robots are stopped: they may have been started since.
+const STATUS_HALT_MS = 1800;
 // The server sends its last 100 lines to every new client.
 const MAX_EVENTS = 200;
 const MAX_LATENCY_SAMPLES = 600;
@@ -57,6 +59,11 @@ class Session {
   /** Seconds since the last state arrived, by this device's steady clock. */
   silence_s = $derived(Math.max(0, (this.now_ms - this.lastData_ms) / 1000));
   statusStale = $derived(this.phase !== 'open' || this.now_ms - this.lastStatus_ms > 3000);
+  /** Why robots are stopped, [] if they may move; null: not known. Without frames the status tells it. */
+  halt = $derived.by((): string[] | null => {
+    if (this.state && !this.stale) return this.state.halt;
+    return (this.phase === 'open' && this.now_ms - this.lastStatus_ms <= STATUS_HALT_MS && this.status?.halt) || null;
+  });
   pixelMap = $derived(this.hello?.projection ? new PixelMap(this.hello.projection) : null);
 
   readonly setup = new Setup((command) => this.connection.send(command));
@@ -120,7 +127,7 @@ class Session {
 
   requestStop(): void {
     const request = new StopRequest(this.state?.number ?? -1, performance.now());
-    request.sent = this.connection.send({ type: 'stop' }) > 0;
+    request.passed(this.connection.send({ type: 'stop' }));
     this.stop = { request };
   }
 
@@ -208,6 +215,13 @@ class Session {
           p99_ms: message.latency.minute.p99_ms,
           max_ms: message.latency.minute.max_ms,
         });
+        if (this.stop) {
+          const before = this.stop.request.confirmed;
+          this.stop.request.acceptStatus(message.halt);
+          // Released by somebody else.
+          if (before && this.stale && message.halt && !message.halt.includes('console')) this.stop = null;
+          else if (before !== this.stop.request.confirmed) this.stop = { request: this.stop.request };
+        }
         if (this.latencySamples.length > MAX_LATENCY_SAMPLES) this.latencySamples.shift();
         return;
       case 'event':
@@ -225,6 +239,7 @@ class Session {
         return;
       case 'answer': {
         if (this.setup.accept(message)) return;
+        if (message.ok && this.stop?.request.number === message.to) this.stop.request.answered = true;
         const what = this.requests.get(message.to);
         this.requests.delete(message.to);
         if (!message.ok && what) this.problem = `${what}: ${message.error ?? 'refused'}`;
@@ -258,7 +273,7 @@ class Session {
     // A stop that was not confirmed before the link broke is still wanted.
     if (this.stop && !this.stop.request.confirmed) {
       this.stop.request.restart();
-      this.stop.request.sent = this.connection.send({ type: 'stop' }) > 0;
+      this.stop.request.passed(this.connection.send({ type: 'stop' }));
     }
   }
 

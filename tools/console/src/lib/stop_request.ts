@@ -8,6 +8,8 @@ export class StopRequest {
   private after: number;
   confirmed = false;
   sent = false;
+  number = 0; // of the message
+  answered = false; // the server has passed it to the board's loop
 
   /** `last`: number of the newest state that was received before the request; -1: none. */
   constructor(
@@ -20,11 +22,22 @@ export class StopRequest {
   /** Another run of the program counts its states from 0. */
   restart(): void {
     this.after = -1;
-    this.sent = false;
+    this.sent = this.answered = false;
   }
 
   accept(state: State): void {
     if (this.sent && state.number > this.after && state.halt.includes('console')) this.confirmed = true;
+  }
+
+  /** Sent with this number; 0: there is no connection. */
+  passed(number: number): void {
+    this.number = number;
+    this.sent = number > 0;
+  }
+
+  /** Without frames there are no states; a status that follows the server's answer tells it as well. */
+  acceptStatus(halt: readonly string[] | null | undefined): void {
+    if (this.answered && halt?.includes('console')) this.confirmed = true;
   }
 
   isLate(now_ms: number): boolean {

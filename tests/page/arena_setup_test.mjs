@@ -6,7 +6,7 @@ import { createRequire } from 'node:module';
 import { tmpdir } from 'node:os';
 import { basename, dirname, join } from 'node:path';
 import { after, before, test } from 'node:test';
-import { hold, launch, open, show, waitForPicture } from './browser.mjs';
+import { hold, launch, open, waitForPicture } from './browser.mjs';
 import { startProgram, startSetup } from './console_server.mjs';
 import { act, begin, next } from './setup_steps.mjs';
 
@@ -151,7 +151,7 @@ test('from an arena without calibration to a scored goal', () =>
     const after = await venue();
     assert.ok(after.includes('[camera_model') && after.includes('[[color]]'));
 
-    await show(page, 'play');
+    await page.click('[data-to-play]');
     await page.click('[data-start]:not([disabled])');
     await page.waitForFunction(() => document.querySelector('[data-halt]').dataset.halt === '');
     await waitForGoal(server);

@@ -11,6 +11,7 @@
 #include "hal/device_parameters.h"
 #include "hal/replay/picture.h"
 #include "tools/programs/calibrate/colors/auto_detect.h"
+#include "tools/programs/calibrate/colors/click_shadow.h"
 #include "tools/programs/calibrate/colors/color_calibration.h"
 #include "tools/programs/calibrate/colors/color_fit.h"
 #include "tools/programs/calibrate/colors/colors_report.h"
@@ -171,6 +172,11 @@ Result<void> ColorsCommand::run() const {
   input.light = draft.light;
   input.region_of_interest = draft.region_of_interest;
   input.growth.radius_px = patch_radius_px;
+  TOUCHLINE_TRY_ASSIGN(const std::vector<ShadowedClick> shadowed,
+                       clicks_in_shadow(input.clicks, input.pictures, input.light, input.region_of_interest));
+  for (const ShadowedClick& one : shadowed) {
+    std::printf("%s\n", describe_shadow(one, input.clicks, input.light.columns > 0).c_str());
+  }
   // Without a camera model or a team file, clicks are all there is to learn from.
   VisibleRobots robots;
   const bool can_detect = !team.empty() && has_camera_model(draft);

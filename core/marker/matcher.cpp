@@ -29,6 +29,9 @@ struct Larger {
   }
 };
 
+// Without an identification patch, not a robot unless pixels give it a name.
+bool is_too_small(const PatchCandidate& patch) { return patch.is_partly_visible || patch.ratio < kMinUnpairedRatio; }
+
 }  // namespace
 
 void Matcher::add_kind(ColorId color, const PatchPlace& place, Team team) {
@@ -246,7 +249,7 @@ void Matcher::report_unpaired(bool with_pixels, Sightings& out) {
     if (reported_[i]) continue;
     const TeamPatch& candidate = team_patches_[i];
     Verdict& verdict = out.verdicts[candidate.patch.region];
-    const bool too_small = candidate.patch.is_partly_visible || candidate.patch.ratio < kMinUnpairedRatio;
+    const bool too_small = is_too_small(candidate.patch);
     if (candidate.patch.is_partly_visible) {
       verdict = Verdict::kTooSmall;
     } else if (is_on_robot(candidate, out)) {
@@ -278,10 +281,11 @@ void Matcher::drop_tentative(Sightings& out) {
   std::size_t kept = 0;
   for (std::size_t i = 0; i < out.robots.size(); ++i) {
     const BoxSighting& box = box_sightings_[i];
+    const bool is_unnamed = out.robots[i].id == kUnknownId;
     // A patch in the box of the team color may be the saturated identification patch of a robot that has its id now.
     const bool is_absorbed =
-        !out.robots[i].has_heading && out.robots[i].id == kUnknownId && is_on_robot(team_patches_[box.team_patch], out);
-    if ((box.is_tentative && out.robots[i].id == kUnknownId) || is_absorbed) {
+        !out.robots[i].has_heading && is_unnamed && is_on_robot(team_patches_[box.team_patch], out);
+    if ((box.is_tentative && is_unnamed && is_too_small(team_patches_[box.team_patch].patch)) || is_absorbed) {
       reported_[box.team_patch] = false;
     } else {
       box_sightings_[kept] = box;
@@ -292,19 +296,25 @@ void Matcher::drop_tentative(Sightings& out) {
   box_sightings_.resize(kept);
 }
 
-// Removes robots of a team that has more than there are: those without an id, the smallest patches first.
+// Removes robots of a team that has more than there are: of those without an id the least certain ones, among equal
+// ones the smallest patches.
 void Matcher::drop_surplus(Sightings& out) {
-  for (std::size_t i = out.robots.size(); i-- > 0;) {
-    const Team team = out.robots[i].team;
-    const auto there = std::count_if(out.robots.begin(), out.robots.end(),
-                                     [team](const RobotSighting& robot) { return robot.team == team; });
-    const bool fits = static_cast<std::size_t>(there) <= parameters_.teams[index_of(team)].max_robots;
-    if (fits || out.robots[i].id != kUnknownId) continue;
-    reported_[box_sightings_[i].team_patch] = false;
-    std::copy(out.robots.begin() + i + 1, out.robots.end(), out.robots.begin() + i);
-    std::copy(box_sightings_.begin() + i + 1, box_sightings_.end(), box_sightings_.begin() + i);
-    out.robots.pop_back();
-    box_sightings_.pop_back();
+  for (const Team team : kTeams) {
+    for (;;) {
+      std::size_t there = 0, weakest = out.robots.size();
+      for (std::size_t i = 0; i < out.robots.size(); ++i) {
+        if (out.robots[i].team != team) continue;
+        ++there;
+        if (out.robots[i].id != kUnknownId) continue;
+        if (weakest == out.robots.size() || out.robots[i].confidence <= out.robots[weakest].confidence) weakest = i;
+      }
+      if (there <= parameters_.teams[index_of(team)].max_robots || weakest == out.robots.size()) break;
+      reported_[box_sightings_[weakest].team_patch] = false;
+      std::copy(out.robots.begin() + weakest + 1, out.robots.end(), out.robots.begin() + weakest);
+      std::copy(box_sightings_.begin() + weakest + 1, box_sightings_.end(), box_sightings_.begin() + weakest);
+      out.robots.pop_back();
+      box_sightings_.pop_back();
+    }
   }
 }
 
@@ -386,8 +396,8 @@ void Matcher::match(const Frame* frame, const ExpectedGain& light, const Expecte
     identifier_.identify(*frame, light, lists, {hypotheses_.data(), hypotheses_.size()},
                          {box_sightings_.data(), box_sightings_.size()}, used_, out);
     drop_tentative(out);
-    drop_surplus(out);
     weigh_unnamed(*frame, out);
+    drop_surplus(out);
   }
   write_verdicts(out);
   ball_finder_.find({frame, ball_patches_, finder_, parameters_.teams, regions, ball}, out);

@@ -118,10 +118,11 @@ LightPrior Identifier::prior_light(const Scene& now, PixelPoint at) {
 void Identifier::look_at_light(const Scene& now, Candidate& candidate) const {
   const float scale = now.patches.team[now.boxes[candidate.robot].team_patch].patch.scale_px_per_m;
   SurfaceColor surface;
-  candidate.has_light = sample_surface(now.frame, candidate.center, step_px(team_colors_[now.team], 0, scale), surface);
+  candidate.has_light =
+      sample_surface(now.frame, candidate.views[0].center, step_px(team_colors_[now.team], 0, scale), surface);
   if (!candidate.has_light) return;
   candidate.light = colors_.light_on(surface, teams_[now.team].team_color, color_space(now.frame.format),
-                                     prior_light(now, candidate.center));
+                                     prior_light(now, candidate.views[0].center));
 }
 
 // Log likelihood of the likeliest color of a patch in this pose.
@@ -158,7 +159,8 @@ void Identifier::share_patches(const Scene& now) {
       const FieldPoint at = on_field(owner.poses[0].pose, layout.patches[s + 1]);
       for (Candidate& other : candidates_) {
         if (&other == &owner || !other.has_evidence || other.pose_is_sure) continue;
-        if (now.boxes[other.robot].is_tentative && distance_m(other.at, at) < team_colors_[now.team].radius_m[s + 1]) {
+        if (now.boxes[other.robot].is_tentative &&
+            distance_m(other.views[0].at, at) < team_colors_[now.team].radius_m[s + 1]) {
           for (PoseEvidence& pose : other.poses) pose.costs = kDoubtfulMargin;
           continue;
         }
@@ -241,9 +243,9 @@ bool Identifier::evaluate(const Scene& now, Candidate& candidate) const {
   return !candidate.poses.empty() && (candidate.is_complete || !box.is_tentative);
 }
 
-// Log likelihood of the best explanation of a candidate by another pose. A name that another robot has costs that robot
-// its margin.
-float Identifier::other_explanation(const Scene& now, std::size_t number, const Pose& pose,
+// Log likelihood of the best explanation of a candidate by a pose with other patches. A name that another robot has
+// costs that robot its margin.
+float Identifier::other_explanation(const Scene& now, std::size_t number, const PoseEvidence& pose,
                                     const AssignedIds& assigned) const {
   const Candidate& candidate = candidates_[number];
   std::array<float, kMaxRobotsPerTeam> cost{};
@@ -254,10 +256,16 @@ float Identifier::other_explanation(const Scene& now, std::size_t number, const 
   }
   float best = candidate.unknown;
   for (const PoseEvidence& other : candidate.poses) {
-    if (similar(other.pose, pose)) continue;
+    if (similar(other.pose, pose.pose) || has_same_part(other, pose)) continue;
     for (std::size_t r = 0; r < teams_[now.team].robots.size(); ++r) best = std::max(best, other.value[r] - cost[r]);
   }
   return best;
+}
+
+// Whether both poses are through the same identification patch, of which only a part is visible.
+bool Identifier::has_same_part(const PoseEvidence& a, const PoseEvidence& b) {
+  return a.identification == b.identification && std::any_of(a.identification.begin(), a.identification.end(),
+                                                             [](std::uint16_t number) { return number != kMissing; });
 }
 
 void Identifier::apply(const Scene& now, std::size_t number, const AssignedIds& all, std::span<bool> used,
@@ -276,8 +284,11 @@ void Identifier::apply(const Scene& now, std::size_t number, const AssignedIds& 
       *std::max_element(candidate.poses.begin(), candidate.poses.end(),
                         [&](const PoseEvidence& a, const PoseEvidence& b) { return value(a) < value(b); });
   if (!candidate.pose_is_sure) {
-    if (value(best) < other_explanation(now, number, best.pose, all) + kDoubtfulMargin) return;
-    robot.has_heading = true;
+    if (value(best) < other_explanation(now, number, best, all) + kDoubtfulMargin) return;
+    // Several poses through the same part of a patch leave only the heading open.
+    robot.has_heading = std::all_of(candidate.poses.begin(), candidate.poses.end(), [&](const PoseEvidence& other) {
+      return similar(other.pose, best.pose) || value(best) >= value(other) + kDoubtfulMargin;
+    });
     robot.pose = best.pose;
     robot.residual_m = best.residual_m;
   }

@@ -62,14 +62,18 @@ class Identifier {
     float search_doubt = 0;  // contained in prior: it is one of many directions in which patches were looked for
     std::uint16_t partner = kMissing;  // team patch that is its saturated identification patch
   };
+  // A team patch as its region or its pixels show it.
+  struct TeamPatchView {
+    PixelPoint center;
+    FieldPoint at;       // the center on the field
+    float axis_rad = 0;  // direction of its longer side on the field, modulo pi
+    bool has_axis = false;
+  };
   struct Candidate {
     std::size_t robot = 0;  // index in Sightings::robots
     bool pose_is_sure = false;
-    PixelPoint center;   // of its team patch
-    FieldPoint at;       // the same on the field
-    float axis_rad = 0;  // direction of the team patch's longer side on the field, modulo pi
-    bool has_axis = false;
-    bool is_complete = true;  // the team patch has the expected area
+    FixedVector<TeamPatchView, 2> views;  // the best one first; never empty
+    bool is_complete = true;              // the team patch has the expected area
     bool has_light = false;
     LocalLight light;  // on its team patch
     bool has_floor = false;
@@ -100,9 +104,13 @@ class Identifier {
                                       std::size_t slot) const;
   void search_poses(const Scene& now, Candidate& candidate) const;
   bool align(const Scene& now, const Candidate& candidate, PoseEvidence& pose) const;
-  bool place_through(const Scene& now, const Candidate& candidate, std::size_t slot, FieldPoint at,
-                     PoseEvidence& pose) const;
+  bool place_through(const Scene& now, const Candidate& candidate, FieldPoint team_patch, std::size_t slot,
+                     FieldPoint at, PoseEvidence& pose) const;
   void add_saturated_patches(const Scene& now, Candidate& candidate) const;
+  [[nodiscard]] bool is_part(const Scene& now, const PatchCandidate& region) const;
+  void add_upright_poses(const Scene& now, Candidate& candidate) const;
+  void claim_part(const Scene& now, PoseEvidence& pose) const;
+  void add_poses_through_parts(const Scene& now, Candidate& candidate) const;
   [[nodiscard]] float doubt_of_team_patch(const Scene& now, const Candidate& candidate, std::size_t slot) const;
   [[nodiscard]] float prior_of(const Scene& now, const Candidate& candidate, const PoseEvidence& pose) const;
   [[nodiscard]] bool is_free(const Scene& now, std::size_t robot, const PoseEvidence& pose) const;
@@ -111,8 +119,9 @@ class Identifier {
   [[nodiscard]] IdEvidence evidence_of(const Scene& now, const Candidate& candidate) const;
   void apply(const Scene& now, std::size_t number, const AssignedIds& assigned, std::span<bool> used,
              Sightings& out) const;
-  [[nodiscard]] float other_explanation(const Scene& now, std::size_t number, const Pose& pose,
+  [[nodiscard]] float other_explanation(const Scene& now, std::size_t number, const PoseEvidence& pose,
                                         const AssignedIds& assigned) const;
+  static bool has_same_part(const PoseEvidence& a, const PoseEvidence& b);
   bool look_at_border(const Scene& now, PixelPoint center, const SurfaceColor& surface, std::size_t patch,
                       float scale_px_per_m, BorderColor& out) const;
   [[nodiscard]] int step_px(const TeamColors& colors, std::size_t patch, float scale_px_per_m) const;

@@ -13,6 +13,9 @@ namespace {
 
 // Log likelihood that a region where a pose predicts a patch is that patch.
 constexpr float kRegionReward = 3.0f;
+// Of a region that is too small for a whole patch, and the least part of a patch that counts. Motion blur or something
+// in front of it leaves the rest in no box; less than that may be a fringe of another color.
+constexpr float kPartReward = 0.5f * kRegionReward, kMinPart = 0.16f;
 // Error of the axis of a long team patch, which may be partly hidden or have only a part of its pixels in its box.
 constexpr float kRoughAxisSigma = 0.25f;
 // Area of a team patch that is grown from its pixels, relative to the layout's. Halos of sharpening and shared chroma
@@ -59,13 +62,13 @@ bool Identifier::is_free(const Scene& now, std::size_t robot, const PoseEvidence
   return true;
 }
 
-// A region holds only the part of a patch that fell into its box. The whole patch has a better center and axis.
+// A region holds only the part of a patch that fell into its box. The whole patch has a better center and axis, unless
+// something of a similar color touches it. Therefore both count, but the first one tells the light.
 void Identifier::look_at_team_patch(const Scene& now, Candidate& candidate) const {
   const PatchCandidate& region = now.patches.team[now.boxes[candidate.robot].team_patch].patch;
-  candidate.center = region.center;
-  candidate.at = region.at[now.team];
-  candidate.axis_rad = region.axis_rad;
-  candidate.has_axis = region.has_rough_axis;
+  const TeamPatchView of_region{region.center, region.at[now.team], region.axis_rad, region.has_rough_axis};
+  candidate.views.clear();
+  candidate.views.push_back(of_region);
   candidate.is_complete = true;
   if (candidate.pose_is_sure || (region.has_axis && region.ratio > kWholePatchRatio)) return;
   const MarkerLayout& layout = teams_[now.team].layout;
@@ -78,17 +81,18 @@ void Identifier::look_at_team_patch(const Scene& now, Candidate& candidate) cons
   candidate.is_complete = is_grown || !region.is_partly_visible;
   if (!is_grown) return;
   const auto field = [&](PixelPoint pixel) { return camera_.to_field(pixel, layout.height_m); };
-  candidate.center = patch.center;
-  candidate.at = field(patch.center);
   const PrincipalVariances variances = principal_variances(place);
-  candidate.has_axis =
-      variances.major_m2 > kLong * variances.minor_m2 && patch.major_px2 > kVisiblyLong * patch.minor_px2;
-  if (!candidate.has_axis) return;
-  const float du = std::sqrt(patch.major_px2) * std::cos(patch.axis_rad);
-  const float dv = std::sqrt(patch.major_px2) * std::sin(patch.axis_rad);
-  const FieldPoint a = field({patch.center.u_px + du, patch.center.v_px + dv});
-  const FieldPoint b = field({patch.center.u_px - du, patch.center.v_px - dv});
-  candidate.axis_rad = std::atan2(a.y_m - b.y_m, a.x_m - b.x_m);
+  TeamPatchView whole{patch.center, field(patch.center), 0.0f, false};
+  whole.has_axis = variances.major_m2 > kLong * variances.minor_m2 && patch.major_px2 > kVisiblyLong * patch.minor_px2;
+  if (whole.has_axis) {
+    const float du = std::sqrt(patch.major_px2) * std::cos(patch.axis_rad);
+    const float dv = std::sqrt(patch.major_px2) * std::sin(patch.axis_rad);
+    const FieldPoint a = field({patch.center.u_px + du, patch.center.v_px + dv});
+    const FieldPoint b = field({patch.center.u_px - du, patch.center.v_px - dv});
+    whole.axis_rad = std::atan2(a.y_m - b.y_m, a.x_m - b.x_m);
+  }
+  candidate.views[0] = whole;
+  if (!region.is_partly_visible) candidate.views.push_back(of_region);
 }
 
 // Finds the color of the floor: the median of samples on a circle around the robot.
@@ -101,10 +105,10 @@ void Identifier::look_at_floor(const Scene& now, Candidate& candidate) const {
   for (std::size_t i = 0; i < kSamplesAround; ++i) {
     const float angle = 2.0f * std::numbers::pi_v<float> * static_cast<float>(i) / static_cast<float>(kSamplesAround);
     SurfaceColor surface;
-    if (!sample_surface(
-            now.frame,
-            {candidate.center.u_px + radius_px * std::cos(angle), candidate.center.v_px + radius_px * std::sin(angle)},
-            1, surface)) {
+    if (!sample_surface(now.frame,
+                        {candidate.views[0].center.u_px + radius_px * std::cos(angle),
+                         candidate.views[0].center.v_px + radius_px * std::sin(angle)},
+                        1, surface)) {
       continue;
     }
     for (std::size_t c = 0; c < 3; ++c) values[c].push_back(surface.rgb[c]);
@@ -120,12 +124,20 @@ void Identifier::look_at_floor(const Scene& now, Candidate& candidate) const {
 
 float Identifier::prior_of(const Scene& now, const Candidate& candidate, const PoseEvidence& pose) const {
   float prior = 0;
-  for (const std::uint16_t number : pose.identification) prior += number == kMissing ? 0.0f : kRegionReward;
-  if (candidate.has_axis) {
+  for (const std::uint16_t number : pose.identification) {
+    if (number == kMissing) continue;
+    prior += now.patches.identification[number].is_partly_visible ? kPartReward : kRegionReward;
+  }
+  float least_error = std::numeric_limits<float>::max();
+  for (const TeamPatchView& view : candidate.views) {
+    if (!view.has_axis) continue;
     const float error = std::remainder(
-        candidate.axis_rad - pose.pose.theta_rad - principal_variances(teams_[now.team].layout.patches[0]).axis_rad,
+        view.axis_rad - pose.pose.theta_rad - principal_variances(teams_[now.team].layout.patches[0]).axis_rad,
         std::numbers::pi_v<float>);
-    prior -= 0.5f * error * error / (kRoughAxisSigma * kRoughAxisSigma);
+    least_error = std::min(least_error, std::abs(error));
+  }
+  if (least_error < std::numeric_limits<float>::max()) {
+    prior -= 0.5f * least_error * least_error / (kRoughAxisSigma * kRoughAxisSigma);
   }
   if (pose.partner != kMissing) prior += kRegionReward;
   return prior - pose.search_doubt;
@@ -158,18 +170,71 @@ void Identifier::collect_poses(const Scene& now, Candidate& candidate) const {
     add_pose(now, {h.fit.pose, h.fit.residual_m, h.identification, 0, {}, 0}, candidate);
   }
   add_saturated_patches(now, candidate);
-  if (!candidate.has_axis) {
-    if (candidate.poses.empty() && candidate.is_complete) search_poses(now, candidate);
-    return;
-  }
+  add_poses_through_parts(now, candidate);
+  add_upright_poses(now, candidate);
+  const bool has_axis = std::any_of(candidate.views.begin(), candidate.views.end(),
+                                    [](const TeamPatchView& view) { return view.has_axis; });
+  if (!has_axis && candidate.poses.empty() && candidate.is_complete) search_poses(now, candidate);
+}
+
+// Adds both poses that the axis of a long team patch allows.
+void Identifier::add_upright_poses(const Scene& now, Candidate& candidate) const {
   const PatchPlace& place = teams_[now.team].layout.patches[0];
-  PoseEvidence upright;
-  upright.identification.fill(kMissing);
-  for (const float turn : {0.0f, std::numbers::pi_v<float>}) {
-    upright.pose.theta_rad = wrap_angle(candidate.axis_rad - principal_variances(place).axis_rad + turn);
-    const FieldPoint offset = on_field({{}, upright.pose.theta_rad}, place);
-    upright.pose.position = {candidate.at.x_m - offset.x_m, candidate.at.y_m - offset.y_m};
-    add_pose(now, upright, candidate);
+  for (const TeamPatchView& view : candidate.views) {
+    if (!view.has_axis) continue;
+    PoseEvidence upright;
+    for (const float turn : {0.0f, std::numbers::pi_v<float>}) {
+      upright.pose.theta_rad = wrap_angle(view.axis_rad - principal_variances(place).axis_rad + turn);
+      const FieldPoint offset = on_field({{}, upright.pose.theta_rad}, place);
+      upright.pose.position = {view.at.x_m - offset.x_m, view.at.y_m - offset.y_m};
+      claim_part(now, upright);
+      add_pose(now, upright, candidate);
+    }
+  }
+}
+
+// Whether the region is too small for a whole patch, but has a color that the first identification patch may have.
+bool Identifier::is_part(const Scene& now, const PatchCandidate& region) const {
+  const auto& colors = team_colors_[now.team].slots[0].colors;
+  return region.is_partly_visible && region.ratio >= kMinPart &&
+         std::find(colors.begin(), colors.end(), region.color) != colors.end();
+}
+
+// Takes the largest part of the only identification patch where the pose predicts that patch. With more patches, the
+// complete ones tell the pose, and fringes of others would confirm wrong poses.
+void Identifier::claim_part(const Scene& now, PoseEvidence& pose) const {
+  const MarkerLayout& layout = teams_[now.team].layout;
+  pose.identification.fill(kMissing);
+  if (layout.patches.size() != 2) return;
+  const PatchPlace& place = layout.patches[1];
+  const RobotFrame to_robot(pose.pose);
+  float largest_px = 0;
+  for (std::size_t i = 0; i < now.patches.identification.size(); ++i) {
+    const PatchCandidate& region = now.patches.identification[i];
+    if (region.area_px <= largest_px || !is_part(now, region)) continue;
+    const FieldPoint at = to_robot(region.at[now.team]);
+    if (std::abs(at.x_m - place.x_m) > 0.5f * place.length_m || std::abs(at.y_m - place.y_m) > 0.5f * place.width_m) {
+      continue;
+    }
+    largest_px = region.area_px;
+    pose.identification[0] = static_cast<std::uint16_t>(i);
+  }
+}
+
+// Adds poses through the team patch and a part of the only identification patch: the axis of a blurred or partly hidden
+// team patch may be wrong.
+void Identifier::add_poses_through_parts(const Scene& now, Candidate& candidate) const {
+  if (teams_[now.team].layout.patches.size() != 2) return;
+  for (std::size_t i = 0; i < now.patches.identification.size(); ++i) {
+    const PatchCandidate& region = now.patches.identification[i];
+    if (!is_part(now, region)) continue;
+    for (const TeamPatchView& view : candidate.views) {
+      PoseEvidence pose;
+      if (!place_through(now, candidate, view.at, 0, region.at[now.team], pose)) continue;
+      pose.identification.fill(kMissing);
+      pose.identification[0] = static_cast<std::uint16_t>(i);
+      add_pose(now, pose, candidate);
+    }
   }
 }
 
@@ -188,18 +253,18 @@ bool Identifier::align(const Scene& now, const Candidate& candidate, PoseEvidenc
     return false;
   }
   const FieldPoint at = camera_.to_field(patch.center, layout.height_m);
-  return place_through(now, candidate, 0, at, pose);
+  return place_through(now, candidate, candidate.views[0].at, 0, at, pose);
 }
 
 // Places the pose so that its team patch and an identification patch are where they are seen. False if their distance
 // is not that of the layout.
-bool Identifier::place_through(const Scene& now, const Candidate& candidate, std::size_t slot, FieldPoint at,
-                               PoseEvidence& pose) const {
+bool Identifier::place_through(const Scene& now, const Candidate& candidate, FieldPoint team_patch, std::size_t slot,
+                               FieldPoint at, PoseEvidence& pose) const {
   const MarkerLayout& layout = teams_[now.team].layout;
   const PatchPlace &team_place = layout.patches[0], &place = layout.patches[slot + 1];
   const float scale = now.patches.team[now.boxes[candidate.robot].team_patch].patch.scale_px_per_m;
   const FieldPoint layout_offset{place.x_m - team_place.x_m, place.y_m - team_place.y_m};
-  const FieldPoint offset{at.x_m - candidate.at.x_m, at.y_m - candidate.at.y_m};
+  const FieldPoint offset{at.x_m - team_patch.x_m, at.y_m - team_patch.y_m};
   pose.residual_m =
       0.5f * std::abs(std::hypot(offset.x_m, offset.y_m) - std::hypot(layout_offset.x_m, layout_offset.y_m));
   if (pose.residual_m > precise_gate_m(scale)) return false;
@@ -207,8 +272,8 @@ bool Identifier::place_through(const Scene& now, const Candidate& candidate, std
       wrap_angle(std::atan2(offset.y_m, offset.x_m) - std::atan2(layout_offset.y_m, layout_offset.x_m));
   const FieldPoint from_middle = on_field({{}, pose.pose.theta_rad}, {.x_m = 0.5f * (team_place.x_m + place.x_m),
                                                                       .y_m = 0.5f * (team_place.y_m + place.y_m)});
-  pose.pose.position = {0.5f * (candidate.at.x_m + at.x_m) - from_middle.x_m,
-                        0.5f * (candidate.at.y_m + at.y_m) - from_middle.y_m};
+  pose.pose.position = {0.5f * (team_patch.x_m + at.x_m) - from_middle.x_m,
+                        0.5f * (team_patch.y_m + at.y_m) - from_middle.y_m};
   return true;
 }
 
@@ -217,8 +282,8 @@ float Identifier::doubt_of_team_patch(const Scene& now, const Candidate& candida
   const float scale = now.patches.team[now.boxes[candidate.robot].team_patch].patch.scale_px_per_m;
   SurfaceColor surface;
   BorderColor border;
-  if (!sample_surface(now.frame, candidate.center, step_px(team_colors_[now.team], 0, scale), surface) ||
-      !look_at_border(now, candidate.center, surface, 0, scale, border)) {
+  if (!sample_surface(now.frame, candidate.views[0].center, step_px(team_colors_[now.team], 0, scale), surface) ||
+      !look_at_border(now, candidate.views[0].center, surface, 0, scale, border)) {
     return 0.0f;
   }
   const auto likelihood = [&](ColorId color) {
@@ -242,7 +307,7 @@ void Identifier::add_saturated_patches(const Scene& now, Candidate& candidate) c
       PoseEvidence pose;
       pose.identification.fill(kMissing);
       pose.partner = static_cast<std::uint16_t>(i);
-      if (!place_through(now, candidate, s, other.patch.at[now.team], pose)) continue;
+      if (!place_through(now, candidate, candidate.views[0].at, s, other.patch.at[now.team], pose)) continue;
       SurfaceColor surface;
       if (!sample_surface(now.frame, other.patch.center,
                           step_px(team_colors_[now.team], s + 1, other.patch.scale_px_per_m), surface) ||
@@ -265,7 +330,7 @@ void Identifier::search_poses(const Scene& now, Candidate& candidate) const {
   for (std::size_t i = 0; i < kDirections; ++i) {
     poses[i].theta_rad = 2.0f * std::numbers::pi_v<float> * static_cast<float>(i) / static_cast<float>(kDirections);
     const FieldPoint offset = on_field(poses[i], layout.patches[0]);
-    poses[i].position = {candidate.at.x_m - offset.x_m, candidate.at.y_m - offset.y_m};
+    poses[i].position = {candidate.views[0].at.x_m - offset.x_m, candidate.views[0].at.y_m - offset.y_m};
     for (std::size_t s = 0; s + 1 < layout.patches.size(); ++s) {
       value[i] += best_likelihood(now, candidate, poses[i], s);
     }

@@ -157,6 +157,37 @@ TEST_F(IdsFromPixels, AreKnownOfPatchesThatMirrorALamp) {
   }
 }
 
+// Motion blur leaves a fifth of the identification patch and half of the team patch in their boxes, and a thing of the
+// team's color touches the team patch: its pixels alone do not tell where it ends.
+TEST_F(IdsFromPixels, FindARobotByPartsOfItsPatches) {
+  use(teams_with(halves_layout(), 3));
+  const PatchPlace &team = parameters.teams[0].layout.patches[0], &id = parameters.teams[0].layout.patches[1];
+  for (const Placed& robot : {kLeft, kMiddle, kRight}) {
+    shown->paint(robot);
+    shown->paint_part(robot, {0.015f, team.y_m}, {0.03f, team.y_m + 0.05f}, kBlue);
+    boxes->paint_part(robot, {-0.026f, team.y_m - 0.012f}, {0.026f, team.y_m + 0.012f}, kBlue);
+    boxes->paint_part(robot, {-0.016f, id.y_m - 0.008f}, {0.016f, id.y_m + 0.008f},
+                      parameters.teams[0].robots[robot.robot].colors[0]);
+  }
+  const Comparison result = compare({kLeft, kMiddle, kRight}, look(kLampLight), parameters);
+  EXPECT_EQ(result.right, 3u);
+  EXPECT_LT(result.position_m, 0.006f);
+  EXPECT_LT(result.heading_rad, 0.2f);
+}
+
+// A part of another robot's color beside a team patch names nobody: the pixels around it are not those of a patch.
+TEST_F(IdsFromPixels, AreNotToldByASpeckWhereNoPatchIs) {
+  use(teams_with(halves_layout(), 3));
+  const PatchPlace& id = parameters.teams[0].layout.patches[1];
+  for (const Placed& robot : {kLeft, kMiddle, kRight}) {
+    for (PaintedField* field : {boxes.get(), shown.get()}) {
+      field->paint_patch(robot, 0, kBlue);
+      field->paint_part(robot, {-0.004f, id.y_m - 0.01f}, {0.004f, id.y_m + 0.01f}, kMagenta);
+    }
+  }
+  EXPECT_EQ(compare({kLeft, kMiddle, kRight}, look(kLampLight), parameters).wrong, 0u);
+}
+
 // Ids of a butterfly differ in which dots have which of two colors.
 TEST_F(IdsFromPixels, NamesAButterflyOfWhichDotsAreMissing) {
   MarkerParameters teams = teams_with(disks_layout(), 6);

@@ -34,6 +34,37 @@ const char* describe(Verdict verdict) noexcept {
   return "unknown";
 }
 
+bool is_refusal(Verdict verdict) noexcept {
+  switch (verdict) {
+    case Verdict::kNotExamined:
+    case Verdict::kTeamPatch:
+    case Verdict::kIdentification:
+    case Verdict::kBall:
+    case Verdict::kFragment:
+      return false;
+    default:
+      return true;
+  }
+}
+
+const char* describe(IdDoubt doubt) noexcept {
+  switch (doubt) {
+    case IdDoubt::kNone:
+      return "";
+    case IdDoubt::kNoIdentification:
+      return "only its team patch is seen";
+    case IdDoubt::kSeveralPoses:
+      return "two poses are possible";
+    case IdDoubt::kSeveralIds:
+      return "two ids are possible";
+    case IdDoubt::kUnknownColors:
+      return "no robot has these colors";
+    case IdDoubt::kInaccuratePlaces:
+      return "its patches are not where a marker has them";
+  }
+  return "unknown";
+}
+
 const char* describe(Stage stage) noexcept {
   switch (stage) {
     case Stage::kRegion:

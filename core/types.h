@@ -152,10 +152,23 @@ struct PatchSighting {
 // - Robot without an id: a robot of this team is at this place, whichever it is.
 // - Ball: the ball is at this place.
 
+/// Why a robot of a known team has no id.
+enum class IdDoubt : std::uint8_t {
+  kNone,              // it has one, or its team has no known robots
+  kNoIdentification,  // only its team patch is seen
+  kSeveralPoses,      // its patches fit more than one pose
+  kSeveralIds,        // two robots of its team are nearly as likely
+  kUnknownColors,     // no robot of its team has these colors
+  kInaccuratePlaces,  // its patches are not where a marker has them
+};
+/// A short lower-case English phrase ("two ids are possible"); "" for kNone.
+const char* describe(IdDoubt doubt) noexcept;
+
 /// One robot as seen in a single frame.
 struct RobotSighting {
   Team team = Team::kOwn;
   RobotId id = kUnknownId;  // an unknown id is better than a wrong one
+  IdDoubt doubt = IdDoubt::kNone;
   // Without a heading, theta_rad is undefined, and position is a point on the robot (usually its team patch).
   bool has_heading = false;
   Pose pose;
@@ -191,6 +204,8 @@ enum class Verdict : std::uint8_t {
   kSurplus,       // more than the maximum number of robots or balls
 };
 const char* describe(Verdict verdict) noexcept;
+/// Whether a region of a patch's or the ball's color was not used.
+bool is_refusal(Verdict verdict) noexcept;
 
 struct Sightings {
   BallSighting ball;
@@ -250,8 +265,12 @@ enum class CommandSource : std::uint8_t {
   kExpired    // another program whose last command is too old: the robot stops
 };
 
+/// Role of a robot in the built-in play.
+enum class PlayRole : std::uint8_t { kNone, kGoalkeeper, kAttacker, kSupporter };
+
 struct RobotCommand {
   RobotId id = kUnknownId;
+  PlayRole role = PlayRole::kNone;
   Twist twist;  // after all limits; input of the tracking filter
   WheelSpeeds wheels;
   CommandSource source = CommandSource::kPlay;

@@ -94,6 +94,15 @@ void Devices::make(const config::Configuration& configuration, std::uint64_t see
 
 HalDevices Devices::hal_devices() { return {*camera_, *radio_, *gpio_, *clock_, simulated_time_}; }
 
+ScoreSource Devices::score() const {
+  if (!arena_) return {};
+  return {[](const void* arena) {
+            const hal::mock::GameStatistics& game = static_cast<const hal::mock::Arena*>(arena)->world().statistics();
+            return Score{game.goals_own, game.goals_opponent};
+          },
+          arena_.get()};
+}
+
 std::string Devices::summary() const {
   if (!arena_) return {};
   const hal::mock::GameStatistics& game = arena_->world().statistics();

@@ -40,6 +40,8 @@ class Devices {
   [[nodiscard]] HalDevices hal_devices();
   /// In simulated time the clock stands still while the processor works.
   [[nodiscard]] bool simulated_time() const { return simulated_time_; }
+  /// Goals of a simulation; none for real devices.
+  [[nodiscard]] ScoreSource score() const;
   /// Result of a simulation, several lines; empty for real devices.
   [[nodiscard]] std::string summary() const;
 

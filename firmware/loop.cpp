@@ -146,10 +146,14 @@ void Loop::process_frame(const hal::FrameLease& lease) {
   statistics_.latency.add(timing.latency);
   measure_latency(frame, timing);
   reports_.add_step(trace, timing.latency);
+  const bool is_accepted = trace.status.ok() || trace.status == Status(ErrorCode::kFull);
+  const bool is_picture_wanted = settings_.pictures != nullptr && settings_.pictures->is_wanted();
+  // Before the adaptation changes what this frame was classified with.
+  if (is_picture_wanted && is_accepted) settings_.pictures->put_findings(pipeline_, trace);
   adapt_to_light();
   if (observer_.on_step != nullptr) observer_.on_step(observer_.context, trace, timing);
   // A frame that exceeds a capacity still gives partial results, which are better than none.
-  if (trace.status.ok() || trace.status == Status(ErrorCode::kFull)) {
+  if (is_accepted) {
     rules_.accept_frame(frame.capture_time, timing.received);
     if (timing.received - frame.capture_time <= from_seconds(settings_.faults.stop_after_s)) ++statistics_.good_frames;
   } else {
@@ -157,9 +161,7 @@ void Loop::process_frame(const hal::FrameLease& lease) {
   }
   if (settings_.snapshots != nullptr) write_snapshot(trace, timing, machine_sent);
   // After the snapshot: whoever gets the picture also finds the results.
-  if (settings_.pictures != nullptr && settings_.pictures->is_wanted()) {
-    settings_.pictures->put(frame, settings_.first_number + statistics_.frames - 1);
-  }
+  if (is_picture_wanted) settings_.pictures->put(frame, settings_.first_number + statistics_.frames - 1);
 }
 
 void Loop::write_snapshot(const StepTrace& trace, const StepTiming& timing, Instant machine_sent) {
@@ -171,6 +173,9 @@ void Loop::write_snapshot(const StepTrace& trace, const StepTiming& timing, Inst
   snapshot_.latency = timing.latency;
   snapshot_.halt = rules_.halt();
   snapshot_.referee = external_.referee();
+  if (!snapshot_.referee.score && settings_.score.read != nullptr) {
+    snapshot_.referee.score = settings_.score.read(settings_.score.context);
+  }
   settings_.snapshots->write(snapshot_);
 }
 

@@ -25,6 +25,12 @@
 
 namespace touchline {
 
+/// A simulation that counts goals. Called on the loop's thread.
+struct ScoreSource {
+  Score (*read)(const void* context) = nullptr;  // null: there is none
+  const void* context = nullptr;
+};
+
 struct LoopSettings {
   config::FaultSettings faults;
   Duration radio_delay{};      // from the last byte sent to the wheels
@@ -43,6 +49,7 @@ struct LoopSettings {
   ExternalInputSettings external;
   SnapshotRing* snapshots = nullptr;    // gets a snapshot of every frame; null: nobody reads them
   PictureExchange* pictures = nullptr;  // gets a picture when it asks for one; null: nobody asks
+  ScoreSource score;                    // if no referee tells it
 };
 
 /// Times of one frame.

@@ -47,7 +47,8 @@ struct StatusReport {
   FieldPoint ball;
   Duration p50{}, p99{}, max{};  // capture to send, over the interval
   std::uint64_t packets = 0;     // since the start, like all counts below
-  std::uint64_t packets_dropped = 0, frames_lost = 0, future_stamps = 0, overloads = 0, faults = 0;
+  std::uint64_t packets_dropped = 0, packets_refused = 0, stop_packets = 0, frames_lost = 0, future_stamps = 0,
+                overloads = 0, faults = 0;
   std::uint64_t commands_expired = 0;  // times that a robot stopped because its external command was too old
   std::uint16_t halt = kHaltNone;
   AdaptationMode adaptation = AdaptationMode::kFollow;

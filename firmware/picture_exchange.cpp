@@ -1,8 +1,22 @@
 #include "firmware/picture_exchange.h"
 
+#include <algorithm>
 #include <cstring>
 
+#include "core/pipeline.h"
+
 namespace touchline {
+
+void PictureExchange::put_findings(const Pipeline& pipeline, const StepTrace& trace) noexcept {
+  const std::size_t count = trace.regions.size();
+  if (!wants_findings_ || trace.sightings.verdicts.size() != count) return;
+  pipeline.copy_classifier(findings_->classifier);
+  findings_->regions.resize(count);
+  findings_->verdicts.resize(count);
+  std::copy_n(trace.regions.begin(), count, findings_->regions.begin());
+  std::copy_n(trace.sightings.verdicts.begin(), count, findings_->verdicts.begin());
+  has_findings_ = true;
+}
 
 void PictureExchange::put(const Frame& frame, std::uint64_t number) noexcept {
   number_ = number;

@@ -3,11 +3,22 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
+#include "core/region/pixel_classifier.h"
 #include "core/types.h"
 
 namespace touchline {
+
+class Pipeline;
+
+/// How a picture was understood, for the threads beside the loop. 1 MB: not for the stack.
+struct PictureFindings {
+  Regions regions;
+  FixedVector<Verdict, kMaxRegions> verdicts;  // one per region
+  PixelClassifier classifier;
+};
 
 /// Passes single pictures from the loop to one thread that asks for them. The loop copies a picture only if one was
 /// asked for; it never waits, locks or allocates. Memory for one picture: whoever asks owns it from the arrival of the
@@ -21,17 +32,27 @@ class PictureExchange {
     state_.store(State::kIdle, std::memory_order_release);
     if (bytes > memory_.size()) allocate(bytes);
   }
-  /// For the asking thread: asks for the next picture, and gives the last one back.
-  void request() noexcept { state_.store(State::kWanted, std::memory_order_release); }
+  /// For the asking thread: asks for the next picture, and gives the last one back. `with_findings`: also for its
+  /// regions and classes.
+  void request(bool with_findings = false) noexcept {
+    wants_findings_ = with_findings;
+    has_findings_ = false;
+    state_.store(State::kWanted, std::memory_order_release);
+  }
   /// For the asking thread: whether a picture has arrived since request().
   [[nodiscard]] bool has_arrived() const noexcept { return state_.load(std::memory_order_acquire) == State::kArrived; }
   /// After has_arrived(), until request(). A width of 0: the picture was larger than the memory.
   [[nodiscard]] const Frame& frame() const noexcept { return frame_; }
+  /// The same; null: they were not asked for, or the pipeline rejected the frame.
+  [[nodiscard]] const PictureFindings* findings() const noexcept { return has_findings_ ? findings_.get() : nullptr; }
   /// Snapshot::number of the frame.
   [[nodiscard]] std::uint64_t number() const noexcept { return number_; }
 
   /// For the loop.
   [[nodiscard]] bool is_wanted() const noexcept { return state_.load(std::memory_order_acquire) == State::kWanted; }
+  /// For the loop, if is_wanted(), before Pipeline::adapt() and put(): copies the findings of the last step if they
+  /// were asked for, about 0.5 MB.
+  void put_findings(const Pipeline& pipeline, const StepTrace& trace) noexcept;
   /// For the loop, if is_wanted(): copies the picture. 640 x 480 pixels of 3 bytes take about 0.1 ms.
   void put(const Frame& frame, std::uint64_t number) noexcept;
 
@@ -40,8 +61,10 @@ class PictureExchange {
   static_assert(std::atomic<State>::is_always_lock_free);
 
   std::vector<std::uint8_t> memory_;
+  std::unique_ptr<PictureFindings> findings_ = std::make_unique<PictureFindings>();
   Frame frame_;
   std::uint64_t number_ = 0;
+  bool wants_findings_ = false, has_findings_ = false;  // passed on with state_
   std::atomic<State> state_{State::kIdle};
 };
 

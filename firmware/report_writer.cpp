@@ -39,6 +39,8 @@ void ReportWriter::report_status_if_due(const LoopStatistics& statistics, std::u
   status.max = latency_.max();
   status.packets = statistics.packets;
   status.packets_dropped = statistics.packets_dropped;
+  status.packets_refused = statistics.packets_refused;
+  status.stop_packets = statistics.stop_packets;
   status.frames_lost = statistics.frames_lost;
   status.future_stamps = statistics.future_stamps;
   status.overloads = statistics.overloads;

@@ -56,6 +56,7 @@ Result<void> Session::open(LoopObserver observer) {
   settings.first_number = first_number_;
   settings.snapshots = snapshots_;
   settings.pictures = pictures_;
+  settings.score = devices_.score();
   loop_ = std::make_unique<Loop>(devices, *pipeline_, settings, *reports_, observer);
   TOUCHLINE_TRY(loop_->open());
   camera_info_ = devices.camera.info();

@@ -42,6 +42,11 @@ class RowClassifier {
   [[nodiscard]] KernelChoice kernel() const { return choice_; }
   [[nodiscard]] const ColorTables& tables() const { return tables_; }
   [[nodiscard]] const Shading& shading() const { return shading_; }
+  /// Light levels in use in a tile (row by row), by channel. Without a light map, only tile 0 exists.
+  [[nodiscard]] std::array<std::uint8_t, 3> levels_of_tile(std::size_t tile) const {
+    const auto& level = tiles_[tile].level;
+    return {level[0], level[1], level[2]};
+  }
 
  private:
   // Null: no change since the light map was made.

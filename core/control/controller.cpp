@@ -137,6 +137,7 @@ void Controller::decide(const Tracks& measured, bool halted, Commands& out) {
     if (plays && !halted && parameters_.play.enabled) {
       const Twist twist = state->stuck.watch(robot.pose_at_action, wanted[player], now, parameters_.play);
       command.twist = within_limits(twist, state->last, dt);
+      command.role = play_.roles().role_of(robot.id);
     } else {
       state->stuck = StuckMonitor();
     }

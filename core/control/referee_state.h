@@ -12,11 +12,19 @@ enum class GamePhase : std::uint8_t { kNoReferee, kHalt, kStop, kPrepare, kRunni
 
 constexpr bool may_move_in(GamePhase phase) { return phase == GamePhase::kNoReferee || phase == GamePhase::kRunning; }
 
+/// Goals.
+struct Score {
+  std::uint32_t own = 0, opponent = 0;
+
+  friend bool operator==(const Score&, const Score&) = default;
+};
+
 /// The last message of a referee.
 struct RefereeState {
   GamePhase phase = GamePhase::kNoReferee;
   // nullopt: the referee does not say; the former value remains.
   std::optional<bool> own_is_yellow, own_on_positive_half;
+  std::optional<Score> score;  // nullopt: the referee does not say
   // Height of the robots' markers above the floor; 0: as the team file says.
   float own_height_m = 0.0f, opponent_height_m = 0.0f;
   // Whether the referee repeats its messages. Then silence stops the robots.

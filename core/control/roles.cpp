@@ -143,4 +143,10 @@ const Vector2* Roles::place_of(RobotId id) const {
   return nullptr;
 }
 
+PlayRole Roles::role_of(RobotId id) const {
+  if (id == goalkeeper_) return PlayRole::kGoalkeeper;
+  if (id == attacker_) return PlayRole::kAttacker;
+  return place_of(id) != nullptr ? PlayRole::kSupporter : PlayRole::kNone;
+}
+
 }  // namespace touchline

@@ -32,6 +32,7 @@ class Roles {
   [[nodiscard]] RobotId attacker() const { return attacker_; }
   /// Null if this robot has no place.
   [[nodiscard]] const Vector2* place_of(RobotId id) const;
+  [[nodiscard]] PlayRole role_of(RobotId id) const;
 
  private:
   void choose_goalkeeper(const Players& players, const FieldParameters& field, const PlayParameters& play);

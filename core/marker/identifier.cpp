@@ -277,6 +277,8 @@ void Identifier::apply(const Scene& now, std::size_t number, const AssignedIds& 
   robot.id = kUnknownId;
   const RobotMarking* const name =
       assigned.robot == kNoRobot ? nullptr : &team.robots[static_cast<std::size_t>(assigned.robot)];
+  // Directions were tried for a team patch without identification patches, too.
+  if (robot.doubt != IdDoubt::kNoIdentification) robot.doubt = IdDoubt::kSeveralPoses;
   const auto value = [&](const PoseEvidence& pose) {
     return name == nullptr ? pose.best : pose.value[static_cast<std::size_t>(assigned.robot)];
   };
@@ -303,7 +305,9 @@ void Identifier::apply(const Scene& now, std::size_t number, const AssignedIds& 
     if (name != nullptr && patch.color != name->colors[s]) continue;
     robot.patches.push_back({PatchRole::kIdentification, static_cast<std::uint8_t>(s + 1), patch.color, patch.center});
   }
+  robot.doubt = name == nullptr ? IdDoubt::kUnknownColors : IdDoubt::kSeveralIds;
   if (name == nullptr || assigned.margin < kDoubtfulMargin) return;
+  robot.doubt = IdDoubt::kNone;
   robot.id = name->id;
   robot.confidence = 1.0f / (1.0f + std::exp(-assigned.margin / kTemperature));
 }

@@ -215,6 +215,11 @@ void Matcher::report_pair(const Chosen& choice, Sightings& out) {
   }
   robot.confidence = kFound;
   if (known_pose && choice.id_is_sure && h.precise) robot.id = marking.robots[static_cast<std::size_t>(h.robot)].id;
+  if (known_team && robot.id == kUnknownId) {
+    robot.doubt = !known_pose          ? IdDoubt::kSeveralPoses
+                  : !choice.id_is_sure ? IdDoubt::kSeveralIds
+                                       : IdDoubt::kInaccuratePlaces;
+  }
   reported_[h.team_patch] = true;
   out.robots.push_back(robot);
   const bool complete = h.seen + 1u == marking.layout.patches.size();
@@ -270,6 +275,7 @@ void Matcher::report_unpaired(bool with_pixels, Sightings& out) {
     robot.team = candidate.team;
     robot.pose.position = candidate.patch.at[index_of(candidate.team)];
     robot.confidence = kFound;
+    if (!parameters_.teams[index_of(candidate.team)].robots.empty()) robot.doubt = IdDoubt::kNoIdentification;
     robot.patches.push_back({PatchRole::kTeam, 0, candidate.patch.color, candidate.patch.center});
     reported_[i] = true;
     out.robots.push_back(robot);

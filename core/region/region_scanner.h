@@ -8,6 +8,7 @@
 #include "core/color/row_classifier.h"
 #include "core/light/light_map.h"
 #include "core/region/labeling.h"
+#include "core/region/pixel_classifier.h"
 #include "core/region/region_of_interest.h"
 #include "core/region/row_masks.h"
 #include "core/region/row_runs.h"
@@ -78,6 +79,8 @@ class RegionScanner {
     return tables_->configured_ ? tables_->classifier_.accepts(frame) : Status(ErrorCode::kUnsupported);
   }
   [[nodiscard]] const Shading& shading() const { return tables_->classifier_.shading(); }
+  /// Copies what decides the classes of pixels. Call it between two scans.
+  void copy_to(PixelClassifier& out) const { out.copy(tables_->classifier_, tables_->region_of_interest_); }
 
   /// Finds regions (4-neighborhood, exact sums) in raster order of their first pixel. `runs` holds exactly the runs of
   /// these regions in raster order; Run::next chains the runs of a region.

@@ -4,9 +4,11 @@
 #include <cstdint>
 #include <deque>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "core/time.h"
+#include "firmware/console/client_message.h"
 #include "firmware/console/driving.h"
 #include "firmware/console/foxglove_client.h"
 #include "firmware/console/link_control.h"
@@ -31,6 +33,16 @@ struct Parcel {
 // Pictures of a click come one by one; a client that is slower than that misses some.
 inline constexpr std::size_t kMaxWaitingParcels = 16;
 
+/// A pixel that a client asked about.
+struct Probe {
+  std::int64_t request = 0;
+  PixelPoint pixel;
+  std::uint64_t from = 0;  // number of the first picture that answers it
+  Instant deadline{};
+};
+// A page asks about the next pixel when it has the answer.
+inline constexpr std::size_t kMaxWaitingProbes = 4;
+
 /// What a client watches, and what it has been sent.
 struct Client {
   explicit Client(ClientNumber its_number) : number(its_number) {}
@@ -48,9 +60,12 @@ struct Client {
   bool wants_hello = true, wants_driver = true, wants_status = true;
   std::deque<Answer> answers;
   std::uint64_t last_event = 0;
-  std::uint64_t states_until = 0;    // number of the newest snapshot that was sent, plus 1
-  std::uint64_t pictures_until = 0;  // the same for pictures
-  bool picture_follows = false;      // the state of the current picture was sent; the picture is next
+  std::uint64_t states_until = 0;                // number of the newest snapshot that was sent, plus 1
+  std::uint64_t pictures_until = 0;              // the same for pictures
+  std::optional<std::uint64_t> picture_follows;  // the state of this picture was sent; the rest is next
+  WatchedFindings findings, findings_left;       // watched; still to be sent before the picture
+  std::size_t findings_bytes = 0;                // sent with the picture that follows
+  std::deque<Probe> probes;
 
   std::unique_ptr<FoxgloveClient> foxglove;  // null: the client speaks our own protocol
   bool watches_setup = false;

@@ -15,7 +15,7 @@ struct MessageWord {
   std::string_view word;
   MessageKind kind;
 };
-constexpr std::array<MessageWord, 11> kMessageWords{{{"watch", MessageKind::kWatch},
+constexpr std::array<MessageWord, 13> kMessageWords{{{"watch", MessageKind::kWatch},
                                                      {"seen", MessageKind::kSeen},
                                                      {"stop", MessageKind::kStop},
                                                      {"start", MessageKind::kStart},
@@ -25,7 +25,11 @@ constexpr std::array<MessageWord, 11> kMessageWords{{{"watch", MessageKind::kWat
                                                      {"ping", MessageKind::kPing},
                                                      {"adaptation", MessageKind::kAdaptation},
                                                      {"setup", MessageKind::kSetup},
-                                                     {"use_saved", MessageKind::kUseSaved}}};
+                                                     {"use_saved", MessageKind::kUseSaved},
+                                                     {"probe", MessageKind::kProbe},
+                                                     {"score", MessageKind::kScore}}};
+// Of a team in a game.
+constexpr std::int64_t kMaxGoals = 999;
 
 // Reads members of an object and keeps the first error. Members that nobody asks for are ignored, so that a newer page
 // may send more.
@@ -87,8 +91,24 @@ class MemberReader {
   std::optional<Error> error_;
 };
 
+void read_findings(MemberReader& reader, const Json& names, WatchedFindings& out) {
+  if (!names.is_array()) return reader.fail(failure(ErrorCode::kInconsistent, "\"findings\" must be a list"));
+  for (const Json& name : names) {
+    if (name == "classes") {
+      out.classes = true;
+    } else if (name == "regions") {
+      out.regions = true;
+    } else if (name == "light") {
+      out.light = true;
+    } else {
+      reader.fail(failure(ErrorCode::kOutOfRange, "\"findings\" are \"classes\", \"regions\" and \"light\""));
+    }
+  }
+}
+
 void read_watch(MemberReader& reader, const Json& object, ClientMessage& out) {
   out.state_hz = reader.number("state_hz", 0.0, kMaxStateRateHz);
+  if (reader.has("findings")) read_findings(reader, object.at("findings"), out.findings);
   out.watches_setup = reader.has("setup") && reader.flag("setup");
   if (!reader.has("picture")) return;
   const Json& picture = object.at("picture");
@@ -124,6 +144,18 @@ void read_adaptation(MemberReader& reader, ClientMessage& out) {
   }
 }
 
+void read_probe(MemberReader& reader, ClientMessage& out) {
+  if (!out.request) reader.fail(failure(ErrorCode::kInconsistent, "\"request\" is missing"));
+  out.pixel.u_px = static_cast<float>(reader.number("u_px", 0.0, double{kMaxFrameWidth}));
+  out.pixel.v_px = static_cast<float>(reader.number("v_px", 0.0, double{kMaxFrameHeight}));
+}
+
+void read_score(MemberReader& reader, ClientMessage& out) {
+  if (!reader.has("own") && !reader.has("opponent")) return;
+  out.score = Score{static_cast<std::uint32_t>(reader.integer("own", 0, kMaxGoals)),
+                    static_cast<std::uint32_t>(reader.integer("opponent", 0, kMaxGoals))};
+}
+
 }  // namespace
 
 Result<ClientMessage> parse_client_message(std::string_view text) {
@@ -150,6 +182,8 @@ Result<ClientMessage> parse_client_message(std::string_view text) {
   }
   if (out.kind == MessageKind::kDrive) read_drive(reader, out);
   if (out.kind == MessageKind::kAdaptation) read_adaptation(reader, out);
+  if (out.kind == MessageKind::kProbe) read_probe(reader, out);
+  if (out.kind == MessageKind::kScore) read_score(reader, out);
   if (reader.error()) return *reader.error();
   return out;
 }

@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "core/adaptation.h"
+#include "core/control/referee_state.h"
 #include "core/types.h"
 #include "hal/result.h"
 
@@ -18,6 +19,13 @@ inline constexpr int kMaxMessageDepth = 32;
 inline constexpr double kMaxStateRateHz = 60.0, kMaxPictureRateHz = 60.0;
 // Limits of a driven robot's speed; larger values are errors. The limits of the drive are applied later.
 inline constexpr double kMaxDriveSpeed_mps = 10.0, kMaxDriveTurn_radps = 100.0;
+
+/// Which parts of PictureFindings a client watches.
+struct WatchedFindings {
+  bool classes = false, regions = false, light = false;
+
+  [[nodiscard]] bool any() const { return classes || regions || light; }
+};
 
 /// A message of a client (docs/console-protocol.md).
 struct ClientMessage {
@@ -32,7 +40,9 @@ struct ClientMessage {
     kPing,
     kAdaptation,
     kSetup,
-    kUseSaved
+    kUseSaved,
+    kProbe,
+    kScore
   };
   Kind kind = Kind::kPing;
   std::optional<std::int64_t> request;  // number that the answer repeats
@@ -41,6 +51,11 @@ struct ClientMessage {
   bool watches_setup = false;
   double state_hz = 0.0, picture_hz = 0.0;
   std::uint16_t picture_width_px = 0;  // the widest picture; 0: as wide as the camera's
+
+  WatchedFindings findings;  // beside the picture
+
+  PixelPoint pixel;            // of kProbe
+  std::optional<Score> score;  // of kScore; nullopt: no longer known
 
   std::uint64_t number = 0;  // of kSeen: the picture
 

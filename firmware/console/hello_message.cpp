@@ -161,6 +161,30 @@ void write_classes(JsonWriter& json, const Scene& scene) {
   json.end_array();
 }
 
+void write_verdicts(JsonWriter& json) {
+  json.begin_array();
+  for (std::size_t i = 0; i <= static_cast<std::size_t>(Verdict::kSurplus); ++i) {
+    const auto verdict = static_cast<Verdict>(i);
+    json.begin_object();
+    write_text(json, "text", describe(verdict));
+    json.key("refused");
+    json.boolean(is_refusal(verdict));
+    json.end_object();
+  }
+  json.end_array();
+}
+
+void write_region_of_interest(JsonWriter& json, const Polygon& polygon) {
+  json.begin_array();
+  for (const PixelPoint& point : polygon) {
+    json.begin_array();
+    json.number(report::rounded(static_cast<double>(point.u_px), kGridPixelStep));
+    json.number(report::rounded(static_cast<double>(point.v_px), kGridPixelStep));
+    json.end_array();
+  }
+  json.end_array();
+}
+
 }  // namespace
 
 std::array<std::uint8_t, 3> rgb_of(const Scene& scene, ColorId color) {
@@ -212,6 +236,10 @@ void write_hello(JsonWriter& json, const Scene& scene, bool has_setup, std::uint
   write_robots(json, scene);
   json.key("classes");
   write_classes(json, scene);
+  json.key("verdicts");
+  write_verdicts(json);
+  json.key("region_of_interest");
+  write_region_of_interest(json, configuration.pipeline.scan.region_of_interest);
   const BallParameters& ball = configuration.pipeline.marker.ball;
   if (ball.color != kBackground) {
     json.key("ball");

@@ -61,10 +61,16 @@ void Hub::tick(Instant now) {
   if (!pictures_.error().empty() && !std::exchange(is_picture_failure_reported_, true)) {
     links_.print("console: no pictures: " + pictures_.error());
   }
-  const bool is_wanted = std::any_of(clients_.begin(), clients_.end(), [&](const Client& client) {
-    return is_picture_due(client, now) && !has_fresh_picture(client);
-  });
-  if (is_wanted) pictures_.request(now);
+  expire_probes(now);
+  bool is_wanted = false, with_findings = false;
+  for (const Client& client : clients_) {
+    const bool lacks_picture = is_picture_due(client, now) && !has_fresh_picture(client);
+    const bool lacks_probe = !client.probes.empty() && !has_probe_answer(client);
+    is_wanted = is_wanted || lacks_picture || lacks_probe;
+    with_findings =
+        with_findings || !client.probes.empty() || (client.picture_period > Duration::zero() && client.findings.any());
+  }
+  if (is_wanted) pictures_.request(now, with_findings);
   serve_setup(now);
 }
 
@@ -132,7 +138,8 @@ bool Hub::receive(Client& client, std::string_view text, Instant now) {
     is_answered = !pass_to_setup(client, text, message.value(), answer);
   } else if (message.ok()) {
     const Result<void> obeyed = obey(client, message.value(), now);
-    is_answered = message.value().request.has_value() || !obeyed.ok();
+    const bool is_answered_later = message.value().kind == ClientMessage::Kind::kProbe;
+    is_answered = (message.value().request.has_value() && !is_answered_later) || !obeyed.ok();
     answer.to = message.value().request.value_or(0);
     if (!obeyed.ok()) answer.error = obeyed.text();
   } else {
@@ -183,6 +190,12 @@ Result<void> Hub::obey(Client& client, const ClientMessage& message, Instant now
       return {};
     case Kind::kUseSaved:
       return leave_setup(client);
+    case Kind::kProbe:
+      return accept_probe(client, message, now);
+    case Kind::kScore:
+      TOUCHLINE_TRY(driving_.require_driver(client.number));
+      told_score_ = message.score;
+      return {};
     case Kind::kAdaptation:
       return change_adaptation(client, message.adaptation);
   }
@@ -196,7 +209,8 @@ void Hub::watch(Client& client, const ClientMessage& message, Instant now) {
       std::max(period_of_rate(message.picture_hz), message.picture_hz > 0.0 ? picture_period_ : Duration::zero());
   client.picture_width_px = message.picture_width_px;
   client.next_state = client.next_picture = now;
-  client.picture_follows = false;
+  client.picture_follows.reset();
+  client.findings = message.findings;
   const int wanted = client.picture_width_px > 0 ? client.picture_width_px : scene_.camera.width_px;
   const int full = scene_.camera.width_px;
   client.link.set(wanted > 0 ? (full + wanted - 1) / wanted : 1, client.picture_period);
@@ -218,7 +232,8 @@ Result<void> Hub::change_adaptation(const Client& client, AdaptationMode wanted)
 
 bool Hub::is_watched() const {
   return setup_.is_busy() || std::any_of(clients_.begin(), clients_.end(), [](const Client& client) {
-           return client.state_period > Duration::zero() || client.picture_period > Duration::zero();
+           return client.state_period > Duration::zero() || client.picture_period > Duration::zero() ||
+                  !client.probes.empty();
          });
 }
 
@@ -246,7 +261,7 @@ bool Hub::has_message(const Client& client, Instant now) const {
   return client.wants_hello || client.wants_driver || client.wants_status || !client.answers.empty() ||
          client.wants_setup_program || client.setup_state != nullptr || !client.parcels.empty() ||
          links_.reports.events.after(client.last_event).has_value() || is_state_due(client, now) ||
-         (is_picture_due(client, now) && has_fresh_picture(client));
+         has_probe_answer(client) || (is_picture_due(client, now) && has_fresh_picture(client));
 }
 
 Outgoing Hub::next_message(Client& client, Instant now) {
@@ -269,14 +284,20 @@ Outgoing Hub::next_message(Client& client, Instant now) {
     return text_message([&](auto& json) { write_event(json, *event); });
   }
   if (std::exchange(client.wants_status, false)) return status_message(now);
+  if (has_probe_answer(client)) return probe_message(client);
   const bool is_picture_next = is_picture_due(client, now) && has_fresh_picture(client);
-  if (is_picture_next && client.picture_follows) return picture_message(client, now);
+  if (is_picture_next && client.picture_follows == pictures_.number()) {
+    const Outgoing findings = findings_message(client);
+    return findings.bytes.empty() ? picture_message(client, now) : findings;
+  }
   if (is_picture_next) {
-    client.picture_follows = true;
+    client.picture_follows = pictures_.number();
+    client.findings_left = pictures_.findings() != nullptr ? client.findings : WatchedFindings();
+    client.findings_bytes = 0;
     advance(client.next_state, client.state_period, now);
     return state_message(client, *feed_.find(pictures_.number()));
   }
-  client.picture_follows = false;
+  client.picture_follows.reset();
   if (!is_state_due(client, now)) return {};
   advance(client.next_state, client.state_period, now);
   return state_message(client, *feed_.newest());
@@ -284,32 +305,39 @@ Outgoing Hub::next_message(Client& client, Instant now) {
 
 Outgoing Hub::state_message(Client& client, const Snapshot& snapshot) {
   client.states_until = snapshot.number + 1;
-  return text_message([&](auto& json) { write_state(json, scene_, snapshot, driving_.input(), unix_time_); });
+  return text_message(
+      [&](auto& json) { write_state(json, scene_, snapshot, driving_.input(), unix_time_, told_score_); });
 }
 
 Outgoing Hub::picture_message(Client& client, Instant now) {
-  client.picture_follows = false;
+  client.picture_follows.reset();
   advance(client.next_picture, client.picture_period, now);
   client.pictures_until = pictures_.number() + 1;
   const PictureLevel level = client.link.level();
   const std::span<std::byte> jpeg = pictures_.jpeg(level);
+  const Frame* const frame = pictures_.frame();
+  if (jpeg.empty() || frame == nullptr || feed_.find(pictures_.number()) == nullptr) return {};
+  put_header(jpeg.data() - kPictureHeaderBytes, *frame, kCameraKind, scaled(frame->width_px, level.divisor),
+             scaled(frame->height_px, level.divisor), 0);
+  const std::uint64_t end = client.written + kPictureHeaderBytes + jpeg.size();
+  client.link.sent(pictures_.number(), jpeg.size() + client.findings_bytes, end, now);
+  return {{jpeg.data() - kPictureHeaderBytes, jpeg.size() + kPictureHeaderBytes}, true};
+}
+
+// Of a binary message that belongs to the current picture.
+void Hub::put_header(std::byte* to, const Frame& frame, std::uint8_t kind, std::uint16_t width, std::uint16_t height,
+                     std::uint32_t special) const {
   const Snapshot* const snapshot = feed_.find(pictures_.number());
-  const Frame* const picture = pictures_.frame();
-  if (jpeg.empty() || snapshot == nullptr || picture == nullptr) return {};
-  const Frame& frame = *picture;
-  std::byte* to = jpeg.data() - kPictureHeaderBytes;
   put_little_endian(to, kPictureMagic);
   put_little_endian(to, std::uint8_t{1});  // version of the header
-  put_little_endian(to, std::uint8_t{1});  // a picture
-  put_little_endian(to, scaled(frame.width_px, level.divisor));
-  put_little_endian(to, scaled(frame.height_px, level.divisor));
+  put_little_endian(to, kind);
+  put_little_endian(to, width);
+  put_little_endian(to, height);
   put_little_endian(to, frame.width_px);
-  put_little_endian(to, std::uint32_t{0});
+  put_little_endian(to, special);
   put_little_endian(to, pictures_.number());
-  put_little_endian(to, static_cast<std::uint64_t>(captured_unix_s(*snapshot, unix_time_) * 1e6));
-  const std::uint64_t end = client.written + kPictureHeaderBytes + jpeg.size();
-  client.link.sent(pictures_.number(), jpeg.size(), end, now);
-  return {{jpeg.data() - kPictureHeaderBytes, jpeg.size() + kPictureHeaderBytes}, true};
+  const double captured_s = snapshot != nullptr ? captured_unix_s(*snapshot, unix_time_) : 0.0;
+  put_little_endian(to, static_cast<std::uint64_t>(captured_s * 1e6));
 }
 
 std::span<std::byte> Hub::current_jpeg(std::uint64_t from) {

@@ -15,6 +15,7 @@
 #include "firmware/console/client_message.h"
 #include "firmware/console/event_log.h"
 #include "firmware/console/files_use.h"
+#include "firmware/console/findings_message.h"
 #include "firmware/console/foxglove_messages.h"
 #include "firmware/console/frame_feed.h"
 #include "firmware/console/machine_monitor.h"
@@ -179,6 +180,19 @@ class Hub {
   }
   Outgoing state_message(Client& client, const Snapshot& snapshot);
   Outgoing picture_message(Client& client, Instant now);
+  void put_header(std::byte* to, const Frame& frame, std::uint8_t kind, std::uint16_t width, std::uint16_t height,
+                  std::uint32_t special) const;
+
+  // hub_findings.cpp
+  Result<void> accept_probe(Client& client, const ClientMessage& message, Instant now);
+  /// Answers with an error what no picture has answered in time.
+  void expire_probes(Instant now);
+  [[nodiscard]] bool has_probe_answer(const Client& client) const;
+  Outgoing probe_message(Client& client);
+  /// What comes next of the findings that belong to the current picture. Empty: all was sent.
+  Outgoing findings_message(Client& client);
+  Outgoing classes_message(const Frame& frame, const PixelClassifier& classifier, int divisor);
+  Outgoing light_message(const Frame& frame, const PixelClassifier& classifier);
 
   // hub_foxglove.cpp
   bool receive_foxglove(Client& client, std::string_view text, Instant now);
@@ -213,7 +227,8 @@ class Hub {
   std::uint64_t reports_read_ = 0;
   Instant heard_from_loop_{};  // when it came
   bool is_picture_failure_reported_ = false;
-  std::vector<std::byte> text_;
+  std::optional<Score> told_score_;  // by a client, if no referee tells it
+  std::vector<std::byte> text_, binary_;
   std::shared_ptr<Parcel> parcel_;  // that is being sent
 };
 

@@ -58,9 +58,9 @@ void write_halt(report::JsonWriter& json, std::uint16_t halt);
 // Each writes one object.
 /// `has_setup`: the setup program is running.
 void write_hello(report::JsonWriter& json, const Scene& scene, bool has_setup, std::uint32_t you, double now_unix_s);
-/// `console`: whose commands the console gives.
+/// `console`: whose commands the console gives; `told`: the score that a person told, used if no referee tells it.
 void write_state(report::JsonWriter& json, const Scene& scene, const Snapshot& snapshot, const ConsoleInput& console,
-                 const hal::UnixTimeOffset& unix_time);
+                 const hal::UnixTimeOffset& unix_time, const std::optional<Score>& told = {});
 /// `halt`: bits of Halt; nullopt: not known.
 void write_status(report::JsonWriter& json, const Scene& scene, const FrameFeed& feed, const StatusReport& report,
                   std::optional<std::uint16_t> halt, const MachineStatus& machine, std::size_t clients,

@@ -10,13 +10,13 @@ constexpr std::size_t kExtraBytes = std::size_t{64} * 1024;
 
 }  // namespace
 
-void PictureSource::request(Instant now) {
+void PictureSource::request(Instant now, bool with_findings) {
   // Frames do not come exactly on time.
   if (is_outstanding_ || now - requested_ < shortest_period_ - shortest_period_ / 8) return;
   requested_ = now;
   is_outstanding_ = true;
   is_current_ = false;
-  exchange_.request();
+  exchange_.request(with_findings);
 }
 
 bool PictureSource::poll() {

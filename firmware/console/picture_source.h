@@ -17,6 +17,8 @@ namespace touchline::console {
 inline constexpr std::size_t kMessagePrefix = 64;
 inline constexpr std::size_t kPictureHeaderBytes = 32;
 inline constexpr std::uint32_t kPictureMagic = 0x43504C54;  // "TLPC"
+// Kinds of binary messages; 2 and 3 are those of the setup program.
+inline constexpr std::uint8_t kCameraKind = 1, kClassesKind = 4, kLightKind = 5;
 
 /// Asks the loop for pictures and compresses each at most once per size and quality.
 class PictureSource {
@@ -26,14 +28,16 @@ class PictureSource {
       : exchange_(exchange), shortest_period_(shortest_period) {}
 
   /// Asks for a picture, unless one is on its way or the last one was asked for too recently. The current picture is
-  /// given back.
-  void request(Instant now);
+  /// given back. `with_findings`: also asks how the picture was understood.
+  void request(Instant now, bool with_findings = false);
   /// The exchange has forgotten its request and its picture.
   void restart() { is_outstanding_ = is_current_ = false; }
   /// Whether a picture has come since the last call.
   bool poll();
   /// Null: there is no picture at the moment.
   [[nodiscard]] const Frame* frame() const { return is_current_ ? &exchange_.frame() : nullptr; }
+  /// Null: they were not asked for, or there are none.
+  [[nodiscard]] const PictureFindings* findings() const { return is_current_ ? exchange_.findings() : nullptr; }
   [[nodiscard]] std::uint64_t number() const { return exchange_.number(); }
 
   /// The current picture as a message: kMessagePrefix bytes of room, kPictureHeaderBytes for the header, and the JPEG,

@@ -84,6 +84,10 @@ void write_sighting(JsonWriter& json, const Scene& scene, const RobotSighting& r
   }
   write_pixel(json, scene.model.to_pixel(robot.pose.position, layout.height_m));
   write_number(json, "confidence", robot.confidence, report::kConfidenceStep);
+  if (robot.doubt != IdDoubt::kNone) {
+    json.key("doubt");
+    json.string(describe(robot.doubt));
+  }
   json.key("outline_px");
   write_outline(json, scene, robot);
   json.end_object();
@@ -153,6 +157,34 @@ void write_command(JsonWriter& json, const RobotCommand& command, const ConsoleI
   json.end_object();
 }
 
+std::string_view word_of(PlayRole role) {
+  constexpr std::array<std::string_view, 4> kWords{"", "goalkeeper", "attacker", "supporter"};
+  return kWords[static_cast<std::size_t>(role)];
+}
+
+void write_role(JsonWriter& json, const RobotCommand& command) {
+  if (command.role == PlayRole::kNone) return;
+  json.begin_object();
+  json.key("id");
+  json.integer(command.id);
+  json.key("role");
+  json.string(word_of(command.role));
+  json.end_object();
+}
+
+void write_score(JsonWriter& json, const std::optional<Score>& of_referee, const std::optional<Score>& told) {
+  const std::optional<Score>& score = of_referee ? of_referee : told;
+  if (!score) return json.null();
+  json.begin_object();
+  json.key("own");
+  json.integer(score->own);
+  json.key("opponent");
+  json.integer(score->opponent);
+  json.key("source");
+  json.string(of_referee ? "referee" : "console");
+  json.end_object();
+}
+
 template <class List, class Write>
 void write_list(JsonWriter& json, std::string_view key, const List& list, const Write& write) {
   json.key(key);
@@ -170,7 +202,7 @@ void write_halt(JsonWriter& json, std::uint16_t halt) {
 }
 
 void write_state(JsonWriter& json, const Scene& scene, const Snapshot& snapshot, const ConsoleInput& console,
-                 const hal::UnixTimeOffset& unix_time) {
+                 const hal::UnixTimeOffset& unix_time, const std::optional<Score>& told) {
   json.begin_object();
   json.key("type");
   json.string("state");
@@ -197,6 +229,9 @@ void write_state(JsonWriter& json, const Scene& scene, const Snapshot& snapshot,
   json.key("phase");
   json.string(word_of_phase(snapshot.referee.phase));
   json.end_object();
+  json.key("score");
+  write_score(json, snapshot.referee.score, told);
+  write_list(json, "roles", snapshot.commands.robots, [&](const RobotCommand& command) { write_role(json, command); });
   write_number(json, "brightness", snapshot.light.brightness, 1e-3);
   write_list(json, "stages_ms", snapshot.stage_time,
              [&](Duration time) { json.number(report::rounded(seconds(time) * 1e3, kMillisecondStep)); });

@@ -140,6 +140,8 @@ void write_status(JsonWriter& json, const Scene& scene, const FrameFeed& feed, c
   json.begin_object();
   write_count(json, "packets", report.packets);
   write_count(json, "dropped", report.packets_dropped);
+  write_count(json, "refused", report.packets_refused);
+  write_count(json, "stop_packets", report.stop_packets);
   json.end_object();
   json.key("telemetry");
   write_telemetry(json, report);
@@ -202,6 +204,8 @@ std::string metrics_text(const FrameFeed& feed, const StatusReport& report, cons
   add_metric(text, "faults_total", "counter", static_cast<double>(report.faults));
   add_metric(text, "radio_packets_total", "counter", static_cast<double>(report.packets));
   add_metric(text, "radio_packets_dropped_total", "counter", static_cast<double>(report.packets_dropped));
+  add_metric(text, "radio_packets_refused_total", "counter", static_cast<double>(report.packets_refused));
+  add_metric(text, "radio_stop_packets_total", "counter", static_cast<double>(report.stop_packets));
   add_metric(text, "frame_rate_hertz", "gauge", static_cast<double>(feed.rate_hz()));
   add_metric(text, "halt", "gauge", static_cast<double>(report.halt));
   add_metric(text, "cpu_ratio", "gauge", machine.cpu_percent / 100.0);

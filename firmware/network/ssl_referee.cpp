@@ -91,6 +91,9 @@ Result<RefereeState> decode_ssl_referee(std::span<const std::byte> bytes, const 
   const bool own_is_yellow = same_team(settings.own_team, yellow);
   if (own_is_yellow != same_team(settings.own_team, blue)) {
     state.own_is_yellow = own_is_yellow;
+    const ssl_TeamInfo& own = own_is_yellow ? message.yellow : message.blue;
+    const ssl_TeamInfo& opponent = own_is_yellow ? message.blue : message.yellow;
+    state.score = Score{own.score, opponent.score};
     if (message.has_blue_team_on_positive_half) {
       state.own_on_positive_half = message.blue_team_on_positive_half != own_is_yellow;
     }

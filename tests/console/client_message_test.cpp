@@ -34,6 +34,15 @@ TEST(ClientMessageParser, ReadsEachType) {
   EXPECT_EQ(parsed(R"({"type":"release"})").kind, Kind::kRelease);
   EXPECT_EQ(parsed(R"({"type":"start"})").kind, Kind::kStart);
   EXPECT_EQ(parsed(R"({"type":"ping"})").kind, Kind::kPing);
+  EXPECT_FALSE(message.findings.any());
+  message = parsed(R"({"type":"watch","state_hz":0,"findings":["light","classes"]})");
+  EXPECT_TRUE(message.findings.light && message.findings.classes && !message.findings.regions);
+  message = parsed(R"({"type":"probe","request":3,"u_px":10.5,"v_px":0})");
+  EXPECT_EQ(message.kind, Kind::kProbe);
+  EXPECT_EQ(message.pixel.u_px, 10.5f);
+  EXPECT_EQ(message.pixel.v_px, 0.0f);
+  EXPECT_EQ(parsed(R"({"type":"score","own":3,"opponent":0})").score, (Score{3, 0}));
+  EXPECT_FALSE(parsed(R"({"type":"score"})").score.has_value());
 }
 
 TEST(ClientMessageParser, RefusesEverythingElseAndNamesTheMember) {
@@ -62,6 +71,13 @@ TEST(ClientMessageParser, RefusesEverythingElseAndNamesTheMember) {
   EXPECT_FALSE(parse_client_message(R"({"type":"drive","id":1,"speed_mps":1e999,"turn_radps":0})").ok());
   EXPECT_EQ(error(R"({"type":"drive","team":"opponent","id":1,"speed_mps":1,"turn_radps":0})"),
             "only robots of the own team can be driven");
+  EXPECT_EQ(error(R"({"type":"watch","state_hz":5,"findings":"classes"})"), "\"findings\" must be a list");
+  EXPECT_EQ(error(R"({"type":"watch","state_hz":5,"findings":["classes",7]})"),
+            "\"findings\" are \"classes\", \"regions\" and \"light\"");
+  EXPECT_EQ(error(R"({"type":"probe","u_px":1,"v_px":1})"), "\"request\" is missing");
+  EXPECT_EQ(error(R"({"type":"probe","request":1,"u_px":1,"v_px":-0.1})"), "\"v_px\" is not within 0 to 1944");
+  EXPECT_EQ(error(R"({"type":"score","own":3})"), "\"opponent\" is missing");
+  EXPECT_EQ(error(R"({"type":"score","own":1000,"opponent":0})"), "\"own\" is out of range");
   EXPECT_FALSE(parse_client_message(std::string(4096, '[')).ok());
 }
 

@@ -42,6 +42,16 @@ void ConsoleServer::start() {
   });
 }
 
+std::array<std::uint8_t, 3> ConsoleServer::patch_value() const {
+  for (const ColorBox& box : configuration_->pipeline.scan.boxes) {
+    if (box.color != patch_color()) continue;
+    std::array<std::uint8_t, 3> middle{};
+    for (std::size_t c = 0; c < 3; ++c) middle[c] = static_cast<std::uint8_t>((box.low[c] + box.high[c]) / 2);
+    return middle;
+  }
+  return {};
+}
+
 void ConsoleServer::begin_session_later(bool is_draft, bool is_calibrated, std::string error) {
   task_ = [this, is_draft, is_calibrated, error = std::move(error)] {
     hal::CameraInfo camera;
@@ -69,6 +79,27 @@ void ConsoleServer::run_loop() {
   for (std::size_t i = 0; i < pixels.size(); ++i) pixels[i] = static_cast<std::uint8_t>(i / 7);
   std::minstd_rand random(1);
   if (is_crowded) std::generate(pixels.begin(), pixels.end(), [&] { return random() >> 8 & 255U; });
+  if (is_examined) {
+    std::fill(pixels.begin(), pixels.end(), std::uint8_t{0});
+    const std::array<std::uint8_t, 3> value = patch_value();
+    for (std::size_t v = kPatch.top; v <= kPatch.bottom; ++v) {
+      for (std::size_t u = kPatch.left; u <= kPatch.right; ++u) {
+        std::copy(value.begin(), value.end(), pixels.begin() + static_cast<std::ptrdiff_t>(3 * (v * kWidth + u)));
+      }
+    }
+    auto parameters = std::make_unique<PipelineParameters>(configuration_->pipeline);
+    parameters->scan.format = PixelFormat::kRgb24;
+    parameters->scan.width_px = kWidth;
+    parameters->scan.height_px = kHeight;
+    parameters->scan.light = {};
+    parameters->scan.region_of_interest.clear();
+    for (const PixelPoint corner : {PixelPoint{40.0f, -1.0f}, {400.0f, -1.0f}, {400.0f, 300.0f}, {40.0f, 300.0f}}) {
+      static_cast<void>(parameters->scan.region_of_interest.push_back(corner));
+    }
+    parameters->adaptation.reference = {};
+    pipeline_ = std::make_unique<Pipeline>();
+    EXPECT_TRUE(pipeline_->configure(*parameters).ok());
+  }
   Frame frame;
   frame.width_px = kWidth;
   frame.height_px = kHeight;
@@ -97,6 +128,7 @@ void ConsoleServer::run_loop() {
     snapshot->halt = input().stop ? std::uint16_t{kHaltConsole} : std::uint16_t{kHaltNone};
     snapshots_->write(*snapshot);
     if (pictures_.is_wanted()) {
+      if (pipeline_) pictures_.put_findings(*pipeline_, pipeline_->step(frame));
       pictures_.put(frame, snapshot->number);
       ++pictures_copied;
     }

@@ -7,6 +7,7 @@
 #include <mutex>
 #include <thread>
 
+#include "core/pipeline.h"
 #include "firmware/console/hub.h"
 #include "firmware/console/web_server.h"
 #include "tests/console/socket_client.h"
@@ -47,6 +48,12 @@ class ConsoleServer : public ::testing::Test {
   /// What the hub asks for; empty: it may not.
   UseFiles use_files;
   std::atomic<bool> camera_delivers{true};
+  /// Before start(): pictures have a rectangle of the ball's color, kPatch, and a pipeline examines them.
+  bool is_examined = false;
+  static constexpr PixelBox kPatch{200, 100, 215, 115};
+  /// The values of its pixels.
+  [[nodiscard]] std::array<std::uint8_t, 3> patch_value() const;
+  [[nodiscard]] ColorId patch_color() const { return configuration_->pipeline.marker.ball.color; }
   bool is_crowded = false;  // before start(): 22 robots, and pictures whose JPEG is large
   std::atomic<std::uint64_t> pictures_copied{0}, frames{0};
   SharedReports reports;
@@ -56,6 +63,7 @@ class ConsoleServer : public ::testing::Test {
   void run_loop();
 
   std::shared_ptr<config::Configuration> configuration_ = std::make_shared<config::Configuration>();
+  std::unique_ptr<Pipeline> pipeline_;
   std::unique_ptr<SnapshotRing> snapshots_ = std::make_unique<SnapshotRing>();
   PictureExchange pictures_;
   Mailbox<ConsoleInput> mailbox_;

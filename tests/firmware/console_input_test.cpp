@@ -141,6 +141,21 @@ TEST_F(ConsoleLoop, APictureIsCopiedOnlyIfItIsWanted) {
   EXPECT_LE(number, 30U);
   run_until(1.0);
   EXPECT_EQ(pictures.number(), number) << "it belongs to the reader until the next request";
+  EXPECT_EQ(pictures.findings(), nullptr) << "not asked for";
+  pictures.request(true);
+  run_until(1.1);
+  ASSERT_TRUE(pictures.has_arrived());
+  ASSERT_NE(pictures.findings(), nullptr);
+  const PictureFindings& findings = *pictures.findings();
+  ASSERT_FALSE(findings.regions.empty());
+  ASSERT_EQ(findings.verdicts.size(), findings.regions.size());
+  const Region& region = findings.regions[0];
+  const auto u = static_cast<std::uint16_t>(region.centroid.u_px), v = static_cast<std::uint16_t>(region.centroid.v_px);
+  EXPECT_EQ(findings.classifier.color_at(pictures.frame(), u, v), region.color);
+  pictures.request();
+  run_until(1.2);
+  ASSERT_TRUE(pictures.has_arrived());
+  EXPECT_EQ(pictures.findings(), nullptr);
 }
 
 class PictureExchangeTest : public ::testing::TestWithParam<PixelFormat> {};

@@ -98,6 +98,11 @@ void check_client_message(std::span<const std::byte> bytes) {
   require(value.picture_hz >= 0.0 && value.picture_hz <= 60.0, "the rate of pictures is limited");
   require(value.kind != console::ClientMessage::Kind::kDrive || value.id >= 0, "an id is 0 to 127");
   require(value.request.value_or(0) >= 0, "a request has a number");
+  const bool is_probe = value.kind == console::ClientMessage::Kind::kProbe;
+  require(!is_probe || value.request.has_value(), "a probe can be answered");
+  require(value.pixel.u_px >= 0.0f && value.pixel.u_px <= static_cast<float>(kMaxFrameWidth), "u is limited");
+  require(value.pixel.v_px >= 0.0f && value.pixel.v_px <= static_cast<float>(kMaxFrameHeight), "v is limited");
+  require(!value.score || (value.score->own <= 999 && value.score->opponent <= 999), "the score is limited");
 }
 
 void check_foxglove_client(std::span<const std::byte> bytes) {

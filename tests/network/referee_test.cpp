@@ -87,12 +87,14 @@ TEST(SslReferee, RobotsStandInBreaks) {
 TEST(SslReferee, NamesTellColorSideAndHeights) {
   const RefereeSettings settings{"plums ", {{"Lemons", 0.14f}, {"PLUMS", 0.15f}}};
   Referee message = example_message();
+  message.mutable_blue()->set_score(2);
   Result<RefereeState> state = decoded(message, settings);
   ASSERT_TRUE(state.ok());
   EXPECT_EQ(state.value().own_is_yellow, false);
   EXPECT_EQ(state.value().own_on_positive_half, true);
   EXPECT_EQ(state.value().own_height_m, 0.15f);
   EXPECT_EQ(state.value().opponent_height_m, 0.14f);
+  EXPECT_EQ(state.value().score, (Score{2, 1}));
   message.mutable_yellow()->Swap(message.mutable_blue());
   state = decoded(message, settings);
   ASSERT_TRUE(state.ok());
@@ -109,6 +111,7 @@ TEST(SslReferee, UnclearNamesTellNothing) {
     ASSERT_TRUE(state.ok());
     EXPECT_FALSE(state.value().own_is_yellow.has_value());
     EXPECT_FALSE(state.value().own_on_positive_half.has_value());
+    EXPECT_FALSE(state.value().score.has_value());
     EXPECT_EQ(state.value().opponent_height_m, 0.0f);
   }
   message.mutable_yellow()->set_name("Plums");

@@ -30,19 +30,6 @@ CanvasColor lightened(const CanvasColor& color) {
   return {0.5 + color.r / 2.0, 0.5 + color.g / 2.0, 0.5 + color.b / 2.0};
 }
 
-bool refused(Verdict verdict) {
-  switch (verdict) {
-    case Verdict::kNotExamined:
-    case Verdict::kTeamPatch:
-    case Verdict::kIdentification:
-    case Verdict::kBall:
-    case Verdict::kFragment:
-      return false;
-    default:
-      return true;
-  }
-}
-
 }  // namespace
 
 Annotator::Annotator(const PipelineParameters& parameters, AnnotationStyle style)
@@ -101,7 +88,7 @@ void Annotator::draw_field(cairo_t& context) const {
 void Annotator::draw_regions(cairo_t& context, const StepTrace& trace) const {
   cairo_set_line_cap(&context, CAIRO_LINE_CAP_SQUARE);
   for (std::size_t i = 0; i < trace.regions.size(); ++i) {
-    const bool is_refused = i >= trace.sightings.verdicts.size() || refused(trace.sightings.verdicts[i]);
+    const bool is_refused = i >= trace.sightings.verdicts.size() || is_refusal(trace.sightings.verdicts[i]);
     region_outline(context, trace.runs, trace.regions[i]);
     set_color(context, {0.0, 0.0, 0.0}, is_refused ? 0.4 : 0.8);
     cairo_set_line_width(&context, 1.1);
@@ -119,7 +106,7 @@ void Annotator::draw_refusals(cairo_t& context, const StepTrace& trace) const {
   for (std::size_t i = 0; i < trace.regions.size() && i < trace.sightings.verdicts.size(); ++i) {
     const Region& region = trace.regions[i];
     const Verdict verdict = trace.sightings.verdicts[i];
-    if (!refused(verdict) || region.area_px < kFewestRefusedPixels || ++shown > kMostRefusals) continue;
+    if (!is_refusal(verdict) || region.area_px < kFewestRefusedPixels || ++shown > kMostRefusals) continue;
     draw_text(context, (region.box.right + 2.0) * scale, (static_cast<double>(region.centroid.v_px) + 2.0) * scale,
               describe(verdict), lightened(color_of(region.color)), kSmallText);
   }

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "firmware/console/messages.h"
+#include "firmware/picture_exchange.h"
+#include "firmware/report/json_writer.h"
+
+// How a picture was understood: messages of the server beside the picture (docs/console-protocol.md).
+namespace touchline::console {
+
+/// In a picture of classes: the pixel is outside the region of interest.
+inline constexpr std::uint8_t kOutsideClass = 255;
+static_assert(kMaxColors < kOutsideClass);
+/// Regions in a message. A field with 22 robots has about 130.
+inline constexpr std::size_t kMaxShownRegions = 400;
+
+/// Appends values in raster order, each run of equal ones as its length (u16, little-endian) and the value (u8).
+class RunLengthWriter {
+ public:
+  explicit RunLengthWriter(std::vector<std::byte>& out) : out_(out) {}
+  void add(std::uint8_t value);
+  /// Writes the last run.
+  void end();
+
+ private:
+  std::vector<std::byte>& out_;
+  std::uint8_t value_ = 0;
+  std::uint16_t count_ = 0;
+};
+
+/// Appends the classes of a picture made smaller by `divisor`: of the pixel in the middle of each block. They need
+/// about 2 ms for 640 x 480 pixels.
+void append_classes(const Frame& frame, const PixelClassifier& classifier, int divisor, std::vector<std::byte>& out);
+/// Appends the level of each tile of the light map, as mean of its channels; one neutral tile without a light map.
+void append_light(const PixelClassifier& classifier, std::vector<std::byte>& out);
+
+/// The regions; if there are too many, those that were examined and the larger ones.
+void write_regions(report::JsonWriter& json, const PictureFindings& findings, std::uint64_t number);
+
+/// Answers request `to` about the pixel, which is in the frame.
+void write_probe(report::JsonWriter& json, const Scene& scene, const Frame& frame, const PictureFindings& findings,
+                 PixelPoint pixel, std::uint64_t number, std::int64_t to);
+
+}  // namespace touchline::console

@@ -47,8 +47,9 @@ void Hub::begin_foxglove_frame(Client& client, Instant now) {
   FoxgloveClient& foxglove = *client.foxglove;
   const auto add = [&](FoxgloveChannel channel) { foxglove.due[index_of(channel)] = foxglove.has(channel); };
   const bool is_picture = has_foxglove_picture(client, now);
-  if (!is_picture && !is_state_due(client, now)) return;
-  foxglove.frame = is_picture ? pictures_.number() : feed_.newest()->number;
+  const Snapshot* const newest = feed_.newest();
+  if (newest == nullptr || (!is_picture && !is_state_due(client, now))) return;
+  foxglove.frame = is_picture ? pictures_.number() : newest->number;
   foxglove.level = client.link.level();
   if (is_picture) {
     add(FoxgloveChannel::kPicture);

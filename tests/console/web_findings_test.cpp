@@ -8,8 +8,6 @@
 namespace touchline::console {
 namespace {
 
-using nlohmann::json;
-
 std::uint64_t number_at(std::string_view bytes, std::size_t begin, std::size_t size) {
   std::uint64_t value = 0;
   for (std::size_t i = size; i > 0; --i) value = value << 8 | static_cast<unsigned char>(bytes[begin + i - 1]);
@@ -28,13 +26,13 @@ class WebFindings : public ConsoleServer {
  protected:
   WebFindings() { is_examined = true; }
 
-  static json ask(SocketPage& page, std::string_view type, const std::string& members) {
+  static nlohmann::json ask(SocketPage& page, std::string_view type, const std::string& members) {
     static int number = 0;
     page.send_text(text_of(type, "\"request\":" + std::to_string(++number) + (members.empty() ? "" : "," + members)));
     for (;;) {
       const std::optional<std::string> text = page.read_type("answer");
       if (!text) return {};
-      json answer = json::parse(*text);
+      nlohmann::json answer = nlohmann::json::parse(*text);
       if (answer["to"] == number) return answer;
     }
   }
@@ -61,13 +59,13 @@ TEST_F(WebFindings, BelongToThePictureThatFollows) {
     const SocketMessage message = page.read();
     ASSERT_TRUE(message.opcode == 1 || message.opcode == 2);
     if (message.opcode == 1) {
-      const json object = json::parse(message.payload);
+      const nlohmann::json object = nlohmann::json::parse(message.payload);
       if (object["type"] == "state") state = object["number"];
       if (object["type"] != "regions") continue;
       regions = object["number"];
       EXPECT_EQ(regions, state);
       ASSERT_EQ(object["regions"].size(), 1U) << object;
-      const json& region = object["regions"][0];
+      const nlohmann::json& region = object["regions"][0];
       EXPECT_EQ(region[0], int{kPatch.left});
       EXPECT_EQ(region[1], int{kPatch.top});
       EXPECT_EQ(region[2], int{kPatch.right});
@@ -121,9 +119,9 @@ TEST_F(WebFindings, AProbeTellsTheCamerasOwnValues) {
   SocketPage page(port());
   page.send_text(text_of("watch", R"("state_hz":0,"picture":null)"));
   const std::uint64_t before = frames;
-  json answer = ask(page, "probe", R"("u_px":207.4,"v_px":104.6)");
+  nlohmann::json answer = ask(page, "probe", R"("u_px":207.4,"v_px":104.6)");
   ASSERT_EQ(answer["ok"], true) << answer;
-  json result = answer["result"];
+  nlohmann::json result = answer["result"];
   EXPECT_GE(result["number"], before) << "a picture that was taken after the question";
   EXPECT_EQ(result["u_px"], 207);
   EXPECT_EQ(result["v_px"], 105);
@@ -138,7 +136,7 @@ TEST_F(WebFindings, AProbeTellsTheCamerasOwnValues) {
   EXPECT_TRUE(result["floor"]["x_m"].is_number());
   result = ask(page, "probe", R"("u_px":100,"v_px":104)")["result"];
   EXPECT_EQ(result["class"], 0);
-  EXPECT_EQ(result["value"], (json::array({0, 0, 0})));
+  EXPECT_EQ(result["value"], (nlohmann::json::array({0, 0, 0})));
   EXPECT_TRUE(result["region"].is_null());
   EXPECT_EQ(ask(page, "probe", R"("u_px":3,"v_px":104)")["result"]["class"], int{kOutsideClass});
   EXPECT_EQ(ask(page, "probe", R"("u_px":319.4,"v_px":239.4)")["ok"], true);
@@ -152,19 +150,19 @@ TEST_F(WebFindings, AProbeThatCannotBeAnsweredIsAnError) {
   EXPECT_EQ(ask(page, "probe", R"("u_px":320,"v_px":0)")["error"], "the pixel is outside the camera's picture");
   EXPECT_EQ(ask(page, "probe", R"("u_px":1,"v_px":0)")["error"], "there is no picture that was examined");
   for (int i = 0; i < 5; ++i) page.send_text(text_of("probe", R"("request":99,"u_px":1,"v_px":1)"));
-  EXPECT_EQ(json::parse(*page.read_type("answer"))["error"], "too many probes at a time");
-  EXPECT_EQ(json::parse(*page.read_type("answer"))["error"], "there is no picture that was examined");
+  EXPECT_EQ(nlohmann::json::parse(*page.read_type("answer"))["error"], "too many probes at a time");
+  EXPECT_EQ(nlohmann::json::parse(*page.read_type("answer"))["error"], "there is no picture that was examined");
 }
 
 TEST_F(WebFindings, AScoreIsToldByTheDriverOnly) {
   start();
   SocketPage page(port());
-  EXPECT_TRUE(json::parse(*page.read_type("state"))["score"].is_null());
+  EXPECT_TRUE(nlohmann::json::parse(*page.read_type("state"))["score"].is_null());
   EXPECT_EQ(ask(page, "score", R"("own":1,"opponent":2)")["ok"], false);
   EXPECT_EQ(ask(page, "take", "")["ok"], true);
   EXPECT_EQ(ask(page, "score", R"("own":1,"opponent":2)")["ok"], true);
   static_cast<void>(page.read_type("state"));
-  const json score = json::parse(*page.read_type("state"))["score"];
+  const nlohmann::json score = nlohmann::json::parse(*page.read_type("state"))["score"];
   EXPECT_EQ(score["own"], 1);
   EXPECT_EQ(score["opponent"], 2);
   EXPECT_EQ(score["source"], "console");

@@ -5,7 +5,7 @@ import { mkdtemp, readFile, readdir, rm } from 'node:fs/promises';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { after, before, test } from 'node:test';
-import { PAGES, hold, launch, open, show, waitForHalt, waitForLink, waitForPicture } from './browser.mjs';
+import { PAGES, axe, hold, launch, open, show, waitForHalt, waitForLink, waitForPicture } from './browser.mjs';
 import { startProgram } from './console_server.mjs';
 
 const program = process.env.TOUCHLINE_PROGRAM;
@@ -69,6 +69,66 @@ test('pointing at the picture shows pixel, color and place', async () => {
   await page.waitForFunction(() => Number(document.querySelector('canvas[data-picture]').dataset.zoom) > 2);
   await page.dblclick('canvas[data-picture]');
   await page.waitForFunction(() => document.querySelector('canvas[data-picture]').dataset.zoom === '1');
+  await close();
+});
+
+test('overlays of classes, regions and light belong to the picture', async () => {
+  const { page, problems, close } = await open(browser, server.url);
+  await waitForPicture(page);
+  assert.equal(await page.getAttribute('canvas[data-picture]', 'data-findings'), '', 'only what is watched is sent');
+  const toggle = async (layer) => {
+    await page.focus(`[data-layer="${layer}"]`);
+    await page.keyboard.press('Enter');
+  };
+  for (const layer of ['robots', 'ball', 'tracks', 'lines']) await toggle(layer);
+  for (const layer of ['classes', 'refusals', 'light', 'interest']) await toggle(layer);
+  await page.waitForFunction(() => document.querySelector('canvas[data-findings="classes light regions"]'));
+  await page.waitForSelector('[data-light]:has-text("%")');
+  // Pixels of a class have exactly the color that the venue file shows it in; a camera's picture has not.
+  await toggle('light');
+  await page.waitForFunction(() => document.querySelector('canvas[data-findings="classes regions"]'));
+  const shown = await page.evaluate(() => {
+    const canvas = document.querySelector('canvas[data-picture]');
+    const { data } = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height);
+    const counts = new Map();
+    for (let i = 0; i < data.length; i += 4) {
+      const color = data.slice(i, i + 3).join(' ');
+      counts.set(color, (counts.get(color) ?? 0) + 1);
+    }
+    return [...counts].sort((a, b) => b[1] - a[1]).slice(0, 40).map(([color]) => color);
+  });
+  const bright = shown.filter((color) => color.split(' ').some((value) => Number(value) > 140));
+  assert.ok(bright.length >= 3, `colors of classes: ${shown}`);
+  assert.deepEqual(await axe(page), []);
+  for (const layer of ['classes', 'refusals']) await toggle(layer);
+  await page.waitForFunction(() => document.querySelector('canvas[data-findings=""]'));
+  assert.deepEqual(problems, []);
+  await close();
+});
+
+test('pointing at a pixel shows the class that the camera sees there', async () => {
+  const { page, close } = await open(browser, server.url);
+  await waitForPicture(page);
+  const box = await page.locator('canvas[data-picture]').boundingBox();
+  await page.mouse.move(box.x + box.width / 2, box.y + box.height / 2);
+  await page.waitForSelector('[data-class]:not([data-class=""])');
+  assert.match(await page.textContent('[data-probe]'), /Camera: R G B \d+ \d+ \d+/);
+  await page.mouse.move(box.x + 2, box.y - 60);
+  await page.waitForFunction(() => document.querySelector('[data-class]').textContent === '–');
+  await close();
+});
+
+test('score and roles of the arena are shown', async () => {
+  const { page, close } = await open(browser, server.url);
+  await takeControl(page);
+  if (await page.locator('[data-start]:not([disabled])').count()) await start(page);
+  await page.waitForFunction(() => /^\d+ : \d+$/.test(document.querySelector('[data-score]')?.textContent ?? ''));
+  assert.equal(await page.locator('text=Goal for us').count(), 0, 'the arena counts');
+  await page.waitForSelector('tr[data-own] >> text=goalkeeper');
+  await page.click('button:text-is("Give up control")');
+  await show(page, 'timing');
+  await page.waitForSelector('dt:text-is("of these stop packets")');
+  await page.waitForSelector('dt:text-is("Refused")');
   await close();
 });
 

@@ -1,4 +1,4 @@
-import { BINARY_HEADER_BYTES, readMessage, readPictureHeader, readSetupPicture, type ClientMessage, type PictureHeader, type ServerMessage } from './protocol';
+import { BINARY_HEADER_BYTES, readMessage, readPictureHeader, readSetupPicture, readValueGrid, type ClientMessage, type PictureHeader, type ServerMessage } from './protocol';
 import type { SetupPicture } from './setup_protocol';
 
 /** Delays between two attempts to connect; the last one repeats. */
@@ -13,6 +13,7 @@ export interface Handlers {
   message(message: ServerMessage): void;
   picture(header: PictureHeader, jpeg: Blob): void;
   setupPicture(picture: SetupPicture): void;
+  valueGrid(received: NonNullable<ReturnType<typeof readValueGrid>>): void;
 }
 
 /** A socket that connects again by itself until close(). */
@@ -52,7 +53,9 @@ export class Connection {
         const header = readPictureHeader(data);
         if (header) return this.handlers.picture(header, new Blob([data.slice(BINARY_HEADER_BYTES)], { type: 'image/jpeg' }));
         const setupPicture = readSetupPicture(data);
-        if (setupPicture) this.handlers.setupPicture(setupPicture);
+        if (setupPicture) return this.handlers.setupPicture(setupPicture);
+        const received = readValueGrid(data);
+        if (received) this.handlers.valueGrid(received);
       }
     };
     socket.onclose = (event: CloseEvent) => this.retry(event.reason);

@@ -1,7 +1,7 @@
 import { LAYER_COLORS, type LayerKey } from './layers';
 import { fieldLines } from './field_lines';
 import type { PixelMap } from './projection';
-import type { Hello, State, TeamName } from './protocol';
+import type { Hello, Regions, State, TeamName } from './protocol';
 import type { Trails } from './trails';
 
 type Point = [number, number];
@@ -11,6 +11,7 @@ export interface OverlayInput {
   hello: Hello;
   pixels: PixelMap | null;
   trails: Trails;
+  regions: Regions | null;
   layers: ReadonlySet<LayerKey>;
   /** From pixels of the camera's full picture to the canvas. */
   toCanvas: (u_px: number, v_px: number) => Point;
@@ -22,12 +23,15 @@ export interface OverlayInput {
 export function drawOverlay(context: CanvasRenderingContext2D, input: OverlayInput): void {
   const pen = new Pen(context, input.lineWidth);
   const on = (layer: LayerKey) => input.layers.has(layer);
+  if (on('interest')) drawInterest(pen, input);
+  if (on('regions')) drawRegions(pen, input);
   if (on('lines')) drawLines(pen, input);
   if (on('trails')) drawTrails(pen, input);
   if (on('tracks')) drawTracks(pen, input);
   if (on('action')) drawAction(pen, input);
   if (on('ball')) drawBall(pen, input);
   if (on('robots')) drawRobots(pen, input);
+  if (on('refusals')) drawRefusals(pen, input);
 }
 
 /** Every line has a dark edge, so that it shows on any picture. */
@@ -167,5 +171,44 @@ function drawRobots(pen: Pen, input: OverlayInput): void {
     const id = robot.id === null ? '?' : String(robot.id);
     const text = input.detailed ? `${own ? '' : 'opp. '}${id} · ${Math.round(100 * robot.confidence)} %` : id;
     pen.text(text, [center[0], bottom + 11 * pen.unit], color, 12);
+  }
+}
+
+const UNDECIDED = { text: '', refused: false };
+
+/** The edges of a box of pixels. */
+function boxCorners(input: OverlayInput, [left, top, right, bottom]: readonly number[]): Point[] {
+  const [l, t, r, b] = [left! - 0.5, top! - 0.5, right! + 0.5, bottom! + 0.5];
+  return [input.toCanvas(l, t), input.toCanvas(r, t), input.toCanvas(r, b), input.toCanvas(l, b)];
+}
+
+function drawInterest(pen: Pen, input: OverlayInput): void {
+  const polygon = input.hello.region_of_interest ?? [];
+  const { width_px, height_px } = input.hello.camera;
+  const corners: Point[] = polygon.length >= 3 ? polygon.map(([u, v]) => [u, v]) : [[-0.5, -0.5], [width_px - 0.5, -0.5], [width_px - 0.5, height_px - 0.5], [-0.5, height_px - 0.5]];
+  pen.line(corners.map(([u, v]) => input.toCanvas(u, v)), LAYER_COLORS.interest, { closed: true, width: 2.25 });
+}
+
+function drawRegions(pen: Pen, input: OverlayInput): void {
+  for (const region of input.regions?.regions ?? []) {
+    const rgb = input.hello.classes[region[4] - 1]?.rgb;
+    pen.line(boxCorners(input, region), rgb ? `rgb(${rgb.join(' ')})` : LAYER_COLORS.regions, { closed: true, width: 1.25 });
+  }
+}
+
+function drawRefusals(pen: Pen, input: OverlayInput): void {
+  const color = LAYER_COLORS.refusals;
+  for (const region of input.regions?.regions ?? []) {
+    const verdict = input.hello.verdicts?.[region[6]] ?? UNDECIDED;
+    if (!verdict.refused) continue;
+    const corners = boxCorners(input, region);
+    pen.line(corners, color, { closed: true });
+    pen.text(verdict.text, [(corners[0]![0] + corners[1]![0]) / 2, corners[0]![1] - 9 * pen.unit], color, 11);
+  }
+  for (const robot of input.state.robots) {
+    if (!robot.doubt) continue;
+    const [x, y] = input.toCanvas(robot.u_px, robot.v_px);
+    pen.line(ring([x, y], 16 * pen.unit), color);
+    pen.text(robot.doubt, [x, y - 25 * pen.unit], color, 12);
   }
 }

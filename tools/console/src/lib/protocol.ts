@@ -2,6 +2,7 @@
 // counter-clockwise from x, times in seconds of the server's Unix time, unless the name says otherwise. The server adds new
 // members at any time; a member that changes its meaning or disappears increases PROTOCOL.
 
+import { expandRuns, type ValueGrid } from './findings';
 import type { SetupCommand, SetupPicture, SetupMessage } from './setup_protocol';
 
 export const PROTOCOL = 1;
@@ -57,6 +58,8 @@ export interface Hello {
   projection?: Projection | null;
   robots: RobotDescription[];
   classes: { name: string; rgb: Rgb }[];
+  verdicts?: { text: string; refused: boolean }[]; // of regions, by their number
+  region_of_interest?: [number, number][]; // polygon in pixels; fewer than three points: the whole picture
   ball?: { color: string; rgb: Rgb; radius_m: number };
   stop_after_s: number;
   max_speed_mps?: number; // of own robots
@@ -89,6 +92,7 @@ export interface RobotSighting {
   v_px: number;
   confidence: number;
   outline_px: [number, number][];
+  doubt?: string; // why it has no id
 }
 
 export interface RobotTrack {
@@ -144,10 +148,35 @@ export interface State {
   halt: string[]; // reasons: words of HALT_TEXTS
   referee?: { phase: string };
   roles?: { id: number; role: 'goalkeeper' | 'attacker' | 'supporter' }[];
-  score?: { own: number; opponent: number } | null;
+  score?: { own: number; opponent: number; source?: 'referee' | 'console' } | null;
   brightness?: number; // of the light, relative to the calibration
   stages_ms?: number[]; // region, marker, track, control, radio
 }
+
+/** Regions of the picture that follows. */
+export interface Regions {
+  type: 'regions';
+  number: number;
+  /** left, top, right, bottom (inclusive), class, area in pixels, verdict */
+  regions: [number, number, number, number, number, number, number][];
+  left_out: number;
+}
+
+/** Answer to `probe`. */
+export interface ProbeResult {
+  number: number; // of the picture
+  u_px: number;
+  v_px: number;
+  space: 'rgb' | 'yuv';
+  value: Rgb; // of the camera
+  rgb: Rgb;
+  class: number; // 0: background; 255: outside the region of interest
+  light: Rgb; // levels by which the channels are corrected
+  floor: { x_m: number; y_m: number } | null;
+  region: { area_px: number; verdict: string } | null;
+}
+
+export type FindingsName = 'classes' | 'regions' | 'light';
 
 export interface LatencySummary {
   count: number;
@@ -209,10 +238,12 @@ export interface Answer {
   result?: unknown; // of a setup command
 }
 
-export type ServerMessage = Hello | State | Status | EventLine | Driver | Answer | SetupProgram | SetupMessage;
+export type ServerMessage = Hello | State | Status | EventLine | Driver | Answer | Regions | SetupProgram | SetupMessage;
 
 export type ClientMessage =
-  | { type: 'watch'; picture: { rate_hz: number; max_width_px: number } | null; state_hz: number; setup?: boolean }
+  | { type: 'watch'; picture: { rate_hz: number; max_width_px: number } | null; state_hz: number; setup?: boolean; findings?: FindingsName[] }
+  | { type: 'probe'; u_px: number; v_px: number }
+  | { type: 'score'; own: number; opponent: number }
   | ({ type: 'setup' } & SetupCommand)
   | { type: 'seen'; number: number }
   | { type: 'stop' }
@@ -229,6 +260,8 @@ export const BINARY_HEADER_BYTES = 32;
 export const BINARY_MAGIC = 0x43504c54;
 const KIND_CAMERA = 1;
 const KIND_SETUP = 2;
+const KIND_CLASSES = 4;
+const KIND_LIGHT = 5;
 
 export interface PictureHeader {
   width_px: number;
@@ -267,6 +300,20 @@ export function readSetupPicture(data: ArrayBuffer): SetupPicture | null {
   const content = data.slice(BINARY_HEADER_BYTES);
   const type = new DataView(content).getUint8(0) === 0x89 ? 'image/png' : 'image/jpeg';
   return { id: message.view.getUint32(12, true), content: new Blob([content], { type }) };
+}
+
+/** Returns null if the message is neither classes nor light of a picture. */
+export function readValueGrid(data: ArrayBuffer): { name: 'classes' | 'light'; number: number; grid: ValueGrid } | null {
+  const message = readKind(data);
+  if (message?.kind !== KIND_CLASSES && message?.kind !== KIND_LIGHT) return null;
+  const { view, kind } = message;
+  const [columns, rows] = [view.getUint16(6, true), view.getUint16(8, true)];
+  const values = expandRuns(new DataView(data, BINARY_HEADER_BYTES), columns * rows);
+  if (!values || columns === 0) return null;
+  // A class stands for a pixel of the picture as it is sent.
+  const scale = Math.floor(view.getUint16(10, true) / columns);
+  const tile: [number, number] = kind === KIND_LIGHT ? [view.getUint16(12, true), view.getUint16(14, true)] : [scale, scale];
+  return { name: kind === KIND_LIGHT ? 'light' : 'classes', number: Number(view.getBigUint64(16, true)), grid: { columns, rows, values, tile } };
 }
 
 /** Reads a text message. Returns null if it is not an object with a type. */

@@ -1,7 +1,8 @@
 import { Connection } from './connection';
+import { paintClasses, paintLight, type ValueGrid } from './findings';
 import { pageVersion } from './page_version';
 import { PixelMap } from './projection';
-import { PROTOCOL, type ClientMessage, type Driver, type EventLine, type Hello, type PictureHeader, type ServerMessage, type State, type Status } from './protocol';
+import { PROTOCOL, type ClientMessage, type Driver, type EventLine, type FindingsName, type Hello, type PictureHeader, type ProbeResult, type Regions, type ServerMessage, type State, type Status } from './protocol';
 import { Setup } from './setup.svelte';
 import { StopRequest } from './stop_request';
 import { Trails } from './trails';
@@ -22,6 +23,16 @@ export interface Picture {
   image: ImageBitmap;
   header: PictureHeader;
   state: State | null; // of the same frame
+  findings: Findings;
+}
+
+/** How a picture was understood, as far as it was asked for. */
+export interface Findings {
+  regions?: Regions;
+  classes?: HTMLCanvasElement;
+  classesGrid?: ValueGrid;
+  light?: HTMLCanvasElement;
+  lightGrid?: ValueGrid;
 }
 
 export interface Notice {
@@ -72,6 +83,8 @@ class Session {
   readonly latencySamples: { time_s: number; p50_ms: number; p99_ms: number; max_ms: number }[] = [];
 
   private waiting = new Map<number, State>();
+  private findings = new Map<number, Findings>(); // of pictures that follow
+  private probes = new Map<number, (result: ProbeResult | null) => void>();
   private requests = new Map<number, string>();
   private decoding = false;
   private next: { header: PictureHeader; jpeg: Blob } | null = null;
@@ -88,6 +101,7 @@ class Session {
       lost: (reason, retryInMs) => this.lost(reason, retryInMs),
       message: (message) => this.receive(message),
       picture: (header, jpeg) => this.receivePicture(header, jpeg),
+      valueGrid: ({ name, number, grid }) => this.keepFindings(number, name === 'classes' ? { classes: paintClasses(grid, this.hello?.classes.map(({ rgb }) => rgb) ?? []), classesGrid: grid } : { light: paintLight(grid), lightGrid: grid }),
       setupPicture: (received) => void this.setup.receivePicture(received),
     });
   }
@@ -109,9 +123,20 @@ class Session {
   }
 
   /** What this page shows: a picture of at most this width, or none. */
-  watch(picture: { rate_hz: number; max_width_px: number } | null): void {
+  watch(picture: { rate_hz: number; max_width_px: number } | null, findings: FindingsName[] = []): void {
     if (!picture) this.setPicture(null);
-    this.want({ ...this.wanted, picture });
+    this.want({ ...this.wanted, picture, findings });
+  }
+
+  /** What the camera sees at this pixel of its full picture; null: unknown. */
+  probe(u: number, v: number): Promise<ProbeResult | null> {
+    const number = this.connection.send({ type: 'probe', u_px: Math.max(0, u), v_px: Math.max(0, v) });
+    if (number <= 0) return Promise.resolve(null);
+    return new Promise((resolve) => this.probes.set(number, resolve));
+  }
+
+  tellScore(own: number, opponent: number): void {
+    this.ask({ type: 'score', own, opponent }, 'Score');
   }
 
   /** Whether this page shows the setup. */
@@ -184,6 +209,8 @@ class Session {
       this.lostControl = this.driver.you;
       this.driver = { type: 'driver', driver: null, you: false };
       this.requests.clear();
+      for (const resolve of this.probes.values()) resolve(null);
+      this.probes.clear();
       this.setup.forget();
       this.phase = this.hello ? 'lost' : 'connecting';
     }
@@ -237,7 +264,15 @@ class Session {
       case 'setup':
         this.setup.receive(message);
         return;
+      case 'regions':
+        this.keepFindings(message.number, { regions: message });
+        return;
       case 'answer': {
+        const probe = this.probes.get(message.to);
+        if (probe) {
+          this.probes.delete(message.to);
+          return probe(message.ok ? ((message.result as ProbeResult | undefined) ?? null) : null);
+        }
         if (this.setup.accept(message)) return;
         if (message.ok && this.stop?.request.number === message.to) this.stop.request.answered = true;
         const what = this.requests.get(message.to);
@@ -279,6 +314,7 @@ class Session {
 
   private forget(keepEvents = false): void {
     this.waiting.clear();
+    this.findings.clear();
     this.trails.clear();
     if (!keepEvents) this.events = [];
     this.state = null;
@@ -308,6 +344,12 @@ class Session {
     }
   }
 
+  private keepFindings(number: number, part: Findings): void {
+    this.findings.set(number, { ...this.findings.get(number), ...part });
+    // Of earlier pictures that were never sent.
+    for (const known of this.findings.keys()) if (known < number - MAX_WAITING_STATES) this.findings.delete(known);
+  }
+
   private receivePicture(header: PictureHeader, jpeg: Blob): void {
     if (this.serverProtocol !== null) return;
     // At once: the server measures the link with it, not how busy this device is. Of pictures that wait, the newest is shown.
@@ -323,7 +365,7 @@ class Session {
       this.next = null;
       try {
         const image = await createImageBitmap(jpeg);
-        if (this.wanted.picture && this.phase === 'open') this.setPicture({ image, header, state: this.waiting.get(header.number) ?? null });
+        if (this.wanted.picture && this.phase === 'open') this.setPicture({ image, header, state: this.waiting.get(header.number) ?? null, findings: this.findings.get(header.number) ?? {} });
         else image.close();
       } catch {
         // A damaged picture; the next one replaces it.

@@ -168,7 +168,6 @@ const char* describe(IdDoubt doubt) noexcept;
 struct RobotSighting {
   Team team = Team::kOwn;
   RobotId id = kUnknownId;  // an unknown id is better than a wrong one
-  IdDoubt doubt = IdDoubt::kNone;
   // Without a heading, theta_rad is undefined, and position is a point on the robot (usually its team patch).
   bool has_heading = false;
   Pose pose;
@@ -176,6 +175,7 @@ struct RobotSighting {
   PoseCovariance noise;     // of the pose, as far as this picture tells; without a heading only xx and yy
   float confidence = 0.0f;  // see Confidence
   FixedVector<PatchSighting, kMaxPatches> patches;
+  IdDoubt doubt = IdDoubt::kNone;
 };
 
 struct BallSighting {
@@ -270,10 +270,10 @@ enum class PlayRole : std::uint8_t { kNone, kGoalkeeper, kAttacker, kSupporter }
 
 struct RobotCommand {
   RobotId id = kUnknownId;
-  PlayRole role = PlayRole::kNone;
   Twist twist;  // after all limits; input of the tracking filter
   WheelSpeeds wheels;
   CommandSource source = CommandSource::kPlay;
+  PlayRole role = PlayRole::kNone;
 };
 
 struct Commands {

@@ -24,12 +24,12 @@ struct RefereeState {
   GamePhase phase = GamePhase::kNoReferee;
   // nullopt: the referee does not say; the former value remains.
   std::optional<bool> own_is_yellow, own_on_positive_half;
-  std::optional<Score> score;  // nullopt: the referee does not say
   // Height of the robots' markers above the floor; 0: as the team file says.
   float own_height_m = 0.0f, opponent_height_m = 0.0f;
   // Whether the referee repeats its messages. Then silence stops the robots.
   bool repeats = false;
   Instant received{};
+  std::optional<Score> score;  // nullopt: the referee does not say
 };
 
 }  // namespace touchline

@@ -157,7 +157,7 @@ void write_command(JsonWriter& json, const RobotCommand& command, const ConsoleI
   json.end_object();
 }
 
-std::string_view word_of(PlayRole role) {
+std::string_view word_of_role(PlayRole role) {
   constexpr std::array<std::string_view, 4> kWords{"", "goalkeeper", "attacker", "supporter"};
   return kWords[static_cast<std::size_t>(role)];
 }
@@ -168,7 +168,7 @@ void write_role(JsonWriter& json, const RobotCommand& command) {
   json.key("id");
   json.integer(command.id);
   json.key("role");
-  json.string(word_of(command.role));
+  json.string(word_of_role(command.role));
   json.end_object();
 }
 

@@ -1,6 +1,7 @@
 #include "firmware/console/findings_message.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <numeric>
 
@@ -133,7 +134,8 @@ void write_regions(JsonWriter& json, const PictureFindings& findings, std::uint6
 
 void write_probe(JsonWriter& json, const Scene& scene, const Frame& frame, const PictureFindings& findings,
                  PixelPoint pixel, std::uint64_t number, std::int64_t to) {
-  const auto u = static_cast<std::uint16_t>(pixel.u_px + 0.5f), v = static_cast<std::uint16_t>(pixel.v_px + 0.5f);
+  const auto u = static_cast<std::uint16_t>(std::lround(pixel.u_px));
+  const auto v = static_cast<std::uint16_t>(std::lround(pixel.v_px));
   const PixelClassifier& classifier = findings.classifier;
   const std::array<std::uint8_t, 3> value = pixel_at(frame, u, v);
   const ColorSpace space = color_space(frame.format);

@@ -21,7 +21,7 @@ TEST_P(PixelClassifierTest, AgreesWithTheScannerOnEveryPixel) {
   parameters.format = frame.format;
   parameters.width_px = frame.width_px;
   parameters.height_px = frame.height_px;
-  parameters.boxes = random_boxes(random, 6);
+  parameters.boxes = random_boxes(random, 20);
   for (const PixelPoint corner : {PixelPoint{5.0f, 3.0f}, {70.0f, 6.0f}, {40.0f, 35.0f}}) {
     static_cast<void>(parameters.region_of_interest.push_back(corner));
   }

@@ -76,10 +76,11 @@ class SharedReloader {
     const std::scoped_lock lock(mutex_);
     return reloader_ != nullptr ? reloader_->reload(cancelled) : std::vector<std::string>{};
   }
-  /// As ConfigReloader::adjust_camera_only(); false also if no session runs, or one with other files.
+  /// As ConfigReloader::adjust_camera_only(); false also if no session runs, or one with other files, or if a reload
+  /// runs: the console's thread, which passes on every stop, does not wait for it.
   bool adjust_camera_only(const config::FilePaths& paths, const config::Configuration& next) {
-    const std::scoped_lock lock(mutex_);
-    return reloader_ != nullptr && reloader_->reads(paths) && reloader_->adjust_camera_only(next);
+    const std::unique_lock lock(mutex_, std::try_to_lock);
+    return lock.owns_lock() && reloader_ != nullptr && reloader_->reads(paths) && reloader_->adjust_camera_only(next);
   }
 
  private:

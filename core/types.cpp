@@ -61,6 +61,8 @@ const char* describe(IdDoubt doubt) noexcept {
       return "no robot has these colors";
     case IdDoubt::kInaccuratePlaces:
       return "its patches are not where a marker has them";
+    case IdDoubt::kOtherOutline:
+      return "its team patch has another outline";
   }
   return "unknown";
 }

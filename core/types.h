@@ -160,6 +160,7 @@ enum class IdDoubt : std::uint8_t {
   kSeveralIds,        // two robots of its team are nearly as likely
   kUnknownColors,     // no robot of its team has these colors
   kInaccuratePlaces,  // its patches are not where a marker has them
+  kOtherOutline,      // its team patch seems to be a part of another surface
 };
 /// A short lower-case English phrase ("two ids are possible"); "" for kNone.
 const char* describe(IdDoubt doubt) noexcept;

@@ -337,6 +337,7 @@ void Matcher::weigh_unnamed(const Frame& frame, Sightings& out) {
     if (patch.is_split_part && robot.patches.size() == 1 && robot.has_heading &&
         !has_team_outline(frame, camera, layout, robot)) {
       robot.id = kUnknownId;
+      robot.doubt = IdDoubt::kOtherOutline;
     }
     if (robot.id == kUnknownId) robot.confidence = confidence_without_id(frame, camera, layout, robot, patch.ratio);
     if (robot.confidence < kLeastUnnamed) {

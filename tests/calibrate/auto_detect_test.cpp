@@ -94,7 +94,7 @@ TEST_F(AutoDetect, FindsAllColorsWithoutClicks) {
   Result<DetectedColors> detected = auto_detect_colors(venue_, team_, {}, pictures_);
   ASSERT_TRUE(detected.ok()) << detected.text();
   DetectedColors found = std::move(detected).value();
-  EXPECT_TRUE(found.doubts.empty()) << found.doubts.front();
+  EXPECT_TRUE(found.doubts.empty()) << found.doubts.front().text;
   EXPECT_GE(found.clicks.size(), 36U) << "of 42";
   for (const Click& click : found.clicks) {
     EXPECT_EQ(click.color, truth_at(click)) << click.image << " " << click.u_px << "," << click.v_px;
@@ -113,8 +113,10 @@ TEST_F(AutoDetect, ColorsWithUnknownNamesNeedAClick) {
   ASSERT_TRUE(detected.ok()) << detected.text();
   DetectedColors found = std::move(detected).value();
   ASSERT_EQ(found.doubts.size(), 2U);
-  EXPECT_EQ(found.doubts[0].rfind("first: could also be second; the patch at ", 0), 0U) << found.doubts[0];
-  EXPECT_NE(found.doubts[0].find("add --click first,"), std::string::npos) << found.doubts[0];
+  const DetectionDoubt& doubt = found.doubts[0];
+  EXPECT_EQ(doubt.text.rfind("first: could also be second; the patch at ", 0), 0U) << doubt.text;
+  EXPECT_EQ(doubt.text.find("--"), std::string::npos) << "an option, which the console's page does not have";
+  EXPECT_EQ(doubt.option.rfind("--click first,", 0), 0U) << doubt.option;
 
   for (const auto& [color, place] : truth_["a"]) {
     if (color == "red") click = {"a", "first", place.first, place.second, 0, {}};
@@ -122,7 +124,7 @@ TEST_F(AutoDetect, ColorsWithUnknownNamesNeedAClick) {
   detected = auto_detect_colors(venue_, team_, {click}, pictures_);
   ASSERT_TRUE(detected.ok()) << detected.text();
   found = std::move(detected).value();
-  EXPECT_TRUE(found.doubts.empty()) << found.doubts.front();
+  EXPECT_TRUE(found.doubts.empty()) << found.doubts.front().text;
   for (const Click& c : found.clicks) {
     const std::string truth = truth_at(c);
     EXPECT_EQ(c.color, truth == "violet" ? "second" : truth == "red" ? "first" : truth);
@@ -191,10 +193,10 @@ TEST_F(AutoDetect, RefusesAMissingColor) {
   ASSERT_TRUE(detected.ok()) << detected.text();
   DetectedColors found = std::move(detected).value();
   ASSERT_FALSE(found.doubts.empty());
-  EXPECT_EQ(
-      found.doubts[0],
-      "red: no patch was found; show a picture in which robot own 0 stands apart from all others, or click on one "
-      "of its patches: --click red,U,V");
+  EXPECT_EQ(found.doubts[0].text,
+            "red: no patch was found; show a picture in which robot own 0 stands apart from all others, or click on "
+            "one of its patches");
+  EXPECT_EQ(found.doubts[0].option, "--click red,U,V");
   venue_.file.camera_model.full.fx_px = 0;
   EXPECT_EQ(auto_detect_colors(venue_, team_, {}, pictures_).code(), ErrorCode::kNotFound);
 }

@@ -156,7 +156,9 @@ Result<void> learn_colors(const ColorRequest& request, const JobInput& input, co
   }
   Result<calibrate::VisibleRobots> robots = calibrate::take_detected(found, fit_input);
   if (!robots.ok()) {
-    for (const std::string& doubt : found.doubts) measured["notes"].push_back(note("bad", doubt));
+    for (const calibrate::DetectionDoubt& doubt : found.doubts) {
+      measured["notes"].push_back(note("bad", doubt.text));
+    }
     measured["quality"] = quality("bad", "the colors are not certain: click on what is named below");
     output.measured(measured);
     return show_files(folder, "-found.png", "found", input, output);

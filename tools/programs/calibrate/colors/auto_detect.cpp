@@ -6,7 +6,6 @@
 #include <memory>
 
 #include "tools/programs/calibrate/colors/ball_inference.h"
-#include "tools/programs/calibrate/colors/detection_doubts.h"
 #include "tools/programs/calibrate/colors/marker_completion.h"
 #include "tools/programs/calibrate/colors/patch_selection.h"
 #include "tools/programs/calibrate/colors/robot_inference.h"

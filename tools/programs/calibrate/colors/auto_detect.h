@@ -8,6 +8,7 @@
 #include "tools/programs/calibrate/colors/click_matching.h"
 #include "tools/programs/calibrate/colors/clicks.h"
 #include "tools/programs/calibrate/colors/color_assignment.h"
+#include "tools/programs/calibrate/colors/detection_doubts.h"
 #include "tools/programs/calibrate/colors/team_colors.h"
 #include "tools/programs/calibrate/imaging/camera_picture.h"
 #include "tools/programs/calibrate/venue/venue_draft.h"
@@ -24,7 +25,7 @@ struct DetectedColors {
   // Per picture, pixels that are neither sample nor background: patches that are not learned from, and the areas where
   // other patches of an incompletely detected robot must be.
   std::map<std::string, std::vector<std::size_t>> unclear;
-  std::vector<std::string> doubts;  // why the result is uncertain; if empty, a person only has to confirm it
+  std::vector<DetectionDoubt> doubts;  // why the result is uncertain; if empty, a person only has to confirm it
 };
 
 /// Detects which patches have which color: finds patches (find_patches) and markers among them (find_markers), then

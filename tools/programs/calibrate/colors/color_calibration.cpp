@@ -9,7 +9,9 @@ namespace touchline::calibrate {
 Result<VisibleRobots> take_detected(const DetectedColors& found, ColorFitInput& input) {
   if (!found.doubts.empty()) {
     std::string text = "the colors are not certain:";
-    for (const std::string& doubt : found.doubts) text += "\n  " + doubt;
+    for (const DetectionDoubt& doubt : found.doubts) {
+      text += "\n  " + doubt.text + (doubt.option.empty() ? "" : ": " + doubt.option);
+    }
     return Error{ErrorCode::kInconsistent, text};
   }
   input.clicks = found.clicks;

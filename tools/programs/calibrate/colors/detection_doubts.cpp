@@ -21,14 +21,15 @@ class Doubts {
   Doubts(const AssignmentInput& input, const Assignment& assignment, const std::vector<std::string>& images)
       : input_(input), assignment_(assignment), images_(images) {}
 
-  std::vector<std::string> found() {
+  std::vector<DetectionDoubt> found() {
     for (std::size_t c = 0; c < input_.colors.size(); ++c) {
       if (!input_.colors[c].clicked) examine(c);
     }
     if (assignment_.unknown_robots * 4 > assignment_.robots) {
       out_.push_back(
-          formatted("%zu robots match the team file, %zu have colors of no robot in it; is this the right team file?",
-                    assignment_.robots, assignment_.unknown_robots));
+          {formatted("%zu robots match the team file, %zu have colors of no robot in it; is this the right team file?",
+                     assignment_.robots, assignment_.unknown_robots),
+           ""});
     }
     return std::move(out_);
   }
@@ -39,20 +40,22 @@ class Doubts {
     const WantedColor& wanted = input_.colors[c];
     const char* const name = wanted.name.c_str();
     if (color.patches.empty()) {
-      out_.push_back(formatted("%s: no patch was found; show a picture in which %s, or click on %s: --click %s,U,V",
-                               name, wish(c).c_str(), c + 1 == input_.ball ? "it" : "one of its patches", name));
+      out_.push_back({formatted("%s: no patch was found; show a picture in which %s, or click on %s", name,
+                                wish(c).c_str(), c + 1 == input_.ball ? "it" : "one of its patches"),
+                      any_click(c)});
     } else if (color.dissimilarity > kMostUnlike && !has_hue_of(wanted.look, color.rgb)) {
       out_.push_back(
-          formatted("%s: the remaining patches do not look like it (difference %.0f); click on one of its patches: "
-                    "--click %s,U,V",
-                    name, color.dissimilarity, name));
+          {formatted("%s: the remaining patches do not look like it (difference %.0f); click on one of its patches",
+                     name, color.dissimilarity),
+           any_click(c)});
       // An unusual paint of the right hue for which there is no other patch is no doubt.
     } else if (color.margin < kLeastCostMargin && !(color.alone && has_hue_of(wanted.look, color.rgb)) &&
                (!color.alternative.empty() || !wanted.look || color.dissimilarity > kLooksRight)) {
-      out_.push_back(formatted(
-          "%s: could also be %s; %s is taken for %s: if that is right, add --click %s, otherwise click on one that is",
-          name, color.alternative.empty() ? "another patch" : color.alternative.c_str(), place(c).c_str(), name,
-          click(c).c_str()));
+      out_.push_back(
+          {formatted("%s: could also be %s; %s is taken for %s: click on it if that is right, otherwise on one that is",
+                     name, color.alternative.empty() ? "another patch" : color.alternative.c_str(), place(c).c_str(),
+                     name),
+           click(c)});
     }
   }
 
@@ -86,9 +89,11 @@ class Doubts {
     return formatted("the patch at %.0f,%.0f%s", static_cast<double>(patch.center.u_px),
                      static_cast<double>(patch.center.v_px), of_picture(c, " of ").c_str());
   }
+  [[nodiscard]] std::string any_click(std::size_t c) const { return "--click " + input_.colors[c].name + ",U,V"; }
+  // On the patch that is taken for this color.
   [[nodiscard]] std::string click(std::size_t c) const {
     const FoundPatch& patch = example(c);
-    return formatted("%s,%.0f,%.0f%s", input_.colors[c].name.c_str(), static_cast<double>(patch.center.u_px),
+    return formatted("--click %s,%.0f,%.0f%s", input_.colors[c].name.c_str(), static_cast<double>(patch.center.u_px),
                      static_cast<double>(patch.center.v_px), of_picture(c, ",").c_str());
   }
   // The picture's name, if there are several.
@@ -100,13 +105,13 @@ class Doubts {
   const AssignmentInput& input_;
   const Assignment& assignment_;
   const std::vector<std::string>& images_;
-  std::vector<std::string> out_;
+  std::vector<DetectionDoubt> out_;
 };
 
 }  // namespace
 
-std::vector<std::string> detection_doubts(const AssignmentInput& input, const Assignment& assignment,
-                                          const std::vector<std::string>& images) {
+std::vector<DetectionDoubt> detection_doubts(const AssignmentInput& input, const Assignment& assignment,
+                                             const std::vector<std::string>& images) {
   return Doubts(input, assignment, images).found();
 }
 

@@ -18,7 +18,10 @@ namespace {
 nlohmann::json with_measured(const DraftState& draft, const char* step, nlohmann::json values) {
   const auto measured = draft.measured.find(step);
   if (measured != draft.measured.end()) values.update(*measured);
-  if (!values.contains("quality")) values["quality"] = quality("none", "not measured in this draft");
+  if (!values.contains("quality")) {
+    const bool is_checked = measured != draft.measured.end() && measured->value("done", false);
+    values["quality"] = is_checked ? quality("ok", "checked") : quality("none", "not measured in this draft");
+  }
   if (!values.contains("notes")) values["notes"] = nlohmann::json::array();
   return values;
 }

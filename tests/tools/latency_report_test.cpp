@@ -172,6 +172,25 @@ TEST(LatencyComparison, NoiseIsNoChangeAndASmallChangeIsFound) {
   EXPECT_TRUE(summary.starts_with("Worse in B: capture to packet (p50 x 1.04, p99 x 1.0")) << summary;
 }
 
+// Times below a microsecond are raised to one before they are judged. The interval of the raised times is not that of
+// the ratio: 0.4 and 0.8 us were "2.00, 1.00 to 1.00".
+TEST(LatencyComparison, NoIntervalIsShownBelowAMicrosecond) {
+  LatencyReport a = noisy_report(1, 1.0), b = a;
+  const auto shown = [&](double from_us, double to_us) {
+    a.spans[0].p50 = from_seconds(1e-6 * from_us);
+    a.spans[0].p50_interval = {a.spans[0].p50, a.spans[0].p50};
+    b.spans[0].p50 = from_seconds(1e-6 * to_us);
+    b.spans[0].p50_interval = {b.spans[0].p50, b.spans[0].p50};
+    const Document document = comparison_of({"a", a}, {"b", b});
+    EXPECT_EQ(document.summary.find("Too few"), std::string::npos) << document.summary;
+    const auto& row = document.tables[0].rows[0];
+    return row[3].text + ", " + row[4].text;
+  };
+  EXPECT_EQ(shown(0.4, 0.8), "2.00, ");
+  EXPECT_EQ(shown(0.8, 1.6), "2.00, ");
+  EXPECT_EQ(shown(2.0, 1.0), "0.50, 0.50 to 0.50");
+}
+
 TEST(LatencyDocument, RareFramesAreEstimatedOrRefused) {
   const LatencyReport report = noisy_report(1, 1.0);
   ASSERT_EQ(report.rare_frames.size(), 2u);

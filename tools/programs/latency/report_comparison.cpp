@@ -33,6 +33,7 @@ struct Ratio {
     double below = 0.0, above = 0.0;  // from the logarithm to the ends of its interval
   };
   std::optional<Distances> interval;
+  bool is_shown = false;  // of the interval: it has `value` in it
 
   // Three percentiles of ten spans are judged at once. For a 5 % risk that any of 30 ratios counts as changed by
   // chance, each interval must have 99.8 % (Bonferroni), which is 3.1 instead of 1.96 standard deviations.
@@ -43,7 +44,8 @@ struct Ratio {
 
 Ratio ratio_of(const LatencySummary& a, const LatencySummary& b, const Column& column) {
   // Not below a microsecond: the times of reading the clocks, which nobody would notice.
-  const auto log_of = [](Duration time) { return std::log(std::max(1e-6, seconds(time))); };
+  constexpr Duration kLeast = std::chrono::microseconds(1);
+  const auto log_of = [](Duration time) { return std::log(std::max(seconds(kLeast), seconds(time))); };
   const Duration from = a.*column.value, to = b.*column.value;
   Ratio ratio;
   ratio.value = from > Duration::zero() ? seconds(to) / seconds(from)
@@ -53,13 +55,14 @@ Ratio ratio_of(const LatencySummary& a, const LatencySummary& b, const Column& c
   const TimeInterval &in_a = *(a.*column.interval), &in_b = *(b.*column.interval);
   const double x = log_of(from), y = log_of(to);
   ratio.logarithm = y - x;
+  ratio.is_shown = from >= kLeast && to >= kLeast;
   ratio.interval = {std::hypot(y - log_of(in_b.low), log_of(in_a.high) - x),
                     std::hypot(log_of(in_b.high) - y, x - log_of(in_a.low))};
   return ratio;
 }
 
 std::string interval_text(const Ratio& ratio) {
-  if (!ratio.interval) return "";
+  if (!ratio.interval || !ratio.is_shown) return "";
   return ratio_text(std::exp(ratio.logarithm - ratio.interval->below)) + " to " +
          ratio_text(std::exp(ratio.logarithm + ratio.interval->above));
 }

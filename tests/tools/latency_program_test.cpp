@@ -76,11 +76,17 @@ TEST_F(LatencyProgram, AStallIsReportedWithTheFramesThatItDelayedAndLost) {
 }
 
 TEST_F(LatencyProgram, ClientsReadTheConsoleDuringTheMeasurement) {
-  ASSERT_EQ(measure("--pace --frames 60 --console-clients 2 --out " + path("a.json")), 0) << read("out");
-  const Result<latency::LatencyReport> read_back = latency::from_json(read("a.json"));
-  ASSERT_TRUE(read_back.ok()) << read_back.text();
-  const std::optional<latency::ConsoleTraffic>& console = read_back.value().console;
-  ASSERT_TRUE(console.has_value());
+  std::optional<latency::ConsoleTraffic> console;
+  // On a busy machine the clients get nothing for a second: the loop comes first.
+  for (int frames = 60; frames <= 960; frames *= 2) {
+    ASSERT_EQ(measure("--pace --frames " + std::to_string(frames) + " --console-clients 2 --out " + path("a.json")), 0)
+        << read("out");
+    const Result<latency::LatencyReport> read_back = latency::from_json(read("a.json"));
+    ASSERT_TRUE(read_back.ok()) << read_back.text();
+    console = read_back.value().console;
+    ASSERT_TRUE(console.has_value());
+    if (console->states > 1 && console->pictures >= 2) break;
+  }
   EXPECT_EQ(console->clients, 2U);
   EXPECT_GT(console->elapsed_s, 0.0);
   EXPECT_GT(console->states, 1U);

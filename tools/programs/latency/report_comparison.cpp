@@ -44,7 +44,7 @@ struct Ratio {
 
 Ratio ratio_of(const LatencySummary& a, const LatencySummary& b, const Column& column) {
   // Not below a microsecond: the times of reading the clocks, which nobody would notice.
-  constexpr Duration kLeast = std::chrono::microseconds(1);
+  static constexpr Duration kLeast = std::chrono::microseconds(1);
   const auto log_of = [](Duration time) { return std::log(std::max(seconds(kLeast), seconds(time))); };
   const Duration from = a.*column.value, to = b.*column.value;
   Ratio ratio;

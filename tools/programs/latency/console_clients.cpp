@@ -28,11 +28,6 @@ void close_pipe_end(int& descriptor) {
 
 }  // namespace
 
-ConsoleClients::~ConsoleClients() {
-  end_reader();
-  if (console_ != nullptr) console_->stop();
-}
-
 Result<void> ConsoleClients::attach(Session& session, SnapshotRing& snapshots) {
   const config::Configuration& configuration = session.configuration();
   TOUCHLINE_TRY_ASSIGN(
@@ -102,6 +97,11 @@ ConsoleTraffic ConsoleClients::stop() {
   traffic.bytes = bytes;
   traffic.elapsed_s = elapsed_s;
   return traffic;
+}
+
+void ConsoleClients::end() {
+  end_reader();
+  if (console_ != nullptr) console_->stop();
 }
 
 void ConsoleClients::end_reader() {

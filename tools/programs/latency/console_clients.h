@@ -16,7 +16,7 @@ namespace touchline::latency {
 class ConsoleClients {
  public:
   explicit ConsoleClients(unsigned clients) : clients_(clients) {}
-  ~ConsoleClients();
+  ~ConsoleClients() { end(); }
   ConsoleClients(const ConsoleClients&) = delete;
   ConsoleClients& operator=(const ConsoleClients&) = delete;
 
@@ -27,6 +27,8 @@ class ConsoleClients {
   Result<void> start(Session& session);
   /// Disconnects the clients.
   ConsoleTraffic stop();
+  /// Ends clients and console. Call it before the session and its ring are destroyed: the console's thread reads them.
+  void end();
 
  private:
   Result<void> start_reader();

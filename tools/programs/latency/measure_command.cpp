@@ -268,6 +268,18 @@ Result<void> check_led(const config::BoardFile& board) {
   return {};
 }
 
+// Ends the console, whose thread reads the session and its ring, before they are destroyed..
+class EndOfConsole {
+ public:
+  explicit EndOfConsole(ConsoleClients& clients) : clients_(clients) {}
+  ~EndOfConsole() { clients_.end(); }
+  EndOfConsole(const EndOfConsole&) = delete;
+  EndOfConsole& operator=(const EndOfConsole&) = delete;
+
+ private:
+  ConsoleClients& clients_;
+};
+
 int measure_board(MeasureOptions& options) {
   LedBlinker blinker;  // before the session, which uses it until its end, as the console's
   ConsoleClients console_clients(options.console_clients.value_or(0));
@@ -301,6 +313,7 @@ int measure_board(MeasureOptions& options) {
   // Before this thread gets its real-time priority, which theirs would inherit.
   const network::ConnectionThreads threads(connections, configuration,
                                            [](const std::string& line) { std::cerr << line + "\n"; });
+  const EndOfConsole end_of_console(console_clients);
   if (options.console_clients) {
     const Result<void> served = console_clients.start(session);
     if (!served.ok()) return fail(served.text());

@@ -71,6 +71,14 @@ TEST(BlockBootstrap, TooFewValuesGiveNoInterval) {
   EXPECT_TRUE(BlockBootstrap(series(5000, 0.0, 1)).interval(99.9).has_value());
 }
 
+// Blocks of five values would end after the 200th; the 39 slow values behind it are a sixth of all.
+TEST(BlockBootstrap, TheLastValuesCount) {
+  std::vector<std::int64_t> values(200, 10);
+  values.insert(values.end(), 39, 50);
+  const Interval interval = BlockBootstrap(values).interval(90.0).value();
+  EXPECT_EQ(interval.high, 50);
+}
+
 TEST(BlockBootstrap, EqualValuesGiveAPoint) {
   const Interval interval = BlockBootstrap(std::vector<std::int64_t>(1000, 42)).interval(90.0).value();
   EXPECT_EQ(interval.low, 42);

@@ -13,11 +13,13 @@ constexpr std::size_t kLeastPerBlock = 5, kLeastAbove = 5;
 
 }  // namespace
 
-BlockBootstrap::BlockBootstrap(std::span<const std::int64_t> values) : block_length_(values.size() / kBlocks) {
-  if (block_length_ == 0) return;
-  sorted_.reserve(kBlocks * block_length_);
-  for (std::size_t i = 0; i < kBlocks * block_length_; ++i) {
-    sorted_.push_back({values[i], static_cast<std::uint8_t>(i / block_length_)});
+BlockBootstrap::BlockBootstrap(std::span<const std::int64_t> values) : least_block_length_(values.size() / kBlocks) {
+  if (least_block_length_ == 0) return;
+  sorted_.reserve(values.size());
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const std::size_t block = i * kBlocks / values.size();
+    ++block_lengths_[block];
+    sorted_.push_back({values[i], static_cast<std::uint8_t>(block)});
   }
   std::sort(sorted_.begin(), sorted_.end(), [](const Value& a, const Value& b) { return a.value < b.value; });
   BlockCounts count{};
@@ -27,9 +29,11 @@ BlockBootstrap::BlockBootstrap(std::span<const std::int64_t> values) : block_len
   }
 }
 
-// Every block has the same length, so the rank is that of the whole series.
+// The rank is among the values that were drawn: blocks differ in length by up to one value.
 std::int64_t BlockBootstrap::percentile(const BlockCounts& times_drawn, double percent) const {
-  const double exact = percent / 100.0 * static_cast<double>(sorted_.size()) - 1e-9;
+  std::size_t drawn = 0;
+  for (std::size_t b = 0; b < kBlocks; ++b) drawn += std::size_t{times_drawn[b]} * block_lengths_[b];
+  const double exact = percent / 100.0 * static_cast<double>(drawn) - 1e-9;
   auto rank = static_cast<std::size_t>(exact);
   if (static_cast<double>(rank) < exact) ++rank;
   const auto smaller = [&](const BlockCounts& before) {
@@ -48,7 +52,7 @@ std::int64_t BlockBootstrap::percentile(const BlockCounts& times_drawn, double p
 
 std::optional<Interval> BlockBootstrap::interval(double percent) const {
   const double above = (1.0 - percent / 100.0) * static_cast<double>(sorted_.size()) + 1e-9;
-  if (block_length_ < kLeastPerBlock || above < static_cast<double>(kLeastAbove)) return std::nullopt;
+  if (least_block_length_ < kLeastPerBlock || above < static_cast<double>(kLeastAbove)) return std::nullopt;
   std::mt19937_64 random(1);
   std::uniform_int_distribution<std::size_t> any_block(0, kBlocks - 1);
   std::vector<std::int64_t> found(kResamples);

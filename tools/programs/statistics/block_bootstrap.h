@@ -14,14 +14,14 @@ struct Interval {
 };
 
 /// Confidence intervals of percentiles of a series whose neighboring values depend on each other, such as the times of
-/// consecutive frames: the series is cut into kBlocks blocks of equal length, and blocks are drawn with replacement
+/// consecutive frames: the series is cut into kBlocks blocks whose lengths differ by at most one, and blocks are drawn with replacement
 /// (block bootstrap; Kunsch 1989). Intervals of independent values would be too narrow. Changes that are slower than a
 /// block, or that differ from run to run, are not in the interval.
 class BlockBootstrap {
  public:
   static constexpr std::size_t kBlocks = 40, kResamples = 1000;
 
-  /// `values` in the order of time. Up to kBlocks - 1 of the last ones are left out.
+  /// `values` in the order of time.
   explicit BlockBootstrap(std::span<const std::int64_t> values);
 
   /// 95 % interval of the nearest-rank percentile; `percent` in (0, 100). Empty with fewer than five values per block,
@@ -36,7 +36,8 @@ class BlockBootstrap {
     std::int64_t value = 0;
     std::uint8_t block = 0;
   };
-  std::size_t block_length_;
+  std::size_t least_block_length_;
+  BlockCounts block_lengths_{};
   std::vector<Value> sorted_;
   std::vector<BlockCounts> before_;  // at every kStride-th value: how many smaller ones each block has
 };

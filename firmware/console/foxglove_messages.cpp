@@ -5,6 +5,7 @@
 #include "firmware/console/foxglove_client.h"
 #include "firmware/console/foxglove_schemas.h"
 #include "firmware/console/protocol.h"
+#include "firmware/report/base64.h"
 #include "firmware/report/trace_json.h"
 
 namespace touchline::console {
@@ -244,20 +245,6 @@ void write_game_entity(JsonWriter& json, const FoxgloveFrame& frame) {
 
 }  // namespace
 
-std::string base64_of(std::span<const std::byte> bytes) {
-  constexpr std::string_view kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string text((bytes.size() + 2) / 3 * 4, '=');
-  for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    std::uint32_t three = 0;
-    for (std::size_t k = 0; k < 3; ++k) {
-      three = three << 8 | (i + k < bytes.size() ? std::to_integer<std::uint32_t>(bytes[i + k]) : 0U);
-    }
-    const std::size_t digits = std::min<std::size_t>(3, bytes.size() - i) + 1;
-    for (std::size_t k = 0; k < digits; ++k) text[i / 3 * 4 + k] = kDigits[three >> (18 - 6 * k) & 63U];
-  }
-  return text;
-}
-
 void write_foxglove_server_info(JsonWriter& json, const Scene& scene, std::string_view session) {
   json.begin_object();
   write_word(json, "op", "serverInfo");
@@ -303,7 +290,7 @@ void write_foxglove_picture(JsonWriter& json, std::span<const std::byte> jpeg, d
   write_time(json, "timestamp", captured_s);
   write_word(json, "frame_id", "camera");
   write_word(json, "format", "jpeg");
-  write_word(json, "data", base64_of(jpeg));
+  write_word(json, "data", report::base64_of(jpeg));
   json.end_object();
 }
 

@@ -30,7 +30,4 @@ void write_foxglove_annotations(report::JsonWriter& json, const FoxgloveFrame& f
 /// foxglove.SceneUpdate: robots and ball on the field as the tracks have them, and its lines if they are wanted.
 void write_foxglove_scene(report::JsonWriter& json, const FoxgloveFrame& frame, bool with_field);
 
-/// Standard base64 (RFC 4648, section 4).
-std::string base64_of(std::span<const std::byte> bytes);
-
 }  // namespace touchline::console

@@ -53,16 +53,6 @@ class WebFoxglove : public ConsoleServer {
   }
 };
 
-TEST(FoxgloveMessages, Base64IsThatOfTheRfc) {
-  const auto encode = [](std::string_view text) { return base64_of(std::as_bytes(std::span(text))); };
-  EXPECT_EQ(encode(""), "");
-  EXPECT_EQ(encode("f"), "Zg==");
-  EXPECT_EQ(encode("fo"), "Zm8=");
-  EXPECT_EQ(encode("foo"), "Zm9v");
-  EXPECT_EQ(encode("foobar"), "Zm9vYmFy");
-  EXPECT_EQ(encode("\xff\xfe\xfd"), "//79");
-}
-
 TEST_F(WebFoxglove, ChannelsAreOfferedWithTheirSchemas) {
   start();
   for (const char* const subprotocol : {"foxglove.websocket.v1", "foxglove.sdk.v1", "foxglove.new, foxglove.sdk.v1"}) {

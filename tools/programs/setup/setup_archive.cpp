@@ -1,48 +1,15 @@
 #include "tools/programs/setup/setup_archive.h"
 
-#include <array>
-#include <cstdint>
 #include <nlohmann/json.hpp>
 #include <optional>
+
+#include "firmware/report/base64.h"
 
 namespace touchline::setup {
 namespace {
 
 constexpr const char* kFormat = "touchline-setup";
 constexpr int kVersion = 1;
-constexpr std::string_view kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-
-std::string base64_of(const std::string& bytes) {
-  std::string out;
-  for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    const std::size_t count = std::min<std::size_t>(3, bytes.size() - i);
-    std::uint32_t group = 0;
-    for (std::size_t j = 0; j < 3; ++j) {
-      group = group << 8u | (j < count ? static_cast<unsigned char>(bytes[i + j]) : 0u);
-    }
-    for (std::size_t j = 0; j < 4; ++j) out += j <= count ? kDigits[group >> (18 - 6 * j) & 63u] : '=';
-  }
-  return out;
-}
-
-std::optional<std::string> bytes_of_base64(const std::string& text) {
-  if (text.size() % 4 != 0) return std::nullopt;
-  std::string out;
-  for (std::size_t i = 0; i < text.size(); i += 4) {
-    std::uint32_t group = 0;
-    std::size_t padding = 0;
-    for (std::size_t j = 0; j < 4; ++j) {
-      const char c = text[i + j];
-      const std::size_t digit = kDigits.find(c);
-      const bool pads = c == '=' && i + 4 == text.size() && j >= 2;
-      if (digit == std::string_view::npos ? !pads : padding > 0) return std::nullopt;
-      padding += pads ? 1 : 0;
-      group = group << 6u | (pads ? 0u : static_cast<std::uint32_t>(digit));
-    }
-    for (std::size_t j = 0; j + padding < 3; ++j) out += static_cast<char>(group >> (16 - 8 * j) & 0xffu);
-  }
-  return out;
-}
 
 }  // namespace
 
@@ -50,7 +17,7 @@ std::string archive_of(const SetupFiles& files) {
   nlohmann::json out = {{"format", kFormat}, {"version", kVersion}, {"board", files.board}};
   for (const auto& [name, content] : files.content) {
     if (name.ends_with(".png")) {
-      out["files"][name] = {{"base64", base64_of(*content)}};
+      out["files"][name] = {{"base64", report::base64_of(std::as_bytes(std::span(*content)))}};
     } else {
       out["files"][name] = {{"text", *content}};
     }
@@ -73,7 +40,7 @@ Result<SetupFiles> read_archive(const std::string& text) {
     if (!file.is_object() || !file.contains(kind) || !file.at(kind).is_string()) return wrong("is damaged: " + name);
     std::string bytes = file.at(kind).get_ref<const std::string&>();
     if (name.ends_with(".png")) {
-      std::optional<std::string> picture = bytes_of_base64(bytes);
+      std::optional<std::string> picture = report::bytes_of_base64(bytes);
       if (!picture) return wrong("is damaged: " + name);
       bytes = std::move(*picture);
     }

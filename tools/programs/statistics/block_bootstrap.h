@@ -14,9 +14,9 @@ struct Interval {
 };
 
 /// Confidence intervals of percentiles of a series whose neighboring values depend on each other, such as the times of
-/// consecutive frames: the series is cut into kBlocks blocks whose lengths differ by at most one, and blocks are drawn with replacement
-/// (block bootstrap; Kunsch 1989). Intervals of independent values would be too narrow. Changes that are slower than a
-/// block, or that differ from run to run, are not in the interval.
+/// consecutive frames: the series is cut into kBlocks blocks whose lengths differ by at most one, and blocks are drawn
+/// with replacement (block bootstrap; Kunsch 1989). Intervals of independent values would be too narrow. Changes that
+/// are slower than a block, or that differ from run to run, are not in the interval.
 class BlockBootstrap {
  public:
   static constexpr std::size_t kBlocks = 40, kResamples = 1000;

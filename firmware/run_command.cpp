@@ -2,6 +2,7 @@
 
 #include <unistd.h>
 #include <cstdio>
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -80,7 +81,8 @@ struct RunContext {
 };
 
 /// Loads a draft, or the saved files if `draft` names none. With `may_lack_calibration` a session without recognition
-/// takes the place of one whose venue is not calibrated yet.
+/// takes the place of one whose venue is not calibrated yet. A venue that --venue names must exist: a mistyped path
+/// must not leave a calibrated field without recognition.
 Result<std::unique_ptr<Session>> load_session(const SessionOptions& saved, const config::FilePaths& draft,
                                               bool may_lack_calibration) {
   SessionOptions options = saved;
@@ -90,9 +92,13 @@ Result<std::unique_ptr<Session>> load_session(const SessionOptions& saved, const
     options.files.venue = draft.venue;
     options.files.team = draft.team;
   }
+  std::error_code unknown;
+  const bool is_mistyped =
+      !is_draft && !saved.files.venue.empty() &&
+      std::filesystem::status(saved.files.venue, unknown).type() == std::filesystem::file_type::not_found;
   auto session = std::make_unique<Session>();
   Result<void> loaded = session->load(options);
-  if (!loaded.ok() && may_lack_calibration) {
+  if (!loaded.ok() && may_lack_calibration && !is_mistyped) {
     session = std::make_unique<Session>();
     if (session->load_uncalibrated(options).ok()) {
       std::fprintf(stderr, "%s\nnot calibrated: robots stay stopped; set the board up in the console\n",

@@ -165,6 +165,21 @@ TEST_F(Program, InitWritesFilesThatOnlyLackTheCalibration) {
   EXPECT_NE(touchline("init --help").text.find("mirosot-triangles: "), std::string::npos);
 }
 
+// With the console a board without calibration runs, to be set up there. A path on the command line is no such board.
+TEST_F(Program, AVenueThatIsNotCalibratedNeedsTheConsoleAndAMistypedOneIsAnError) {
+  const std::string run = "run --headless --frames 3 --console 127.0.0.1:0 ";
+  const CommandOutput mistyped = touchline(run + board() + "--venue '" + (folder_ / "venu.toml").string() + "'");
+  EXPECT_EQ(mistyped.code, 1);
+  EXPECT_NE(mistyped.text.find("venu.toml: "), std::string::npos) << mistyped.text;
+  EXPECT_EQ(mistyped.text.find("set the board up in the console"), std::string::npos) << mistyped.text;
+
+  std::filesystem::remove(folder_ / "venue.toml");
+  const CommandOutput not_yet = touchline(run + board());
+  EXPECT_EQ(not_yet.code, 0) << not_yet.text;
+  EXPECT_NE(not_yet.text.find("set the board up in the console"), std::string::npos) << not_yet.text;
+  EXPECT_EQ(touchline("run --headless --frames 3 " + board()).code, 1);
+}
+
 TEST_F(Program, TeamsNameStandardLayouts) {
   for (const auto& [layout, colors] :
        {std::pair{"vsss-halves", R"("red")"}, std::pair{"vsss-bar", R"("red", "orange")"},

@@ -1,6 +1,12 @@
 #include <gtest/gtest.h>
+#include <sched.h>
+#include <sys/mount.h>
+#include <unistd.h>
 
+#include <algorithm>
+#include <cstdio>
 #include <filesystem>
+#include <fstream>
 #include <memory>
 
 #include "tests/results.h"
@@ -11,6 +17,39 @@
 
 namespace touchline::setup {
 namespace {
+
+constexpr int kNoNamespaces = 77, kTestFailed = 1;
+constexpr std::size_t kPageBytes = 4096, kDiskPages = 64;
+
+// Mounts a small file system that only this process sees. False where the kernel does not permit it.
+bool mount_small_disk(const std::string& folder) {
+  const uid_t user = ::geteuid();
+  const gid_t group = ::getegid();
+  if (::unshare(user == 0 ? CLONE_NEWNS : CLONE_NEWNS | CLONE_NEWUSER) != 0) return false;
+  if (user != 0) {
+    std::ofstream("/proc/self/setgroups") << "deny";
+    std::ofstream("/proc/self/uid_map") << "0 " << user << " 1";
+    std::ofstream("/proc/self/gid_map") << "0 " << group << " 1";
+  }
+  const std::string size = "size=" + std::to_string(kDiskPages * kPageBytes);
+  return ::mount("none", "/", nullptr, MS_REC | MS_PRIVATE, nullptr) == 0 &&
+         ::mount("tmpfs", folder.c_str(), "tmpfs", 0, size.c_str()) == 0;
+}
+
+// Fills the disk until `pages` are free.
+void leave_free(const std::string& ballast, std::size_t pages) {
+  std::filesystem::remove(ballast);
+  const std::filesystem::space_info space = std::filesystem::space(std::filesystem::path(ballast).parent_path());
+  ASSERT_GE(space.available, pages * kPageBytes);
+  std::ofstream(ballast) << std::string(space.available - pages * kPageBytes, 'x');
+}
+
+std::vector<std::string> names_in(const std::string& folder) {
+  std::vector<std::string> names;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) names.push_back(entry.path().filename());
+  std::sort(names.begin(), names.end());
+  return names;
+}
 
 class Saving : public touchline::testing::ProgramFolder {
  protected:
@@ -38,6 +77,58 @@ TEST_F(Saving, FinishesAnInterruptedSave) {
   write("saving.json", "{\"half\": ");
   EXPECT_FALSE(finish_saving(path("etc"), path("saving.json")).ok());
   EXPECT_FALSE(std::filesystem::exists(path("saving.json")));
+}
+
+// Files of several pages each, so that the disk is full at another file, backup or journal for each amount of free
+// space.
+void save_on_a_disk_that_is_full(const std::string& folder, SetupFiles before, SetupFiles after) {
+  const std::string etc = folder + "/etc", ballast = folder + "/ballast";
+  std::filesystem::create_directory(etc);
+  for (SetupFiles* files : {&before, &after}) {
+    for (auto& [name, content] : files->content) {
+      content = std::make_shared<const std::string>(*content + "# " + std::string(2 * kPageBytes, name[0]) + "\n");
+    }
+  }
+  ASSERT_OK(write_folder(before, etc));
+  const std::vector<std::string> names = {"board.toml", "venue.toml", "venue-light.png"};
+  std::size_t free_pages = 0;
+  for (; free_pages < kDiskPages; ++free_pages) {
+    SCOPED_TRACE(free_pages);
+    leave_free(ballast, free_pages);
+    const Result<void> saved = save_files(after, names, etc, folder + "/saving.json");
+    ASSERT_OK_AND_ASSIGN(const SetupFiles now, read_setup(etc + "/board.toml"));
+    EXPECT_FALSE(std::filesystem::exists(folder + "/saving.json"));
+    if (saved.ok()) {
+      EXPECT_TRUE(changed_files(now, after).empty());
+      break;
+    }
+    EXPECT_NE(saved.text().find("No space left on device"), std::string::npos) << saved.text();
+    EXPECT_TRUE(changed_files(now, before).empty());
+    for (const std::string& name : names_in(etc)) {
+      const std::string whose = name.ends_with(".bak") ? name.substr(0, name.size() - 4) : name;
+      EXPECT_EQ(before.content.count(whose), 1u) << name << " is left over";
+    }
+  }
+  // Three new files and the journal of three pages each at the least.
+  EXPECT_GT(free_pages, 12u);
+  EXPECT_LT(free_pages, kDiskPages);
+}
+
+TEST_F(Saving, AFullDiskChangesNothing) {
+  std::filesystem::create_directory(path("disk"));
+  const auto save = [this] {
+    if (!mount_small_disk(path("disk"))) ::_exit(kNoNamespaces);
+    save_on_a_disk_that_is_full(path("disk"), files("before"), files("after"));
+    std::fflush(nullptr);  // what failed
+    ::_exit(HasFailure() ? kTestFailed : 0);
+  };
+  bool is_permitted = true;
+  const auto succeeded = [&is_permitted](int status) {
+    is_permitted = !::testing::ExitedWithCode(kNoNamespaces)(status);
+    return !is_permitted || ::testing::ExitedWithCode(0)(status);
+  };
+  EXPECT_EXIT(save(), succeeded, "");
+  if (!is_permitted) GTEST_SKIP() << "mount namespaces are not permitted here";
 }
 
 TEST_F(Saving, ANewPictureGetsAnotherNameThanTheSavedOne) {

@@ -43,6 +43,33 @@ TEST_F(ScriptedFirmware, FindsTheFieldAndSavesIt) {
   EXPECT_EQ(used_.back()["source"], "saved");
 }
 
+class SetupWithRegion : public ScriptedFirmware {
+ protected:
+  // What is said of the field if the region of interest ends at this column.
+  nlohmann::json field_with(const std::string& right_px) {
+    write("etc/venue.toml", "version = 1\n[region_of_interest]\nu_px = [0, " + right_px + ", " + right_px +
+                                ", 0]\nv_px = [0, 0, 480, 480]\n");
+    start_program();
+    camera_ = {arena_picture(hal::mock::Floor::kField, 1)};
+    expect_ok("begin");
+    expect_ok("field.find", kMiroSot);
+    return state_["steps"]["field"];
+  }
+};
+
+// A region that was drawn for another view of the camera would hide robots without a word.
+TEST_F(SetupWithRegion, ThatLeavesOutHalfTheFieldIsNamed) {
+  const nlohmann::json field = field_with("320");
+  EXPECT_EQ(field["quality"]["level"], "warning");
+  EXPECT_NE(field["notes"].dump().find("the region of interest leaves out 5"), std::string::npos) << field["notes"];
+}
+
+TEST_F(SetupWithRegion, ThatContainsTheFieldIsNotMentioned) {
+  const nlohmann::json field = field_with("640");
+  EXPECT_EQ(field["quality"]["level"], "ok");
+  EXPECT_EQ(field["notes"].dump().find("region"), std::string::npos) << field["notes"];
+}
+
 TEST_F(ScriptedFirmware, UndoesAndRedoesOneStep) {
   start_program();
   camera_ = {arena_picture(hal::mock::Floor::kField, 1)};

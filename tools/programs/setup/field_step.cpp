@@ -119,7 +119,13 @@ Result<void> find_field(const FieldRequest& request, const JobInput& input, cons
   if (!camera.configure(report.fit.camera).ok()) {
     return Error{ErrorCode::kInconsistent, "the camera model found is invalid"};
   }
-  output.measured(measured_field(report, field, camera));
+  nlohmann::json measured = measured_field(report, field, camera);
+  const std::string warning = calibrate::region_warning(draft.region_of_interest, picture, field, report.fit.camera);
+  if (!warning.empty()) {
+    measured["notes"].push_back({{"level", "warning"}, {"text", warning}});
+    measured["quality"]["level"] = "warning";
+  }
+  output.measured(measured);
   if (report.refinement.points == 0) return {};
   output.progress("the error map is being drawn");
   TOUCHLINE_TRY_ASSIGN(const hal::Picture errors, calibrate::draw_errors(picture, report));

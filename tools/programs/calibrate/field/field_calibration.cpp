@@ -7,6 +7,8 @@
 #include "tools/programs/calibrate/field/paper_fit.h"
 #include "tools/programs/calibrate/field/residual_map.h"
 #include "tools/programs/calibrate/field/vanishing_points.h"
+#include "tools/programs/calibrate/imaging/channel_image.h"
+#include "tools/programs/command_line/formatted.h"
 #include "tools/programs/command_line/progress.h"
 
 namespace touchline::calibrate {
@@ -228,6 +230,33 @@ std::vector<Section> field_sections(const VenueDraft& venue, const hal::Picture&
   entry.height_px = static_cast<std::uint16_t>(picture.height_px);
   return {section_of("picture", entry, ""), section_of("field", field, ""),
           section_of("camera_model", report.fit.camera, residual_text(report))};
+}
+
+std::string region_warning(const Polygon& region, const hal::Picture& picture, const FieldParameters& field,
+                           const CameraParameters& camera) {
+  constexpr int kSteps = 50;  // along each side of the field
+  CameraModel model;
+  if (!model.configure(camera).ok()) return "";
+  const int width = static_cast<int>(picture.width_px), height = static_cast<int>(picture.height_px);
+  const std::vector<std::uint8_t> inside = inside_mask(region, width, height);
+  int seen = 0, left_out = 0;
+  for (int j = 0; j <= kSteps; ++j) {
+    for (int i = 0; i <= kSteps; ++i) {
+      const FieldPoint place{field.length_m * (static_cast<float>(i) / kSteps - 0.5f),
+                             field.width_m * (static_cast<float>(j) / kSteps - 0.5f)};
+      const PixelPoint pixel = model.to_pixel(place, 0.0f);
+      const long u = std::lround(pixel.u_px), v = std::lround(pixel.v_px);
+      // What the camera does not see is no fault of the region.
+      if (u < 0 || v < 0 || u >= width || v >= height) continue;
+      ++seen;
+      left_out += inside[static_cast<std::size_t>(v * width + u)] == 0 ? 1 : 0;
+    }
+  }
+  if (left_out == 0) return "";
+  return formatted(
+      "the region of interest leaves out %.*f %% of the field, where nothing is seen; if it was made for "
+      "another view of the camera, remove section [region_of_interest] of the venue file",
+      100 * left_out < seen ? 1 : 0, 100.0 * left_out / seen);
 }
 
 Result<hal::Picture> draw_result(const hal::Picture& picture, const FieldParameters& field, const FieldReport& report) {

@@ -45,6 +45,12 @@ Result<FieldReport> calibrate_field(const FieldPictures& input, const ChosenFiel
 std::vector<Section> field_sections(const VenueDraft& venue, const hal::Picture& picture, const FieldParameters& field,
                                     const FieldReport& report);
 
+/// What a person must know about a region of interest of the picture that was chosen for another view of the camera:
+/// empty if all of the field lies in it, otherwise which part of the field is never looked at. `region` with fewer than
+/// three corners is the whole picture.
+std::string region_warning(const Polygon& region, const hal::Picture& picture, const FieldParameters& field,
+                           const CameraParameters& camera);
+
 /// Draws border and markings according to the model found over the picture. kInconsistent: the model is invalid.
 Result<hal::Picture> draw_result(const hal::Picture& picture, const FieldParameters& field, const FieldReport& report);
 /// Draws the enlarged residuals; only if report.refinement.points > 0. kInconsistent: the model is invalid.

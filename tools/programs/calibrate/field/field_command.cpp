@@ -140,11 +140,14 @@ Result<void> FieldCommand::run() const {
   found.fit.camera.kind = kind == "paper" ? CameraModelKind::kPaper : CameraModelKind::kFull;
   found.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   std::vector<Section> sections = field_sections(draft, photograph, field, found);
+  Polygon searched = draft.region_of_interest;
   if (!region.empty()) {
+    searched = {};
     config::RegionOfInterestEntry roi;
     for (const PixelPoint& p : region) {
       roi.u_px.push_back(p.u_px);
       roi.v_px.push_back(p.v_px);
+      searched.push_back(p);
     }
     sections.push_back(section_of("region_of_interest", roi, ""));
   }
@@ -155,6 +158,9 @@ Result<void> FieldCommand::run() const {
   std::printf("%s%.1f s\n", text_of(found).c_str(), found.seconds);
   std::printf("%s: [picture], [field], [camera_model]%s written\n", venue.c_str(),
               region.empty() ? "" : ", [region_of_interest]");
+  if (const std::string warning = region_warning(searched, photograph, field, found.fit.camera); !warning.empty()) {
+    std::fprintf(stderr, "%s: warning: %s\n", venue.c_str(), warning.c_str());
+  }
   return {};
 }
 

@@ -37,5 +37,17 @@ TEST(ClickInShadow, DoesNotNameUnevenLamps) {
   EXPECT_TRUE(shadowed(PixelFormat::kRgb24, 1.4).empty());
 }
 
+// A slip of the pen is no shadow: whoever uses the click says that it is outside.
+TEST(ClickInShadow, DoesNotNameClicksOutsideThePictureOrTheRegionOfInterest) {
+  std::map<std::string, CameraPicture> pictures;
+  pictures["a.png"] = painted_field(kPatches, PixelFormat::kRgb24, 1, [](int, int) { return 1.0; });
+  const std::vector<Click> outside{{"a.png", "red", 900, 60}, {"a.png", "red", 60, -200}, {"a.png", "red", 240, 60}};
+  Polygon left_half;
+  for (const PixelPoint corner : {PixelPoint{0, 0}, {120, 0}, {120, 240}, {0, 240}}) left_half.push_back(corner);
+  const auto found = clicks_in_shadow(outside, pictures, {}, left_half);
+  ASSERT_TRUE(found.ok()) << found.text();
+  EXPECT_TRUE(found.value().empty());
+}
+
 }  // namespace
 }  // namespace touchline::calibrate

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <optional>
 
 #include "tools/programs/calibrate/colors/click_matching.h"
 #include "tools/programs/calibrate/imaging/channel_image.h"
@@ -24,16 +25,16 @@ int brightness_of(const Channels& value, ColorSpace space) {
   return (value[0] + 2 * value[1] + value[2]) / 4;
 }
 
-// Median brightness of the pixels inside of a rectangle; 0: there are none.
-double median_brightness(const ChannelImage& image, const std::vector<std::uint8_t>& inside, int left, int top,
-                         int right, int bottom) {
+// Median brightness of the pixels inside of a rectangle; empty if there are none.
+std::optional<double> median_brightness(const ChannelImage& image, const std::vector<std::uint8_t>& inside, int left,
+                                        int top, int right, int bottom) {
   std::vector<int> values;
   for (int v = std::max(0, top); v < std::min(image.height_px, bottom); v += kFloorStep) {
     for (int u = std::max(0, left); u < std::min(image.width_px, right); u += kFloorStep) {
       if (inside[image.index(u, v)] != 0) values.push_back(brightness_of(image.at(u, v), image.space));
     }
   }
-  if (values.empty()) return 0;
+  if (values.empty()) return std::nullopt;
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());
   return *middle;
@@ -57,14 +58,16 @@ Result<std::vector<ShadowedClick>> clicks_in_shadow(const std::vector<Click>& cl
     }
     const ChannelImage image = corrected_channels(frame, *shading);
     const std::vector<std::uint8_t> inside = inside_mask(region_of_interest, image.width_px, image.height_px);
-    const double usual = median_brightness(image, inside, 0, 0, image.width_px, image.height_px);
+    const double usual = median_brightness(image, inside, 0, 0, image.width_px, image.height_px).value_or(0.0);
     if (usual <= 0) continue;
     const int reach = static_cast<int>(kReachOfFloor * image.width_px);
     for (std::size_t i = 0; i < clicks.size(); ++i) {
       if (!is_here(clicks[i])) continue;
       const int u = static_cast<int>(clicks[i].u_px), v = static_cast<int>(clicks[i].v_px);
-      const double floor = median_brightness(image, inside, u - reach, v - reach, u + reach, v + reach);
-      const double share = std::pow(floor / usual, kPictureGamma);
+      const std::optional<double> floor = median_brightness(image, inside, u - reach, v - reach, u + reach, v + reach);
+      // A click outside the picture or its region of interest is reported as such when it is used.
+      if (!floor) continue;
+      const double share = std::pow(*floor / usual, kPictureGamma);
       if (share < kShadowedLight) out.push_back({i, share});
     }
   }

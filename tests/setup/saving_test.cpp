@@ -36,6 +36,24 @@ bool mount_small_disk(const std::string& folder) {
          ::mount("tmpfs", folder.c_str(), "tmpfs", 0, size.c_str()) == 0;
 }
 
+// Runs `test` in a process of its own, with a small disk at `folder`. False where the kernel does not permit it.
+template <class Test>
+bool on_small_disk(const std::string& folder, Test test) {
+  const auto run = [&] {
+    if (!mount_small_disk(folder)) ::_exit(kNoNamespaces);
+    test();
+    std::fflush(nullptr);  // what failed
+    ::_exit(::testing::Test::HasFailure() ? kTestFailed : 0);
+  };
+  bool is_permitted = true;
+  const auto succeeded = [&is_permitted](int status) {
+    is_permitted = !::testing::ExitedWithCode(kNoNamespaces)(status);
+    return !is_permitted || ::testing::ExitedWithCode(0)(status);
+  };
+  EXPECT_EXIT(run(), succeeded, "");
+  return is_permitted;
+}
+
 // Fills the disk until `pages` are free.
 void leave_free(const std::string& ballast, std::size_t pages) {
   std::filesystem::remove(ballast);
@@ -116,18 +134,32 @@ void save_on_a_disk_that_is_full(const std::string& folder, SetupFiles before, S
 
 TEST_F(Saving, AFullDiskChangesNothing) {
   std::filesystem::create_directory(path("disk"));
-  const auto save = [this] {
-    if (!mount_small_disk(path("disk"))) ::_exit(kNoNamespaces);
-    save_on_a_disk_that_is_full(path("disk"), files("before"), files("after"));
-    std::fflush(nullptr);  // what failed
-    ::_exit(HasFailure() ? kTestFailed : 0);
-  };
-  bool is_permitted = true;
-  const auto succeeded = [&is_permitted](int status) {
-    is_permitted = !::testing::ExitedWithCode(kNoNamespaces)(status);
-    return !is_permitted || ::testing::ExitedWithCode(0)(status);
-  };
-  EXPECT_EXIT(save(), succeeded, "");
+  const bool is_permitted = on_small_disk(
+      path("disk"), [this] { save_on_a_disk_that_is_full(path("disk"), files("before"), files("after")); });
+  if (!is_permitted) GTEST_SKIP() << "mount namespaces are not permitted here";
+}
+
+// The kernel refuses to rename over a file on which another one is mounted. The picture before it is replaced already.
+void save_over_a_file_that_cannot_be_replaced(const std::string& folder, const SetupFiles& before,
+                                              const SetupFiles& after) {
+  const std::string etc = folder + "/etc", busy = etc + "/venue.toml", copy = folder + "/venue.toml";
+  std::filesystem::create_directory(etc);
+  ASSERT_OK(write_folder(before, etc));
+  std::filesystem::copy_file(busy, copy);
+  ASSERT_EQ(::mount(copy.c_str(), busy.c_str(), nullptr, MS_BIND, nullptr), 0);
+  const Result<void> saved =
+      save_files(after, {"board.toml", "venue.toml", "venue-light.png"}, etc, folder + "/saving.json");
+  EXPECT_NE(saved.text().find("venue.toml: cannot be replaced"), std::string::npos) << saved.text();
+  ASSERT_OK_AND_ASSIGN(const SetupFiles now, read_setup(etc + "/board.toml"));
+  EXPECT_TRUE(changed_files(now, before).empty());
+  EXPECT_FALSE(std::filesystem::exists(folder + "/saving.json"));
+}
+
+TEST_F(Saving, AFileThatCannotBeReplacedChangesNothing) {
+  std::filesystem::create_directory(path("disk"));
+  const bool is_permitted = on_small_disk(path("disk"), [this] {
+    save_over_a_file_that_cannot_be_replaced(path("disk"), files("before"), files("after"));
+  });
   if (!is_permitted) GTEST_SKIP() << "mount namespaces are not permitted here";
 }
 

@@ -25,17 +25,20 @@ std::vector<std::string> in_order(const SetupFiles& draft, std::vector<std::stri
   return names;
 }
 
-// Undoes the first renames after a later one has failed. What cannot be undone either is named by the next differences.
-void restore(const std::vector<std::string>& paths, const std::vector<std::optional<std::string>>& former,
-             std::size_t count) {
+// Undoes the first renames after a later one has failed. An error names the first file that cannot be undone either.
+Result<void> restore(const std::vector<std::string>& paths, const std::vector<std::optional<std::string>>& former,
+                     std::size_t count) {
+  Result<void> restored;
   for (std::size_t i = count; i-- > 0;) {
+    Result<void> one;
     if (former[i]) {
-      static_cast<void>(hal::write_file(paths[i], *former[i]).ok());
-    } else {
-      std::error_code error;
-      fs::remove(paths[i], error);
+      one = hal::write_file(paths[i], *former[i]);
+    } else if (std::error_code error; !fs::remove(paths[i], error) && error) {
+      one = failure(ErrorCode::kIo, "%s: cannot be removed: %s", paths[i].c_str(), error.message().c_str());
     }
+    if (!one.ok()) restored = std::move(one);
   }
+  return restored;
 }
 
 }  // namespace
@@ -73,7 +76,13 @@ Result<void> save_files(const SetupFiles& draft, const std::vector<std::string>&
     if (!committed.ok()) break;
     ++done;
   }
-  if (!committed.ok()) restore(order, former, done);
+  if (!committed.ok()) {
+    // With the journal, finish_saving() replaces all files, so that they fit each other again.
+    if (const Result<void> restored = restore(order, former, done); !restored.ok()) {
+      return Error{committed.code(), committed.text() + "; and the files before it cannot be restored (" +
+                                         restored.text() + "): the next start of touchline-setup finishes this save"};
+    }
+  }
   std::error_code error;
   fs::remove(journal, error);
   return committed;

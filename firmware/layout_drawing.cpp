@@ -13,6 +13,7 @@
 
 #include "firmware/config/layout_choice.h"
 #include "firmware/config/paint_names.h"
+#include "firmware/config/standard_layouts.h"
 #include "hal/files/output_file.h"
 
 namespace touchline {
@@ -97,7 +98,10 @@ void draw_top(cairo_t* context, double left, double top, const Top& robot, const
   cairo_scale(context, scale, scale);
   cairo_transform(context, std::array<cairo_matrix_t, 1>{{{0, -1, -1, 0, 0, 0}}}.data());  // x up, y left
   const double half = static_cast<double>(robot.layout.robot_side_m) / 2;
+  cairo_save(context);
+  cairo_rotate(context, static_cast<double>(config::body_turn_rad(robot.layout)));
   cairo_rectangle(context, -half, -half, 2 * half, 2 * half);
+  cairo_restore(context);
   cairo_set_source_rgb(context, 0.05, 0.05, 0.05);
   cairo_fill(context);
   for (std::size_t i = 0; i < robot.layout.patches.size(); ++i) {
@@ -134,8 +138,13 @@ Result<void> draw_layouts(const config::Configuration& configuration, const std:
   for (const auto& [entry, name] : {std::pair{&team.own, "own"}, std::pair{&team.opponent, "opponent"}}) {
     if (config::chosen_layout(team, *entry)) continue;
     const std::string key = std::string(name) + ".layout";
-    return failure(ErrorCode::kNotFound, "%s: %s: no layout is named \"%s\"", configuration.team_where.of(key).c_str(),
-                   key.c_str(), entry->layout.c_str());
+    std::string names;
+    for (const config::LayoutEntry& own : team.layout) names += (names.empty() ? "" : ", ") + own.name;
+    for (const config::StandardLayout& one : config::standard_layouts()) {
+      names += (names.empty() ? "" : ", ") + std::string(one.name);
+    }
+    return failure(ErrorCode::kNotFound, "%s: %s: no layout is named \"%s\"; there are: %s",
+                   configuration.team_where.of(key).c_str(), key.c_str(), entry->layout.c_str(), names.c_str());
   }
   const std::vector<Top> tops = tops_of(configuration.team);
   if (tops.empty())

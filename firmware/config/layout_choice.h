@@ -14,4 +14,8 @@ MarkerLayout layout_of(const LayoutEntry& entry);
 /// gives one. Empty if there is no layout of this name.
 std::optional<MarkerLayout> chosen_layout(const TeamFile& file, const TeamEntry& team);
 
+/// Angle from the robot's axes to the sides of its square body, 0 to pi/2: 0 if the body then contains all patches,
+/// otherwise the angle at which the smallest square does (mirosot-triangles: forward is a corner of the body).
+float body_turn_rad(const MarkerLayout& layout);
+
 }  // namespace touchline::config

@@ -5,6 +5,7 @@
 #include <optional>
 #include <sstream>
 
+#include "firmware/config/layout_choice.h"
 #include "firmware/config/section_writer.h"
 #include "firmware/config/standard_layouts.h"
 #include "firmware/config/team_file.h"
@@ -39,6 +40,7 @@ nlohmann::json layouts_json() {
     out.push_back({{"name", std::string(standard.name)},
                    {"help", std::string(standard.help)},
                    {"robot_side_m", standard.layout.robot_side_m},
+                   {"body_turn_rad", config::body_turn_rad(standard.layout)},
                    {"patches", patches}});
   }
   return out;

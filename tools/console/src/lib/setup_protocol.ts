@@ -114,7 +114,7 @@ export interface RobotRef {
 }
 
 export interface RobotsStep extends Step {
-  layouts: { name: string; robot_side_m?: number; patches: LayoutPatch[] }[];
+  layouts: { name: string; robot_side_m?: number; body_turn_rad?: number; patches: LayoutPatch[] }[];
   own: TeamTable;
   opponent: TeamTable;
   ball?: string;

@@ -27,7 +27,7 @@ async function withServer(options, run) {
   }
 }
 
-for (const width of [360, 768, 1920]) {
+for (const width of [360, 768, 1280, 1920]) {
   test(`no page scrolls sideways at ${width} pixels, and Stop is visible`, async () => {
     const { page, close } = await open(browser, server.url, { viewport: { width, height: 740 } });
     await waitForLink(page, 'Connected');

@@ -1,10 +1,9 @@
 import { completeState } from './setup_defaults';
 import type { SetupCommand, SetupMessage, SetupPicture, SetupState } from './setup_protocol';
+import { ANSWER_MS, whenSilent } from './silence';
 
 // Every step has a few pictures, and clicks replace each other's.
 const MAX_PICTURES = 48;
-// The program answers within a moment, or says that it is busy; it waits at most 20 s for a picture of the camera.
-const ANSWER_MS = 25_000;
 
 /** Sends a message; returns the number that the answer repeats, or 0 if there is no connection. */
 type Send = (command: { type: 'setup' } & SetupCommand) => number;
@@ -49,15 +48,13 @@ export class Setup {
 
   private answerTo(number: number, command: string): Promise<Result> {
     return new Promise((resolve) => {
-      let busyAt = performance.now();
-      const watch = setInterval(() => {
-        if (this.state?.busy?.command === command) busyAt = performance.now();
-        if (performance.now() - busyAt < ANSWER_MS) return;
+      const isBusy = () => this.state?.busy?.command === command;
+      const endWatch = whenSilent(isBusy, () => {
         const error = `The setup program has not answered "${command}" for ${ANSWER_MS / 1000} s. Look whether it was done, and try again. If this happens again: systemctl restart touchline-setup`;
         this.accept({ to: number, ok: false, error });
-      }, 1000);
+      });
       this.answers.set(number, (answer) => {
-        clearInterval(watch);
+        endWatch();
         resolve(answer);
       });
     });

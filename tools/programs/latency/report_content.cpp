@@ -148,7 +148,9 @@ Table led_table(const LedReport& led) {
 std::string led_text(const LedReport& led) {
   std::string text = "brightness " + number(led.off_level) + " when off, " + number(led.on_level) + " when on; " +
                      count(led.partial) + " edges within an exposure";
-  if (led.uncertain > 0) text += "; " + count(led.uncertain) + " edges not used, because their time is uncertain";
+  if (led.uncertain > 0)
+    text += "; not used, because their time is uncertain: " + count(led.uncertain) +
+            (led.uncertain == 1 ? " edge" : " edges");
   return text;
 }
 

@@ -194,7 +194,8 @@ TEST_F(AutoDetect, RefusesAMissingColor) {
   DetectedColors found = std::move(detected).value();
   ASSERT_FALSE(found.doubts.empty());
   EXPECT_EQ(found.doubts[0].text,
-            "red: no patch was found; show a picture in which robot own 0 stands apart from all others, or click on "
+            "red: no patch was found in b; show a further picture in which robot own 0 stands apart from all others, "
+            "or click on "
             "one of its patches");
   EXPECT_EQ(found.doubts[0].option, "--click red,U,V");
   venue_.file.camera_model.full.fx_px = 0;

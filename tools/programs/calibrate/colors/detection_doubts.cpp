@@ -40,9 +40,10 @@ class Doubts {
     const WantedColor& wanted = input_.colors[c];
     const char* const name = wanted.name.c_str();
     if (color.patches.empty()) {
-      out_.push_back({formatted("%s: no patch was found; show a picture in which %s, or click on %s", name,
-                                wish(c).c_str(), c + 1 == input_.ball ? "it" : "one of its patches"),
-                      any_click(c)});
+      out_.push_back(
+          {formatted("%s: no patch was found in %s; show a further picture in which %s, or click on %s", name,
+                     searched().c_str(), wish(c).c_str(), c + 1 == input_.ball ? "it" : "one of its patches"),
+           any_click(c)});
     } else if (color.dissimilarity > kMostUnlike && !has_hue_of(wanted.look, color.rgb)) {
       out_.push_back(
           {formatted("%s: the remaining patches do not look like it (difference %.0f); click on one of its patches",
@@ -59,6 +60,9 @@ class Doubts {
     }
   }
 
+  [[nodiscard]] std::string searched() const {
+    return images_.size() == 1 ? images_.front() : formatted("any of the %zu pictures", images_.size());
+  }
   // What a picture must show to find this color.
   [[nodiscard]] std::string wish(std::size_t c) const {
     if (c + 1 == input_.ball) return "the ball lies alone on the field";

@@ -196,6 +196,15 @@ Result<FieldReport> calibrate_field(const FieldPictures& input, const ChosenFiel
   if (clicked && input.points.size() < 4) {
     return Error{ErrorCode::kInconsistent, "at least four corners and points are needed, or none"};
   }
+  const double right = picture.width_px - 0.5, bottom = picture.height_px - 0.5;
+  for (const FloorPoint& p : input.points) {
+    if (p.u_px >= -0.5 && p.v_px >= -0.5 && p.u_px <= right && p.v_px <= bottom) continue;
+    return failure(
+        ErrorCode::kOutOfRange,
+        "pixel %.0f,%.0f, given for the place (%.2f, %.2f) m, lies outside of the picture, which has %u x %u "
+        "pixels",
+        p.u_px, p.v_px, p.x_m, p.y_m, picture.width_px, picture.height_px);
+  }
   FieldReport found;
   found.marks = marks_of(field.drawing);
   found.height = field.height_source;

@@ -130,11 +130,11 @@ Result<void> FieldCommand::run() const {
 
   Result<FieldReport> calibrated = calibrate_field(input, chosen, camera_height_m);
   if (!calibrated.ok()) {
-    if (input.points.empty()) {
-      return Error{calibrated.code(), pictures[0] + ": " + calibrated.text() + " (try --corners or --point)"};
-    }
     const bool skippable = refine && calibrated.code() == ErrorCode::kInconsistent;
-    return Error{calibrated.code(), calibrated.text() + (skippable ? " (--no-refine skips the refinement)" : "")};
+    const char* const advice = input.points.empty() ? " (try --corners or --point)"
+                               : skippable          ? " (--no-refine skips the refinement)"
+                                                    : "";
+    return Error{calibrated.code(), pictures[0] + ": " + calibrated.text() + advice};
   }
   FieldReport& found = calibrated.value();
   found.fit.camera.kind = kind == "paper" ? CameraModelKind::kPaper : CameraModelKind::kFull;

@@ -207,6 +207,9 @@ TEST_F(Program, LeavesTheVenueUnchangedAfterAnError) {
     EXPECT_EQ(read("venue.toml"), before) << arguments;
   };
   refuses(field() + clockwise_ + " --camera-height 1.8", "clockwise");
+  refuses(field() + "--corners 36,225 980,229 280,14 43,12 --camera-height 1.8",
+          "field.png: pixel 980,229, given for the place (0.75, -0.65) m, lies outside of the picture, which has 320 x "
+          "240 pixels");
   refuses(field() + "--corners 36,225 288,229 280,14 43,x --camera-height 1.8", "43,x");
   refuses(field() + "--camera-height 1.8", "--corners");
   refuses(field() + corners_ + " --camera-height nan", "nan");
@@ -272,9 +275,44 @@ TEST_F(Program, AsksBeforeItWritesDetectedColors) {
   EXPECT_NE(read("out").find("without.png: 1 of 1 visible robots explained\n"), std::string::npos) << read("out");
   EXPECT_NE(read("out").find("self-check: 2 of 2 robots explained; ball in 2 of 2 pictures"), std::string::npos)
       << read("out");
+  std::string for_others = venue_from_above_;
+  for_others.replace(for_others.find("320"), 3, "640");
+  write("venue.toml", for_others);
+  EXPECT_FALSE(run(with_team + " --yes"));
+  EXPECT_NE(read("out").find("robots.png is 320 x 240, but the camera model of " + path("venue.toml") +
+                             " is for pictures of 640 x 240"),
+            std::string::npos)
+      << read("out");
   write("venue.toml", "version = 1\n");
   EXPECT_FALSE(run(with_team + " --yes"));
   EXPECT_NE(read("out").find("calibrate the field first"), std::string::npos) << read("out");
+}
+
+// Things beside the robots that somebody clicks on: a violet one called blue, which is learned as blue and then makes
+// the blue patch unlike its color, and one of the team's color, which is then a robot without an id.
+TEST_F(Program, LeavesOutAClickThatMakesTheResultWorse) {
+  std::vector<PaintedPatch> patches = {{"red", {200, 30, 30}, 80, 60},
+                                       {"green", {30, 180, 60}, 93, 73},
+                                       {"red", {200, 30, 30}, 200, 150},
+                                       {"blue", {40, 80, 200}, 187, 163},
+                                       {"orange", {240, 120, 40}, 250, 60, true},
+                                       {"violet", {88, 65, 149}, 280, 200},
+                                       {"dark red", {150, 35, 36}, 40, 200}};
+  write_png("robots.png", painted_field(patches, PixelFormat::kRgb24, 3, [](int, int) { return 1.0; }));
+  write("team.toml",
+        "version = 1\n[own]\ncolor = \"red\"\n[[own.robot]]\nid = 0\ncolors = [\"green\"]\n"
+        "[[own.robot]]\nid = 1\ncolors = [\"blue\"]\n[ball]\ncolor = \"orange\"\n");
+  for (const auto& [click, place] : {std::pair{"blue,280,200", "blue at 280,200"}, {"red,40,200", "red at 40,200"}}) {
+    write("venue.toml", venue_from_above_);
+    EXPECT_TRUE(run("colors --picture " + path("robots.png") + venue() + " --team " + path("team.toml") +
+                    " --yes --click green,93,73 --click " + click))
+        << read("out");
+    EXPECT_NE(read("out").find("1 of 2 clicks used"), std::string::npos) << read("out");
+    EXPECT_NE(read("out").find(std::string(place) + ") is not used: with it, the self-check finds "), std::string::npos)
+        << read("out");
+    EXPECT_NE(read("out").find("self-check: 2 of 2 robots explained; ball in 1 of 1 pictures"), std::string::npos);
+    EXPECT_FALSE(fs::exists(path("venue-trial.toml")));
+  }
 }
 
 // The working file stays unless the person accepts that the fourth robot is in no picture.

@@ -128,7 +128,8 @@ Result<void> learn_colors(const ColorRequest& request, const JobInput& input, co
   const std::string venue = input.path(input.state.files.venue), team = input.path(input.state.files.team);
   const std::string folder = input.folder + "/colors";
   TOUCHLINE_TRY_ASSIGN(const calibrate::VenueDraft draft, calibrate::read_draft(venue));
-  TOUCHLINE_TRY_ASSIGN(const calibrate::TeamColors wanted, calibrate::read_team_colors(team));
+  TOUCHLINE_TRY_ASSIGN(calibrate::TeamColors wanted, calibrate::read_team_colors(team));
+  const calibrate::ColorFiles files{venue, team, draft, std::move(wanted)};
   const auto former = input.state.measured.find("colors");
   nlohmann::json measured = {
       {"notes", nlohmann::json::array()}, {"self_check", ""}, {"pictures", nlohmann::json::array()}};
@@ -145,8 +146,8 @@ Result<void> learn_colors(const ColorRequest& request, const JobInput& input, co
   fit_input.light = draft.light;
   fit_input.region_of_interest = draft.region_of_interest;
   output.progress("patches and robots are being searched", 0.1);
-  TOUCHLINE_TRY_ASSIGN(const calibrate::DetectedColors found,
-                       calibrate::auto_detect_colors(draft, wanted, clicks, fit_input.pictures));
+  fit_input.clicks = clicks;
+  TOUCHLINE_TRY_ASSIGN(const calibrate::DetectedColors found, calibrate::detect_with_clicks(files, fit_input));
   measured["clicks"] = clicks_json(clicks, found.uses, measured["pictures"]);
   std::error_code error;
   fs::create_directories(folder, error);
@@ -163,7 +164,7 @@ Result<void> learn_colors(const ColorRequest& request, const JobInput& input, co
     output.measured(measured);
     return show_files(folder, "-found.png", "found", input, output);
   }
-  TOUCHLINE_TRY(calibrate::check_all_colors(input.state.files.team, wanted, fit_input.clicks));
+  TOUCHLINE_TRY(calibrate::check_all_colors(input.state.files.team, files.colors, fit_input.clicks));
   output.progress("the colors are being learned", 0.5);
   TOUCHLINE_TRY_ASSIGN(const calibrate::ColorFit fit, calibrate::fit_colors(fit_input));
   add_fit(fit, measured);

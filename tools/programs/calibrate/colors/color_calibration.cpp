@@ -1,10 +1,100 @@
 #include "tools/programs/calibrate/colors/color_calibration.h"
 
 #include <algorithm>
+#include <filesystem>
+#include <optional>
 
 #include "tools/programs/calibrate/colors/color_names.h"
+#include "tools/programs/command_line/formatted.h"
 
 namespace touchline::calibrate {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Colors that some of the clicks lead to, and how well they do.
+struct ClickTrial {
+  DetectedColors found;
+  std::optional<int> recognized;  // SelfCheck::recognized(); empty: nothing can be learned
+  bool passed = false;            // SelfCheck::passed()
+
+  [[nodiscard]] bool is_worse_than(const ClickTrial& other) const {
+    return recognized < other.recognized || (recognized == other.recognized && other.passed && !passed);
+  }
+  [[nodiscard]] std::string text() const {
+    if (!recognized) return "learns no colors";
+    return formatted("finds %d robots and balls%s", *recognized,
+                     passed ? "" : ", and patches that are no known robot's");
+  }
+};
+
+// Leaves `trial` as it is if nothing can be learned.
+Result<void> check_trial(const ColorFiles& files, ColorFitInput input, ClickTrial& trial) {
+  TOUCHLINE_TRY_ASSIGN(const VisibleRobots robots, take_detected(trial.found, input));
+  TOUCHLINE_TRY(check_all_colors(files.team, files.colors, input.clicks));
+  TOUCHLINE_TRY_ASSIGN(const ColorFit fit, fit_colors(input));
+  const fs::path venue(files.venue);
+  const std::string copy =
+      (venue.parent_path() / (venue.stem().string() + "-trial" + venue.extension().string())).string();
+  const Result<void> written = write_copy(files.venue, color_sections(files.draft, fit), copy);
+  Result<SelfCheck> check = Error{ErrorCode::kIo, ""};
+  if (written.ok()) check = self_check(copy, files.team, input.pictures, robots, "");
+  std::error_code error;
+  fs::remove(copy, error);
+  TOUCHLINE_TRY(written);
+  if (!check.ok()) return check.error();
+  trial.recognized = check.value().recognized();
+  trial.passed = check.value().passed();
+  return {};
+}
+
+Result<ClickTrial> try_clicks(const ColorFiles& files, const ColorFitInput& input, const std::vector<Click>& clicks) {
+  ClickTrial trial;
+  TOUCHLINE_TRY_ASSIGN(trial.found, auto_detect_colors(files.draft, files.colors, clicks, input.pictures));
+  static_cast<void>(check_trial(files, input, trial));  // colors from which nothing can be learned are worst
+  return trial;
+}
+
+}  // namespace
+
+Result<DetectedColors> detect_with_clicks(const ColorFiles& files, const ColorFitInput& input) {
+  TOUCHLINE_TRY_ASSIGN(DetectedColors all, auto_detect_colors(files.draft, files.colors, input.clicks, input.pictures));
+  if (std::none_of(all.uses.begin(), all.uses.end(), [](const ClickUse& use) { return use.used; })) return all;
+  ClickTrial with_all;
+  with_all.found = std::move(all);
+  static_cast<void>(check_trial(files, input, with_all));
+  if (with_all.passed) return std::move(with_all.found);
+  TOUCHLINE_TRY_ASSIGN(ClickTrial best, try_clicks(files, input, {}));
+  if (!with_all.is_worse_than(best)) return std::move(with_all.found);
+  std::vector<Click> kept;
+  std::vector<std::size_t> numbers;
+  std::vector<ClickUse> uses = with_all.found.uses;
+  for (std::size_t i = 0; i < input.clicks.size(); ++i) {
+    if (!uses[i].used) continue;
+    kept.push_back(input.clicks[i]);
+    TOUCHLINE_TRY_ASSIGN(ClickTrial trial, try_clicks(files, input, kept));
+    if (trial.is_worse_than(best)) {
+      kept.pop_back();
+      uses[i] = {false, formatted("with it, the self-check %s; without it, it %s; is its color right?",
+                                  trial.text().c_str(), best.text().c_str())};
+    } else {
+      numbers.push_back(i);
+      best = std::move(trial);
+    }
+  }
+  for (std::size_t k = 0; k < numbers.size(); ++k) uses[numbers[k]] = best.found.uses[k];
+  best.found.uses = std::move(uses);
+  return std::move(best.found);
+}
+
+Result<void> write_copy(const std::string& venue, const std::vector<Section>& sections, const std::string& copy) {
+  std::error_code error;
+  fs::copy_file(venue, copy, fs::copy_options::overwrite_existing, error);
+  if (error) return failure(ErrorCode::kIo, "%s: %s", copy.c_str(), error.message().c_str());
+  TOUCHLINE_TRY(write_sections(copy, sections));
+  fs::remove(copy + ".bak", error);
+  return {};
+}
 
 Result<VisibleRobots> take_detected(const DetectedColors& found, ColorFitInput& input) {
   if (!found.doubts.empty()) {

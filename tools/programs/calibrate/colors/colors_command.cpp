@@ -103,11 +103,27 @@ Result<void> ColorsCommand::read_input(ColorFitInput& input) const {
   return {};
 }
 
+// The camera model is that of pictures of one size.
+Result<void> ColorsCommand::check_size(const VenueDraft& draft, const ColorFitInput& input) const {
+  if (!has_camera_model(draft)) return {};
+  const config::PictureEntry& expected = draft.file.picture;
+  for (const auto& [image, picture] : input.pictures) {
+    const Frame frame = picture.frame();
+    if (frame.width_px == expected.width_px && frame.height_px == expected.height_px) continue;
+    return failure(
+        ErrorCode::kInconsistent,
+        "%s is %u x %u, but the camera model of %s is for pictures of %u x %u: take the picture as the camera "
+        "delivers it (touchline-calibrate picture), or calibrate the field anew",
+        image.c_str(), frame.width_px, frame.height_px, venue.c_str(), expected.width_px, expected.height_px);
+  }
+  return {};
+}
+
 // Replaces the clicks by the patches that were detected with their help, after a person has confirmed them.
 Result<void> ColorsCommand::detect_colors(const VenueDraft& draft, ColorFitInput& input, VisibleRobots& robots) const {
   if (team.empty()) return failure(ErrorCode::kNotFound, "--picture needs --team, which names the colors to detect");
-  TOUCHLINE_TRY_ASSIGN(const TeamColors wanted, read_team_colors(team));
-  TOUCHLINE_TRY_ASSIGN(DetectedColors found, auto_detect_colors(draft, wanted, input.clicks, input.pictures));
+  TOUCHLINE_TRY_ASSIGN(TeamColors wanted, read_team_colors(team));
+  TOUCHLINE_TRY_ASSIGN(const DetectedColors found, detect_with_clicks({venue, team, draft, std::move(wanted)}, input));
   print_detected(found);
   print_unused(input.clicks, found.uses);
   const std::string folder = preview_folder();
@@ -146,11 +162,7 @@ Result<void> ColorsCommand::check_result(const ColorFitInput& input, const std::
   const fs::path file(venue);
   const std::string unaccepted =
       (file.parent_path() / (file.stem().string() + "-unaccepted" + file.extension().string())).string();
-  std::error_code error;
-  fs::copy_file(file, unaccepted, fs::copy_options::overwrite_existing, error);
-  if (error) return failure(ErrorCode::kIo, "%s: %s", unaccepted.c_str(), error.message().c_str());
-  TOUCHLINE_TRY(write_sections(unaccepted, sections));
-  fs::remove(unaccepted + ".bak", error);
+  TOUCHLINE_TRY(write_copy(venue, sections, unaccepted));
   const std::string folder = preview_folder();
   TOUCHLINE_TRY_ASSIGN(const SelfCheck check, self_check(unaccepted, team, input.pictures, robots, folder));
   std::printf("%spictures of the self-check are in %s\n", check.text().c_str(), folder.c_str());
@@ -161,6 +173,7 @@ Result<void> ColorsCommand::check_result(const ColorFitInput& input, const std::
                    "patches (--click COLOR,U,V); or write the colors as they are (--accept)",
                    venue.c_str(), unaccepted.c_str());
   }
+  std::error_code error;
   fs::remove(unaccepted, error);
   return {};
 }
@@ -169,6 +182,7 @@ Result<void> ColorsCommand::run() const {
   TOUCHLINE_TRY_ASSIGN(const VenueDraft draft, read_draft(venue));
   ColorFitInput input;
   TOUCHLINE_TRY(read_input(input));
+  TOUCHLINE_TRY(check_size(draft, input));
   input.light = draft.light;
   input.region_of_interest = draft.region_of_interest;
   input.growth.radius_px = patch_radius_px;

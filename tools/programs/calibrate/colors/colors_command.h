@@ -34,6 +34,7 @@ struct ColorsCommand {
  private:
   [[nodiscard]] std::string preview_folder() const;
   Result<void> read_input(ColorFitInput& input) const;
+  [[nodiscard]] Result<void> check_size(const VenueDraft& draft, const ColorFitInput& input) const;
   Result<void> detect_colors(const VenueDraft& draft, ColorFitInput& input, VisibleRobots& robots) const;
   [[nodiscard]] Result<void> check_names(const ColorFit& fit) const;
   Result<void> check_result(const ColorFitInput& input, const std::vector<Section>& sections,

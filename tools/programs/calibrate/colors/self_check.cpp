@@ -189,6 +189,15 @@ std::vector<std::string> SelfCheck::missing() const {
   return out;
 }
 
+int SelfCheck::recognized() const {
+  int count = 0;
+  for (const CheckedPicture& picture : pictures) {
+    count +=
+        static_cast<int>(picture.explained.size()) + (picture.ball ? 1 : 0) - static_cast<int>(picture.wrong.size());
+  }
+  return count;
+}
+
 bool SelfCheck::passed() const {
   return missing().empty() && std::all_of(pictures.begin(), pictures.end(), [&](const CheckedPicture& p) {
            return p.explained.size() == p.visible && p.missing.empty() && (p.ball || !wants_ball);
@@ -221,7 +230,7 @@ Result<SelfCheck> self_check(const std::string& venue, const std::string& team,
   SelfCheck out;
   out.wants_ball = configuration->pipeline.marker.ball.color != kBackground;
   std::error_code error;
-  fs::create_directories(folder, error);
+  if (!folder.empty()) fs::create_directories(folder, error);
   static const std::vector<VisibleRobot> no_robots;
   for (const auto& [image, picture] : pictures) {
     // Configured anew for each picture, so that none profits from the one before.
@@ -237,6 +246,7 @@ Result<SelfCheck> self_check(const std::string& venue, const std::string& team,
     const Sightings& sightings = pipeline->step(frame).sightings;
     out.robots = checker.robots();
     out.pictures.push_back(checker.check(image, sightings, known));
+    if (folder.empty()) continue;
     TOUCHLINE_TRY(
         checker.draw(out.pictures.back(), frame, sightings, known, line_of(out.pictures.back(), out.wants_ball)));
   }

@@ -41,6 +41,8 @@ struct SelfCheck {
 
   /// Robots of the team file that were explained in no picture.
   [[nodiscard]] std::vector<std::string> missing() const;
+  /// Robots with an id and balls in all pictures, minus contradictions to the calibration.
+  [[nodiscard]] int recognized() const;
   /// Whether every visible robot was explained, every robot of the team file in at least one picture, and the ball was
   /// seen in every picture.
   [[nodiscard]] bool passed() const;
@@ -48,8 +50,8 @@ struct SelfCheck {
   [[nodiscard]] std::string text() const;
 };
 
-/// Runs the pipeline with these files on each picture by itself, and draws what it sees into `folder` as
-/// NAME-check.png: robots with id green, robots without orange, contradictions to `robots` red. Errors of
+/// Runs the pipeline with these files on each picture by itself, and draws what it sees into `folder` (if it is not
+/// empty) as NAME-check.png: robots with id green, robots without orange, contradictions to `robots` red. Errors of
 /// load_venue_and_team(), resolve(), Pipeline::configure() and write_png().
 Result<SelfCheck> self_check(const std::string& venue, const std::string& team,
                              const std::map<std::string, CameraPicture>& pictures, const VisibleRobots& robots,

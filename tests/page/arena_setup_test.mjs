@@ -137,6 +137,8 @@ test('from an arena without calibration to a scored goal', () =>
     await next(page, 'robots');
     await page.waitForSelector('[data-top="own-4"]');
     await act(page, 'robots');
+    await page.click('[data-noise]:not([disabled])');
+    await page.waitForSelector('[data-noise-result]');
     await next(page, 'radio');
     await page.click('[data-robot="2"]:not([disabled])');
     await hold(page, () => page.keyboard.down('KeyW'), () => page.keyboard.up('KeyW'), '[data-driving]:text-matches("^0.[1-9]")');
@@ -149,7 +151,7 @@ test('from an arena without calibration to a scored goal', () =>
     await page.click('[data-confirm-save]:not([disabled])');
     await page.waitForSelector('[data-message]:has-text("Saved")');
     const after = await venue();
-    assert.ok(after.includes('[camera_model') && after.includes('[[color]]'));
+    assert.ok(after.includes('[camera_model') && after.includes('[[color]]') && after.includes('[noise]'));
 
     await page.click('[data-to-play]');
     await page.click('[data-start]:not([disabled])');

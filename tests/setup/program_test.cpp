@@ -1,6 +1,8 @@
 #include <signal.h>
 
+#include <algorithm>
 #include <filesystem>
+#include <random>
 
 #include "tests/setup/scripted_firmware.h"
 
@@ -239,6 +241,64 @@ TEST_F(ScriptedFirmware, RefusesBadInputAndLives) {
     EXPECT_TRUE(run("state").value("ok", false));
     EXPECT_TRUE(state_["open"]);
   }
+}
+
+class SetupOfACalibratedBoard : public ScriptedFirmware {
+ protected:
+  void SetUp() override {
+    ScriptedFirmware::SetUp();
+    for (const char* name : {"venue.toml", "venue-light.png", "venue-field.png"}) copy(name);
+  }
+};
+
+TEST_F(SetupOfACalibratedBoard, MeasuresTheNoiseOfStandingRobots) {
+  start_program();
+  const hal::Picture still = scene_pictures(arena::SceneKind::kStatic, 1, 3)[0];
+  std::mt19937 random(1);
+  std::normal_distribution<double> noise(0, 3);
+  for (int i = 0; i < 20; ++i) {
+    hal::Picture& picture = camera_.emplace_back(still);
+    for (std::uint8_t& value : picture.rgb8) {
+      value = static_cast<std::uint8_t>(std::clamp(value + noise(random), 0.0, 255.0));
+    }
+  }
+  expect_ok("begin");
+  const std::string before = read("state/draft/venue.toml");
+  expect_ok("confirm", {{"step", "robots"}});
+  expect_ok("robots.noise");
+  EXPECT_EQ(delivered_, 100u);
+  const nlohmann::json robots = state_["steps"]["robots"];
+  EXPECT_TRUE(robots["done"]) << "what was confirmed remains so";
+  ASSERT_EQ(robots["noise"]["objects"].size(), 11u) << robots["noise"];
+  for (const nlohmann::json& one : robots["noise"]["objects"]) {
+    EXPECT_GE(one["sightings"].get<int>(), 95) << one;
+    EXPECT_GT(one["position_mm"].get<double>(), 0.01) << one;
+    EXPECT_LT(one["position_mm"].get<double>(), 0.5) << one;
+    EXPECT_EQ(one["heading_deg"].is_null(), one["name"] == "ball") << one;
+  }
+  EXPECT_TRUE(robots["noise"]["has_ball"]);
+  const std::string written = read("state/draft/venue.toml");
+  EXPECT_NE(written, before);
+  EXPECT_NE(written.find("[noise]"), std::string::npos);
+  EXPECT_EQ(state_["undo"].back(), "noise of standing robots");
+  expect_ok("undo");
+  EXPECT_EQ(read("state/draft/venue.toml"), before);
+  EXPECT_FALSE(state_["steps"]["robots"].contains("noise"));
+}
+
+TEST_F(SetupOfACalibratedBoard, RefusesTheNoiseOfMovingRobots) {
+  start_program();
+  camera_ = {scene_pictures(arena::SceneKind::kStatic, 1, 3)[0], scene_pictures(arena::SceneKind::kStatic, 1, 4)[0]};
+  expect_ok("begin");
+  expect_error("robots.noise", {}, "no robot stands still");
+  EXPECT_EQ(state_["undo"], nlohmann::json::array());
+}
+
+TEST_F(ScriptedFirmware, MeasuresNoNoiseBeforeTheColors) {
+  start_program();
+  expect_ok("begin");
+  expect_error("robots.noise", {}, "camera_model");
+  EXPECT_TRUE(state_["busy"].is_null());
 }
 
 TEST_F(ScriptedFirmware, CancelsWork) {

@@ -53,6 +53,8 @@ struct Job {
   std::size_t frame_count = 0;
   double frame_interval_s = 0;
   bool keeps_frames = false;  // adds them to DraftState::color_frames
+  /// Takes each frame as it comes, instead of JobInput::frames: there is memory for a few only. An error ends the job.
+  std::function<Result<void>(const Frame&)> take_frame;
   std::function<Result<void>(const JobInput&, const JobOutput&)> work;
 };
 

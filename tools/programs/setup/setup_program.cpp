@@ -241,14 +241,20 @@ void SetupProgram::handle_frame(const Message& message) {
     return;
   }
   running_->waits_for_frame = false;
-  running_->frames.push_back(frame.value());
   const Job& job = running_->job;
-  if (running_->frames.size() >= job.frame_count) {
+  ++running_->frame_number;
+  if (!job.take_frame) {
+    running_->frames.push_back(frame.value());
+  } else if (const Result<void> taken = job.take_frame(frame.value()->frame()); !taken.ok()) {
+    end_job(taken.text());
+    return;
+  }
+  if (running_->frame_number >= job.frame_count) {
     begin_work();
   } else if (job.frame_interval_s > 0) {
     running_->next_frame =
         Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(job.frame_interval_s));
-    running_->progress = static_cast<double>(running_->frames.size()) / static_cast<double>(job.frame_count);
+    running_->progress = static_cast<double>(running_->frame_number) / static_cast<double>(job.frame_count);
     send_state();
   } else {
     request_frames();

@@ -33,6 +33,7 @@ struct RunningJob {
   Job job;
   Asker asker;
   std::vector<std::shared_ptr<const calibrate::CameraPicture>> frames;
+  std::size_t frame_number = 0;  // frames that came
   std::chrono::steady_clock::time_point next_frame, give_up;
   bool waits_for_frame = false;
   std::string text;
@@ -110,6 +111,7 @@ class SetupProgram {
   Result<nlohmann::json> camera_quality(const Arguments&);
   Result<nlohmann::json> set(const Arguments&);
   Result<nlohmann::json> robots_set(const Arguments&);
+  Result<nlohmann::json> robots_noise(const Arguments&);
   Result<nlohmann::json> radio_set(const Arguments&);
   Result<nlohmann::json> confirm(const Arguments&);
   Result<nlohmann::json> try_draft(const Arguments&);

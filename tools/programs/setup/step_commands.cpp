@@ -1,9 +1,11 @@
 #include <algorithm>
+#include <memory>
 
 #include "tools/programs/setup/color_step.h"
 #include "tools/programs/setup/field_step.h"
 #include "tools/programs/setup/key_writer.h"
 #include "tools/programs/setup/light_step.h"
+#include "tools/programs/setup/noise_step.h"
 #include "tools/programs/setup/robots_state.h"
 #include "tools/programs/setup/setup_program.h"
 
@@ -19,6 +21,9 @@ constexpr std::size_t kFieldFrames = 4;
 // The noise of one picture does not matter beside the cells' medians; a game needs many pictures.
 constexpr std::size_t kLightFrames = 3, kMovingFrames = 16;
 constexpr double kMovingInterval_s = 0.5;
+// A standard deviation of 100 samples is known to 7 %; in five seconds, slow changes of the light show as well.
+constexpr std::size_t kNoiseFrames = 100;
+constexpr double kNoiseInterval_s = 0.05;
 // Each takes up to 15 MB.
 constexpr std::size_t kMaxColorPictures = 8;
 
@@ -99,6 +104,7 @@ const std::vector<SetupProgram::Command>& SetupProgram::commands() {
       {"colors.remove", &P::colors_remove, true, false},
       {"colors.reset", &P::colors_reset, true, false},
       {"robots.set", &P::robots_set, true, false},
+      {"robots.noise", &P::robots_noise, true, false},
       {"radio.set", &P::radio_set, true, false},
   };
   return all;
@@ -229,6 +235,30 @@ Answer SetupProgram::robots_set(const Arguments& arguments) {
     if (text.ok() && arguments.has(name)) text = replace_team(text.value(), name, arguments[name]);
   }
   return change_text("robots", files.team, std::move(text));
+}
+
+Answer SetupProgram::robots_noise(const Arguments&) {
+  const SetupFiles& files = draft_.now().files;
+  const auto recorder = std::make_shared<calibrate::NoiseRecorder>();
+  TOUCHLINE_TRY(recorder->load(draft_.files_folder() + "/" + files.venue, draft_.files_folder() + "/" + files.team));
+  Job job;
+  job.command = "robots.noise";
+  job.text = "pictures of standing robots are being taken";
+  job.step = "robots";
+  job.undo_name = "noise of standing robots";
+  job.frame_count = kNoiseFrames;
+  job.frame_interval_s = kNoiseInterval_s;
+  job.take_frame = [recorder, number = 0](Frame frame) mutable {
+    // Every picture has a number and a time, which are not those of the camera.
+    ++number;
+    frame.sequence = static_cast<decltype(frame.sequence)>(number);
+    frame.capture_time = Instant(from_seconds(number * kNoiseInterval_s));
+    return recorder->add(frame, "the camera's picture");
+  };
+  job.work = [recorder](const JobInput& input, const JobOutput& output) {
+    return write_noise(*recorder, input, output);
+  };
+  return start(std::move(job));
 }
 
 Answer SetupProgram::radio_set(const Arguments& arguments) {

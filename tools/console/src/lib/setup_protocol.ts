@@ -113,6 +113,22 @@ export interface RobotRef {
   id: number;
 }
 
+/** Standard deviations that the pictures themselves do not show. */
+export interface HiddenNoise {
+  robot_position_mm: number;
+  robot_heading_deg: number;
+  ball_position_mm: number;
+}
+
+/** How much the sightings of what stands still scatter. */
+export interface NoiseMeasure {
+  objects: { name: string; sightings: number; position_mm: number; heading_deg: number | null }[];
+  left_out: string[];
+  has_ball: boolean;
+  hidden: HiddenNoise;
+  before: HiddenNoise;
+}
+
 export interface RobotsStep extends Step {
   layouts: { name: string; robot_side_m?: number; body_turn_rad?: number; patches: LayoutPatch[] }[];
   own: TeamTable;
@@ -120,6 +136,7 @@ export interface RobotsStep extends Step {
   ball?: string;
   problems?: (string | { text: string; robots?: RobotRef[] })[];
   similar?: { a: RobotRef; b: RobotRef; levels: number }[];
+  noise?: NoiseMeasure | null;
 }
 
 export interface RadioStep extends Step {
@@ -158,7 +175,7 @@ type FieldSize = { camera_height_m: number } & ({ preset: string } | { length_m:
 
 /** The page's commands: {type: 'setup', request, ...}. Only the driver's are carried out. The answer comes when the work is done. */
 export type SetupCommand =
-  | { command: 'begin' | 'discard' | 'undo' | 'redo' | 'cancel' | 'colors.picture' | 'colors.reset' }
+  | { command: 'begin' | 'discard' | 'undo' | 'redo' | 'cancel' | 'colors.picture' | 'colors.reset' | 'robots.noise' }
   | { command: 'differences' } // result: Differences
   | { command: 'save'; overwrite?: boolean }
   | { command: 'export' } // result: {name, text}

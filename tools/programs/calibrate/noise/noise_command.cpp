@@ -2,13 +2,10 @@
 
 #include <CLI/CLI.hpp>
 #include <cstdio>
-#include <memory>
 #include <numbers>
 
-#include "core/pipeline.h"
-#include "firmware/config/configuration.h"
 #include "hal/replay/replay_camera.h"
-#include "tools/programs/calibrate/noise/noise_measurement.h"
+#include "tools/programs/calibrate/noise/noise_recorder.h"
 #include "tools/programs/calibrate/venue/confirmation.h"
 #include "tools/programs/calibrate/venue/venue_draft.h"
 #include "tools/programs/command_line/progress.h"
@@ -18,26 +15,17 @@ namespace {
 
 constexpr double kMillimeter = 1e3, kDegree = 180.0 / std::numbers::pi;
 
-// Runs the pipeline on all pictures. The file's noise does not matter, because only sightings are measured.
-Result<void> measure(const std::string& input, config::Configuration& configuration, NoiseMeasurement& out) {
-  const PixelFormat format = hal::replay_format(configuration.venue.colors.space);
-  hal::ReplayCamera camera({input, format, 0.0});
+// Adds all pictures.
+Result<void> record(const std::string& input, NoiseRecorder& recorder) {
+  hal::ReplayCamera camera({input, hal::replay_format(recorder.color_space()), 0.0});
   TOUCHLINE_TRY(camera.open());
   TOUCHLINE_TRY(camera.start());
-  TOUCHLINE_TRY(config::resolve({format, camera.info().width_px, camera.info().height_px, input}, configuration));
-  const auto pipeline = std::make_unique<Pipeline>();
-  if (const Status status = pipeline->configure(configuration.pipeline); !status.ok()) {
-    return failure(status.code(), "%s: the pipeline refuses the values of venue and team file (%s)", input.c_str(),
-                   describe(status.code()));
-  }
-  pipeline->set_observing(true);
   Progress progress("frames", camera.frame_count());
   for (;;) {
     const Result<hal::FrameLease> lease = camera.wait(Instant::max());
     if (lease.code() == ErrorCode::kEndOfStream) return {};
     if (!lease.ok()) return lease.error();
-    out.add(pipeline->step(lease.value().frame()).sightings);
-    pipeline->adapt();
+    TOUCHLINE_TRY(recorder.add(lease.value().frame(), input));
     progress.step();
   }
 }
@@ -69,15 +57,12 @@ void NoiseCommand::add_options(CLI::App& app) {
 }
 
 Result<void> NoiseCommand::run() const {
-  const auto configuration = std::make_unique<config::Configuration>();
-  TOUCHLINE_TRY(config::load_venue_and_team({{}, venue, team, {}}, *configuration));
-  NoiseMeasurement measurement;
-  TOUCHLINE_TRY(measure(input, *configuration, measurement));
-  const std::string &own = configuration->team.own.color, &opponent = configuration->team.opponent.color;
-  Result<NoiseReport> measured = measurement.report({own, opponent});
+  NoiseRecorder recorder;
+  TOUCHLINE_TRY(recorder.load(venue, team));
+  TOUCHLINE_TRY(record(input, recorder));
+  Result<NoiseReport> measured = recorder.report();
   if (!measured.ok()) return prefixed(input, std::move(measured).error());
-  NoiseReport report = std::move(measured).value();
-  if (!report.has_ball) report.entry.ball_position_m = configuration->venue.noise.ball_position_m;
+  const NoiseReport report = std::move(measured).value();
   print(report);
   if (!yes && !confirmed("write this to " + venue + "?")) {
     return failure(ErrorCode::kInconsistent, "not confirmed, nothing was written; --yes writes without asking");

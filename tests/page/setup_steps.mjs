@@ -6,10 +6,16 @@ export async function begin(page) {
   await page.waitForSelector('[data-step]');
 }
 
-/** Presses the big button of a step that is shown, and waits until it is done. */
+/**
+ * Presses the big button of a step that is shown, and waits until it is done. What arrives meanwhile may move the button away from under
+ * the pointer, so a press that nothing follows is repeated.
+ */
 export async function act(page, step) {
-  await page.click(`[data-action="${step}"]:not([disabled])`);
-  await page.waitForSelector(`[data-goto="${step}"].done`);
+  for (let attempt = 1; ; attempt += 1) {
+    await page.click(`[data-action="${step}"]:not([disabled])`);
+    if (await page.waitForSelector(`[data-goto="${step}"].done`, { timeout: 15_000 }).catch(() => null)) break;
+    if (attempt === 4) throw new Error(`the step ${step} is not done: ${await page.textContent(`[data-step="${step}"]`)}`);
+  }
   await page.waitForSelector(`[data-action="${step}"]:not([disabled])`);
 }
 

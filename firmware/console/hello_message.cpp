@@ -214,6 +214,8 @@ void write_hello(JsonWriter& json, const Scene& scene, bool has_setup, std::uint
   write_text(json, "board", configuration.board.name);
   write_text(json, "venue", configuration.venue_where.file());
   write_text(json, "team", configuration.team_where.file());
+  json.key("stop_line");
+  json.boolean(true);
   json.key("you");
   json.integer(you);
   write_number(json, "time_s", now_unix_s, report::kSecondStep);

@@ -89,7 +89,7 @@ Outgoing Hub::status_message(Instant now) {
   const bool is_known = reports_read_ > 0 && now - heard_from_loop_ <= kLoopSilence;
   return text_message([&](auto& json) {
     write_status(json, scene_, feed_, report_, is_known ? std::optional(report_.halt) : std::nullopt, monitor_.status(),
-                 clients_.size(), unix_s(now));
+                 clients(), unix_s(now));
   });
 }
 
@@ -102,9 +102,17 @@ void Hub::announce_driver() {
   setup_.tell_driver(driving_.driver());
 }
 
+std::size_t Hub::count_clients(bool stop_lines) const {
+  return static_cast<std::size_t>(std::count_if(
+      clients_.begin(), clients_.end(), [=](const Client& client) { return client.is_stop_line == stop_lines; }));
+}
+
 Client* Hub::connect(Instant now, ClientProtocol protocol) {
-  if (clients_.size() >= kMaxClients) return nullptr;
-  Client& client = clients_.emplace_back(++last_number_);
+  const bool is_stop_line = protocol == ClientProtocol::kStop;
+  if (count_clients(is_stop_line) >= kMaxClients) return nullptr;
+  Client& client = clients_.emplace_back(is_stop_line ? ++last_stop_line_ : ++last_number_);
+  client.is_stop_line = is_stop_line;
+  if (is_stop_line) return &client;
   if (protocol == ClientProtocol::kFoxglove) {
     client.foxglove = std::make_unique<FoxgloveClient>();
     return &client;
@@ -134,7 +142,10 @@ bool Hub::receive(Client& client, std::string_view text, Instant now) {
   // Without a number of the request, an error is answered too, because nobody would ever know otherwise.
   Answer answer;
   bool is_answered = true;
-  if (message.ok() && message.value().kind == ClientMessage::Kind::kSetup) {
+  if (message.ok() && client.is_stop_line && message.value().kind != ClientMessage::Kind::kStop &&
+      message.value().kind != ClientMessage::Kind::kPing) {
+    answer = {message.value().request.value_or(0), "this connection is for \"stop\" and \"ping\" only"};
+  } else if (message.ok() && message.value().kind == ClientMessage::Kind::kSetup) {
     is_answered = !pass_to_setup(client, text, message.value(), answer);
   } else if (message.ok()) {
     const Result<void> obeyed = obey(client, message.value(), now);
@@ -154,7 +165,7 @@ bool Hub::receive(Client& client, std::string_view text, Instant now) {
 
 Result<void> Hub::obey(Client& client, const ClientMessage& message, Instant now) {
   using Kind = ClientMessage::Kind;
-  const std::string who = "client " + std::to_string(client.number);
+  const std::string who = client.is_stop_line ? "a page" : "client " + std::to_string(client.number);
   switch (message.kind) {
     case Kind::kWatch:
       watch(client, message, now);
@@ -258,6 +269,7 @@ bool Hub::is_state_due(const Client& client, Instant now) const {
 
 bool Hub::has_message(const Client& client, Instant now) const {
   if (client.foxglove != nullptr) return has_foxglove_message(client, now);
+  if (client.is_stop_line) return !client.answers.empty();
   return client.wants_hello || client.wants_driver || client.wants_status || !client.answers.empty() ||
          client.wants_setup_program || client.setup_state != nullptr || !client.parcels.empty() ||
          links_.reports.events.after(client.last_event).has_value() || is_state_due(client, now) ||
@@ -266,7 +278,8 @@ bool Hub::has_message(const Client& client, Instant now) const {
 
 Outgoing Hub::next_message(Client& client, Instant now) {
   if (client.foxglove != nullptr) return next_foxglove_message(client, now);
-  if (std::exchange(client.wants_hello, false)) {
+  if (client.is_stop_line && client.answers.empty()) return {};
+  if (!client.is_stop_line && std::exchange(client.wants_hello, false)) {
     return text_message(
         [&](auto& json) { write_hello(json, scene_, setup_.is_running(), client.number, unix_s(now)); });
   }
@@ -375,7 +388,7 @@ BugReportContent Hub::bug_report_content(std::uint64_t from, Instant now) {
 
 std::string Hub::metrics() {
   feed_.read();
-  return metrics_text(feed_, report_, monitor_.status(), clients_.size(), pictures_.compressed());
+  return metrics_text(feed_, report_, monitor_.status(), clients(), pictures_.compressed());
 }
 
 }  // namespace touchline::console

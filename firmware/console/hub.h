@@ -29,7 +29,7 @@
 
 namespace touchline::console {
 
-// A team at the field, and some who watch.
+// A team at the field, and some who watch. Each may have a second connection for Stop.
 inline constexpr std::size_t kMaxClients = 16;
 
 /// What the printer's thread knows and the console shows.
@@ -75,8 +75,9 @@ void put_little_endian(std::byte*& to, Integer value) {
   for (std::size_t i = 0; i < sizeof(value); ++i) *to++ = static_cast<std::byte>(value >> (8 * i));
 }
 
-/// What a client speaks: our own protocol, with which it may drive, or Foxglove's, with which it looks.
-enum class ClientProtocol : std::uint8_t { kTouchline, kFoxglove };
+/// What a client speaks: our own protocol, with which it may drive; that part of it which stops robots; or Foxglove's,
+/// with which it looks.
+enum class ClientProtocol : std::uint8_t { kTouchline, kStop, kFoxglove };
 
 using network::Print;
 
@@ -144,10 +145,12 @@ class Hub {
   /// picture.
   BugReportContent bug_report_content(std::uint64_t from, Instant now);
 
-  [[nodiscard]] std::size_t clients() const { return clients_.size(); }
+  /// Without connections for Stop.
+  [[nodiscard]] std::size_t clients() const { return count_clients(false); }
   [[nodiscard]] const Driving& driving() const { return driving_; }
 
  private:
+  [[nodiscard]] std::size_t count_clients(bool stop_lines) const;
   Result<void> obey(Client& client, const ClientMessage& message, Instant now);
   void watch(Client& client, const ClientMessage& message, Instant now);
   Result<void> change_adaptation(const Client& client, AdaptationMode wanted);
@@ -222,7 +225,7 @@ class Hub {
   bool is_held_ = false;             // a draft is or was in use, and the saved files are not in use again
   bool is_trying_ = false;           // robots play with the draft
   SetupWish wish_ = SetupWish::kNone;
-  ClientNumber last_number_ = 0;
+  ClientNumber last_number_ = 0, last_stop_line_ = ClientNumber{1} << 31;
   StatusReport report_;  // the newest
   std::uint64_t reports_read_ = 0;
   Instant heard_from_loop_{};  // when it came

@@ -16,7 +16,7 @@ using namespace std::chrono_literals;
 // While somebody watches: a small part of a frame's period. While a driver may fall silent: in time for that.
 constexpr Duration kWatchedPeriod = 8ms, kIdlePeriod = 200ms;
 // Sockets and requests of a page, four streams, and those of libwebsockets itself.
-constexpr unsigned kMaxDescriptors = 56;
+constexpr unsigned kMaxDescriptors = 72;
 // As many requests as connections, so that connections that say nothing keep nobody waiting.
 constexpr unsigned kHttpHeaderBytes = 4096, kHeaderPool = kMaxDescriptors;
 constexpr unsigned kHandshakeTimeS = 5;
@@ -88,9 +88,10 @@ Result<void> WebServer::Implementation::open() {
       return static_cast<Implementation*>(user)->on_socket(connection, reason, in, size);
     });
   };
-  static const std::array<lws_protocols, 5> protocols{
+  static const std::array<lws_protocols, 6> protocols{
       {{"http", kOnHttp, 0, kReceiveBytes, 0, nullptr, 0},
        {kSubprotocol, kOnSocket, 0, kReceiveBytes, 0, nullptr, 0},
+       {kStopSubprotocol, kOnSocket, 0, kReceiveBytes, 0, nullptr, 0},
        {kFoxgloveSubprotocols[0], kOnSocket, 0, kReceiveBytes, 0, nullptr, 0},
        {kFoxgloveSubprotocols[1], kOnSocket, 0, kReceiveBytes, 0, nullptr, 0},
        {nullptr, nullptr, 0, 0, 0, nullptr, 0}}};

@@ -29,8 +29,9 @@ Link link_of(lws* connection) {
 std::size_t frame_header_bytes(std::size_t size) { return size < 126 ? 2 : size < 65536 ? 4 : 10; }
 
 ClientProtocol protocol_of(lws* connection) {
-  return std::string_view(kSubprotocol) == lws_get_protocol(connection)->name ? ClientProtocol::kTouchline
-                                                                              : ClientProtocol::kFoxglove;
+  const std::string_view name = lws_get_protocol(connection)->name;
+  if (name == kStopSubprotocol) return ClientProtocol::kStop;
+  return name == kSubprotocol ? ClientProtocol::kTouchline : ClientProtocol::kFoxglove;
 }
 
 }  // namespace

@@ -71,6 +71,34 @@ TEST_F(WebDriving, AStopOfAnyClientReachesTheNextFrame) {
   EXPECT_TRUE(eventually([&] { return !input().stop; }));
 }
 
+// A second connection on which nothing waits behind states and pictures.
+TEST_F(WebDriving, AStopLineStopsAndDoesNothingElse) {
+  start();
+  SocketPage driver(port()), line(port(), {}, "/ws", "touchline.stop.1");
+  ASSERT_EQ(line.status(), 101);
+  EXPECT_EQ(ask(driver, "take")["ok"], true);
+  EXPECT_EQ(ask(driver, "stop")["ok"], true);
+  for (const auto& [type, members] : std::vector<std::pair<const char*, const char*>>{
+           {"start", ""}, {"take", ""}, {"watch", R"("state_hz":60)"}, {"setup", R"("command":"begin")"}}) {
+    const nlohmann::json answer = ask(line, type, members);
+    EXPECT_EQ(answer["ok"], false) << type;
+    EXPECT_NE(answer["error"].get<std::string>().find("\"stop\" and \"ping\" only"), std::string::npos) << answer;
+  }
+  EXPECT_TRUE(eventually([&] { return input().stop; }));
+  EXPECT_EQ(ask(driver, "start")["ok"], true);
+  EXPECT_TRUE(eventually([&] { return !input().stop; }));
+  // It is told nothing but answers.
+  for (int number = 0; number < 3; ++number) {
+    line.send_text(text_of("ping", "\"request\":" + std::to_string(number)));
+    const nlohmann::json answer = nlohmann::json::parse(line.read().payload);
+    EXPECT_EQ(answer["type"], "answer") << answer;
+    EXPECT_EQ(answer["to"], number);
+  }
+  EXPECT_FALSE(input().stop);
+  EXPECT_EQ(ask(line, "stop")["ok"], true);
+  EXPECT_TRUE(eventually([&] { return input().stop; }));
+}
+
 TEST_F(WebDriving, TheLockIsTakenOverAndEverybodyIsTold) {
   start();
   SocketPage first(port()), second(port());

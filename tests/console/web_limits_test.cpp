@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
+
 #include "tests/console/server_fixture.h"
 
 namespace touchline::console {
@@ -87,6 +89,26 @@ TEST_F(WebLimits, ThereAreSixteenClients) {
   EXPECT_EQ(close_code_of(surplus), 1013);
   pages.pop_back();
   EXPECT_TRUE(eventually([&] { return SocketPage(port()).read().opcode == 1; })) << "a place is free again";
+}
+
+TEST_F(WebLimits, StopLinesTakeNoPlacesOfClientsAndAreAsMany) {
+  start();
+  std::vector<std::unique_ptr<SocketPage>> sockets;
+  const auto open_line = [&] { return std::make_unique<SocketPage>(port(), "", "/ws", "touchline.stop.1"); };
+  for (std::size_t i = 0; i < kMaxClients; ++i) {
+    sockets.push_back(open_line());
+    sockets.back()->send_text(text_of("ping", R"("request":1)"));
+    ASSERT_EQ(sockets.back()->read().opcode, 1) << i;
+  }
+  const std::unique_ptr<SocketPage> surplus = open_line();
+  EXPECT_EQ(close_code_of(*surplus), 1013);
+  for (std::size_t i = 0; i < kMaxClients; ++i) {
+    sockets.push_back(std::make_unique<SocketPage>(port()));
+    ASSERT_EQ(sockets.back()->read().opcode, 1) << i;
+  }
+  const std::optional<std::string> status = sockets.back()->read_type("status");
+  ASSERT_TRUE(status.has_value());
+  EXPECT_EQ(nlohmann::json::parse(*status)["clients"], kMaxClients);
 }
 
 TEST_F(WebLimits, AClientThatNeverReadsIsDroppedAndOthersNoticeNothing) {

@@ -4,7 +4,7 @@ export interface HaltText {
 }
 
 const HALT_TEXTS: Record<string, HaltText> = {
-  console: { reason: 'Stop was pressed', remedy: 'The driver can press Start.' },
+  console: { reason: 'Stop was pressed, or the page with control has gone', remedy: 'The driver can press Start.' },
   no_frames: { reason: 'no picture from the camera', remedy: 'Check the camera and its cable. Robots move again with the first good picture.' },
   emergency: { reason: 'the emergency stop is pulled', remedy: 'Release the switch at the board. This page cannot release it.' },
   unreadable_line: { reason: 'the emergency stop cannot be read', remedy: 'Check the wire of the emergency stop and the GPIO lines of the board file.' },

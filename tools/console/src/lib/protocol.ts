@@ -52,6 +52,7 @@ export interface Hello {
   venue: string;
   team: string;
   you: number;
+  stop_line?: boolean; // the server takes a second connection for Stop
   time_s?: number;
   field: Field;
   camera: { width_px: number; height_px: number; rate_hz: number; description: string };

@@ -91,6 +91,9 @@ class Session {
   private wanted: Extract<ClientMessage, { type: 'watch' }> = { type: 'watch', picture: null, state_hz: 15, setup: false };
   private bootVersion: string | null = null;
   private readonly connection: Connection;
+  /** For Stop alone: when a link loses packets, what waits to be sent again on one connection does not delay the other. */
+  private readonly stopLine: Connection;
+  private hasStopLine = false;
 
   constructor() {
     const url = new URL('ws', location.href);
@@ -104,6 +107,12 @@ class Session {
       valueGrid: ({ name, number, grid }) => this.keepFindings(number, name === 'classes' ? { classes: paintClasses(grid, this.hello?.classes.map(({ rgb }) => rgb) ?? []), classesGrid: grid } : { light: paintLight(grid), lightGrid: grid }),
       setupPicture: (received) => void this.setup.receivePicture(received),
     });
+    const ignore = () => {};
+    this.stopLine = new Connection(
+      url.href,
+      { opened: ignore, lost: ignore, message: ignore, picture: ignore, valueGrid: ignore, setupPicture: ignore },
+      (address) => new WebSocket(address, 'touchline.stop.1'),
+    );
   }
 
   start(): void {
@@ -111,6 +120,8 @@ class Session {
     setInterval(() => (this.now_ms = performance.now()), 200);
     // Robots stop when the driver is silent for a second.
     setInterval(() => this.driver.you && this.connection.tell({ type: 'ping' }), 300);
+    // The answer shows that the line is alive.
+    setInterval(() => this.stopLine.send({ type: 'ping' }), 1000);
     addEventListener('online', () => this.phase !== 'open' && this.connection.open());
     document.addEventListener('visibilitychange', () => {
       if (!document.hidden && this.phase === 'lost') this.connection.open();
@@ -153,6 +164,7 @@ class Session {
   requestStop(): void {
     const request = new StopRequest(this.state?.number ?? -1, performance.now());
     request.passed(this.connection.send({ type: 'stop' }));
+    this.stopLine.tell({ type: 'stop' });
     this.stop = { request };
   }
 
@@ -294,6 +306,9 @@ class Session {
     this.serverProtocol = null;
     if (this.bootVersion !== null && this.bootVersion !== hello.version) this.newVersion = hello.version;
     this.bootVersion ??= hello.version;
+    if (hello.stop_line && !this.hasStopLine) this.stopLine.open();
+    if (!hello.stop_line && this.hasStopLine) this.stopLine.close();
+    this.hasStopLine = hello.stop_line ?? false;
     if (this.phase === 'lost') {
       const gap_s = (performance.now() - this.lost_ms) / 1000;
       this.returned = `The connection is back after ${gap_s < 1 ? 'less than a second' : `${Math.round(gap_s)} s`}.${this.lostControl ? ' The robots were stopped, because this page had control. Take control again to start them.' : ''}`;

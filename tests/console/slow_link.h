@@ -9,8 +9,7 @@
 namespace touchline::console {
 
 /// A slow link in front of a server on this computer: what a client sends to port() arrives `delay` later, and so does
-/// what the server sends, of which `bytes_per_s` pass. For one client. The kernel here cannot delay packets (netem), so
-/// losses are not simulated; for programs they are delays.
+/// what the server sends, of which `bytes_per_s` pass. For one client. Nothing is lost; LossyLink does that.
 class SlowLink {
  public:
   SlowLink(std::uint16_t server, double bytes_per_s, Duration delay);

@@ -10,9 +10,11 @@
 namespace touchline::console {
 namespace {
 
-std::string request_text(std::string_view method, std::string_view path, std::string_view headers, std::uint16_t port) {
+std::string request_text(std::string_view method, std::string_view path, std::string_view headers,
+                         ServerAddress server) {
   std::string text = std::string(method) + " " + std::string(path) + " HTTP/1.1\r\n";
-  if (headers.find("Host:") == std::string_view::npos) text += "Host: 127.0.0.1:" + std::to_string(port) + "\r\n";
+  if (headers.find("Host:") == std::string_view::npos)
+    text += "Host: " + std::string(server.host) + ":" + std::to_string(server.port) + "\r\n";
   return text + std::string(headers);
 }
 
@@ -23,13 +25,13 @@ int status_of(const std::string& head) {
 
 }  // namespace
 
-SocketClient::SocketClient(std::uint16_t port) : socket_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
+SocketClient::SocketClient(ServerAddress server) : socket_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
   const timeval limit{30, 0};
   ::setsockopt(socket_, SOL_SOCKET, SO_RCVTIMEO, &limit, sizeof(limit));
   sockaddr_in address{};
   address.sin_family = AF_INET;
-  address.sin_port = htons(port);
-  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  address.sin_port = htons(server.port);
+  ::inet_pton(AF_INET, server.host, &address.sin_addr);
   EXPECT_EQ(::connect(socket_, reinterpret_cast<const sockaddr*>(&address), sizeof(address)), 0);
 }
 
@@ -75,9 +77,9 @@ std::string SocketClient::read(std::size_t size) {
   return bytes;
 }
 
-HttpAnswer get(std::uint16_t port, std::string_view path, std::string_view headers, std::string_view method) {
-  SocketClient client(port);
-  client.send(request_text(method, path, headers, port) + "Connection: close\r\n\r\n");
+HttpAnswer get(ServerAddress server, std::string_view path, std::string_view headers, std::string_view method) {
+  SocketClient client(server);
+  client.send(request_text(method, path, headers, server) + "Connection: close\r\n\r\n");
   HttpAnswer answer;
   answer.head = client.read_until("\r\n\r\n");
   answer.status = status_of(answer.head);
@@ -90,10 +92,10 @@ int SocketMessage::close_code() const {
   return static_cast<unsigned char>(payload[0]) << 8 | static_cast<unsigned char>(payload[1]);
 }
 
-SocketPage::SocketPage(std::uint16_t port, std::string_view headers, std::string_view path,
+SocketPage::SocketPage(ServerAddress server, std::string_view headers, std::string_view path,
                        std::string_view subprotocol)
-    : client_(port) {
-  std::string text = request_text("GET", path, headers, port) +
+    : client_(server) {
+  std::string text = request_text("GET", path, headers, server) +
                      "Connection: Upgrade\r\nUpgrade: websocket\r\nSec-WebSocket-Version: 13\r\n"
                      "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n";
   if (!subprotocol.empty()) text += "Sec-WebSocket-Protocol: " + std::string(subprotocol) + "\r\n";

@@ -7,11 +7,19 @@
 
 namespace touchline::console {
 
+/// Of a server; on this computer unless it is said.
+struct ServerAddress {
+  ServerAddress(std::uint16_t port_, const char* host_ = "127.0.0.1")  // NOLINT(google-explicit-constructor)
+      : port(port_), host(host_) {}
+  std::uint16_t port;
+  const char* host;  // in numbers
+};
+
 /// A client that shares no code with the server: HTTP/1.1 and WebSocket (RFC 6455) on a blocking socket. A wait ends
 /// after half a minute, which no working test reaches.
 class SocketClient {
  public:
-  explicit SocketClient(std::uint16_t port);
+  explicit SocketClient(ServerAddress server);
   ~SocketClient();
   SocketClient(const SocketClient&) = delete;
   SocketClient& operator=(const SocketClient&) = delete;
@@ -36,7 +44,7 @@ struct HttpAnswer {
   std::string head, body;
 };
 /// `headers`: further lines, each with its line end; a Host line replaces the usual one.
-HttpAnswer get(std::uint16_t port, std::string_view path, std::string_view headers = {},
+HttpAnswer get(ServerAddress server, std::string_view path, std::string_view headers = {},
                std::string_view method = "GET");
 
 /// A frame of the protocol.
@@ -51,7 +59,7 @@ struct SocketMessage {
 class SocketPage {
  public:
   /// Opens the WebSocket. `headers` as for get().
-  explicit SocketPage(std::uint16_t port, std::string_view headers = {}, std::string_view path = "/ws",
+  explicit SocketPage(ServerAddress server, std::string_view headers = {}, std::string_view path = "/ws",
                       std::string_view subprotocol = "touchline.1");
   /// Of the handshake; 101: the WebSocket is open.
   [[nodiscard]] int status() const { return status_; }

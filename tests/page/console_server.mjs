@@ -11,8 +11,8 @@ const children = new Set();
 process.on('exit', () => children.forEach((child) => child.kill('SIGKILL')));
 for (const signal of ['SIGINT', 'SIGTERM', 'SIGHUP']) process.on(signal, () => process.exit(1));
 
-/** Returns {found, output(), end()}; `found` is what `ready` matches in the program's output. Fails with the program's output if it ends before. */
-async function start(command, options, ready) {
+/** Returns {found, output(), end()}; `found` is what `ready` matches in the program's output. `each` gets its lines. Fails with the program's output if it ends before. */
+export async function start(command, options, ready, each = () => {}) {
   const child = spawn(command, options, { stdio: ['ignore', 'pipe', 'pipe'] });
   children.add(child);
   child.on('exit', () => children.delete(child));
@@ -21,6 +21,7 @@ async function start(command, options, ready) {
     for (const stream of [child.stdout, child.stderr]) {
       createInterface(stream).on('line', (line) => {
         lines.push(line);
+        each(line);
         const match = ready.exec(line);
         if (match) resolve(match[0]);
       });

@@ -120,8 +120,11 @@ class Checker {
       const std::string name = sighting.id == kUnknownId
                                    ? std::string(sighting.team == Team::kOwn ? "own ?" : "opponent ?")
                                    : name_of(sighting.team, sighting.id);
-      replay::draw_text(*context, static_cast<double>(at.u_px) + 12, static_cast<double>(at.v_px) - 12, name, color,
-                        12);
+      constexpr double kBeside_px = 12, kTextSize = 12, kAbove_px = 12;
+      // At the picture's right and upper border the name stays inside.
+      const double right_px = frame.width_px - replay::text_width(*context, name, kTextSize) - 2;
+      replay::draw_text(*context, std::min(static_cast<double>(at.u_px) + kBeside_px, right_px),
+                        std::max(static_cast<double>(at.v_px) - kAbove_px, kTextSize), name, color, kTextSize);
     }
     if (sightings.ball.seen) {
       cairo_arc(context.get(), static_cast<double>(sightings.ball.center.u_px) + 0.5,

@@ -34,8 +34,8 @@ export const show = async (page, name) => {
 export const waitForLink = (page, word) => page.waitForSelector(`[data-link="${word}"]`);
 
 /** Until the header shows, or no longer shows, the halt, by a state that is not old. */
-export const waitForHalt = (page, halted) =>
-  page.waitForFunction((wanted) => document.querySelector('[data-link="Connected"]') && document.querySelector('[data-halt]').dataset.halt.split(' ').includes('console') === wanted, halted);
+export const waitForHalt = (page, halted, timeout = PATIENCE_MS) =>
+  page.waitForFunction((wanted) => document.querySelector('[data-link="Connected"]') && document.querySelector('[data-halt]').dataset.halt.split(' ').includes('console') === wanted, halted, { timeout });
 
 export const waitForPicture = (page) => page.waitForFunction(() => document.querySelector('canvas[data-picture]')?.dataset.picture);
 

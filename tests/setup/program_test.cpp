@@ -169,6 +169,7 @@ TEST_F(ScriptedFirmware, SetsKeysAsStepsOfUndo) {
   // Both teams are yellow now.
   EXPECT_FALSE(state_["steps"]["robots"]["problems"].empty());
   EXPECT_FALSE(state_["steps"]["robots"]["done"]);
+  expect_error("confirm", {{"step", "robots"}}, "yellow");
   expect_ok("undo");
   EXPECT_EQ(state_["steps"]["robots"]["problems"], nlohmann::json::array());
   expect_ok("confirm", {{"step", "camera"}});
@@ -250,6 +251,27 @@ class SetupOfACalibratedBoard : public ScriptedFirmware {
     for (const char* name : {"venue.toml", "venue-light.png", "venue-field.png"}) copy(name);
   }
 };
+
+// A tick says that a person has compared and driven: not that the colors of the files differ.
+TEST_F(SetupOfACalibratedBoard, TicksRobotsAndRadioOnlyWhenAPersonHasConfirmedThem) {
+  const auto level = [&](const char* step) { return state_["steps"][step]["quality"]["level"]; };
+  start_program();
+  expect_ok("begin");
+  EXPECT_EQ(level("robots"), "none") << state_["steps"]["robots"]["quality"];
+  EXPECT_EQ(level("radio"), "none");
+  expect_ok("confirm", {{"step", "robots"}});
+  expect_ok("confirm", {{"step", "radio"}});
+  EXPECT_EQ(level("robots"), "ok");
+  EXPECT_EQ(level("radio"), "ok");
+  // What is changed afterwards was not confirmed; the other step remains so.
+  expect_ok("set", {{"key", "radio.baud"}, {"value", 38400}});
+  EXPECT_EQ(level("radio"), "none");
+  EXPECT_EQ(level("robots"), "ok");
+  expect_ok("robots.set", {{"own", {{"robots", {{{"id", 3}, {"colors", {"red"}}}}}}}});
+  EXPECT_EQ(level("robots"), "none");
+  expect_ok("undo");
+  EXPECT_EQ(level("robots"), "ok") << "undone with the change";
+}
 
 TEST_F(SetupOfACalibratedBoard, MeasuresTheNoiseOfStandingRobots) {
   start_program();

@@ -58,6 +58,8 @@ test('every halt has words, also one that this page does not know', () => {
   assert.equal(haltReasons(['emergency', 'no_frames']), 'the emergency stop is pulled, no picture from the camera');
   assert.equal(haltText('toString').reason, 'toString');
   assert.equal(haltText('meteor').reason, 'meteor');
+  assert.equal(haltReasons(['setup', 'console'], true).split(',')[0], 'the board is not set up yet');
+  assert.equal(haltReasons(['setup']), 'the board is being set up');
 });
 
 test('opposite keys cancel each other, and the pad has a dead zone', () => {

@@ -2,6 +2,7 @@
 #include <filesystem>
 
 #include "tools/programs/setup/page_state.h"
+#include "tools/programs/setup/robots_state.h"
 #include "tools/programs/setup/saving.h"
 #include "tools/programs/setup/setup_archive.h"
 #include "tools/programs/setup/setup_program.h"
@@ -181,6 +182,12 @@ Answer SetupProgram::confirm(const Arguments& arguments) {
     return Error{ErrorCode::kInconsistent, "\"step\" must be camera, robots or radio"};
   }
   DraftState next = draft_.now();
+  if (step == "robots") {
+    const nlohmann::json robots = robots_state(draft_.files_folder() + "/" + next.files.team, {});
+    if (!robots["problems"].empty()) {
+      return failure(ErrorCode::kInconsistent, "%s", robots["problems"][0].get_ref<const std::string&>().c_str());
+    }
+  }
   next.name = step + " confirmed";
   next.measured[step]["done"] = true;
   Answer changed = change(std::move(next));
@@ -195,6 +202,11 @@ Answer SetupProgram::change_text(const std::string& step, const std::string& fil
   DraftState next = draft_.now();
   next.name = step;
   next.files.content[file] = std::make_shared<const std::string>(std::move(text).value());
+  // What a person has confirmed was another text.
+  for (const char* confirmed : {"robots", "radio"}) {
+    const auto measured = next.measured.find(confirmed);
+    if (measured != next.measured.end() && step.starts_with(confirmed)) measured->erase("done");
+  }
   TOUCHLINE_TRY_ASSIGN(next.files, setup_of(next.files.board, next.files.content));
   const std::string check = options_.folder + "/check";
   TOUCHLINE_TRY(write_folder(next.files, check));

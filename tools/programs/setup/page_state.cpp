@@ -14,13 +14,18 @@
 namespace touchline::setup {
 namespace {
 
+bool is_confirmed(const DraftState& draft, const char* step) {
+  const auto measured = draft.measured.find(step);
+  return measured != draft.measured.end() && measured->value("done", false);
+}
+
 // Adds what follows from the files to what was measured.
 nlohmann::json with_measured(const DraftState& draft, const char* step, nlohmann::json values) {
   const auto measured = draft.measured.find(step);
   if (measured != draft.measured.end()) values.update(*measured);
   if (!values.contains("quality")) {
-    const bool is_checked = measured != draft.measured.end() && measured->value("done", false);
-    values["quality"] = is_checked ? quality("ok", "checked") : quality("none", "not measured in this draft");
+    values["quality"] =
+        is_confirmed(draft, step) ? quality("ok", "checked") : quality("none", "not measured in this draft");
   }
   if (!values.contains("notes")) values["notes"] = nlohmann::json::array();
   return values;
@@ -96,6 +101,10 @@ nlohmann::json steps_of(const DraftState& draft, const std::string& folder) {
       with_measured(draft, "light", {{"done", !venue.file.light.map.empty()}, {"surface", venue.file.light.surface}});
   steps["colors"] = with_measured(draft, "colors", color_values(venue, team));
   steps["robots"] = with_measured(draft, "robots", robots_state(path(draft.files.team), venue));
+  // Only a person can compare the drawings with the robots: before, colors that differ are no reason for a tick.
+  if (steps["robots"]["quality"]["level"] == "ok" && !is_confirmed(draft, "robots")) {
+    steps["robots"]["quality"] = quality("none", "the colors can be told apart; not compared with the robots yet");
+  }
   steps["radio"] = with_measured(draft, "radio", radio_values(configuration->board));
   return steps;
 }

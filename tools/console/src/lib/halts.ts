@@ -16,12 +16,16 @@ const HALT_TEXTS: Record<string, HaltText> = {
   silence: { reason: 'no message from the referee', remedy: 'Check the network to the referee\'s computer.' },
 };
 
-/** What a halt means and what to do; a word that this page does not know is shown as it is. */
-export function haltText(word: string): HaltText {
+// `setup` with the saved files: nobody has begun to set up, but the robots cannot be recognized.
+const NOT_CALIBRATED: HaltText = { reason: 'the board is not set up yet', remedy: 'Start on the page Set up.' };
+
+/** What a halt means and what to do; a word that this page does not know is shown as it is. `isBare`: the saved files are not calibrated. */
+export function haltText(word: string, isBare = false): HaltText {
+  if (isBare && word === 'setup') return NOT_CALIBRATED;
   return Object.hasOwn(HALT_TEXTS, word) ? HALT_TEXTS[word]! : { reason: word, remedy: '' };
 }
 
 /** "the emergency stop is pulled, no picture from the camera" */
-export function haltReasons(halt: readonly string[]): string {
-  return halt.map((word) => haltText(word).reason).join(', ');
+export function haltReasons(halt: readonly string[], isBare = false): string {
+  return halt.map((word) => haltText(word, isBare).reason).join(', ');
 }

@@ -65,6 +65,7 @@ export interface Hello {
   stop_after_s: number;
   max_speed_mps?: number; // of own robots
   max_turn_radps?: number;
+  using?: 'saved' | 'draft'; // the files
   calibrated?: boolean; // false: camera, console and stop packets only
   setup?: boolean; // the program touchline-setup runs beside the firmware
 }

@@ -75,6 +75,8 @@ class Session {
     if (this.state && !this.stale) return this.state.halt;
     return (this.phase === 'open' && this.now_ms - this.lastStatus_ms <= STATUS_HALT_MS && this.status?.halt) || null;
   });
+  /** The saved files are not calibrated: nothing can be recognized until somebody sets the board up. */
+  isBare = $derived(this.hello?.calibrated === false && this.hello.using !== 'draft');
   pixelMap = $derived(this.hello?.projection ? new PixelMap(this.hello.projection) : null);
 
   readonly setup = new Setup((command) => this.connection.send(command));

@@ -1,6 +1,7 @@
 #include "firmware/console/jpeg_encoder.h"
 
 #include <gtest/gtest.h>
+#include <malloc.h>
 #include <cstdio>
 
 // Included after <cstdio>, because libjpeg's header needs FILE.
@@ -88,6 +89,24 @@ TEST_P(JpegEncoderTest, ABufferThatIsTooSmallIsAnErrorAndTheNextPictureIsFine) {
   EXPECT_TRUE(encoder.encode(picture.frame(), 1, 90, large).ok());
   const touchline::testing::OwnedPicture tiny = smooth_picture(GetParam(), 6, 6);
   EXPECT_EQ(encoder.encode(tiny.frame(), 8, 90, large).code(), ErrorCode::kOutOfRange);
+}
+
+// A console runs for days: what the library takes for a picture it gives back, after errors, too.
+TEST_P(JpegEncoderTest, MemoryDoesNotGrowWithTheNumberOfPictures) {
+  JpegEncoder encoder;
+  std::vector<std::byte> small(500), out(1 << 20);
+  const touchline::testing::OwnedPicture picture = smooth_picture(GetParam(), 320, 240);
+  const auto encode_in_all_sizes = [&] {
+    for (const int divisor : {1, 2, 4, 8}) {
+      for (const int quality : {30, 80}) EXPECT_TRUE(encoder.encode(picture.frame(), divisor, quality, out).ok());
+    }
+    EXPECT_FALSE(encoder.encode(picture.frame(), 1, 80, small).ok());
+  };
+  encode_in_all_sizes();
+  const std::size_t before = ::mallinfo2().uordblks;
+  for (int i = 0; i < 20; ++i) encode_in_all_sizes();
+  // Other threads of a test program may allocate a little.
+  EXPECT_LT(::mallinfo2().uordblks, before + 4096);
 }
 
 INSTANTIATE_TEST_SUITE_P(Formats, JpegEncoderTest, ::testing::ValuesIn(touchline::testing::kAllFormats),

@@ -11,7 +11,7 @@ const children = new Set();
 process.on('exit', () => children.forEach((child) => child.kill('SIGKILL')));
 for (const signal of ['SIGINT', 'SIGTERM', 'SIGHUP']) process.on(signal, () => process.exit(1));
 
-/** Returns {found, output(), end()}; `found` is what `ready` matches in the program's output. `each` gets its lines. Fails with the program's output if it ends before. */
+/** Returns {found, pid, output(), end()}; `found` is what `ready` matches in the program's output. `each` gets its lines. Fails with the program's output if it ends before. */
 export async function start(command, options, ready, each = () => {}) {
   const child = spawn(command, options, { stdio: ['ignore', 'pipe', 'pipe'] });
   children.add(child);
@@ -35,13 +35,13 @@ export async function start(command, options, ready, each = () => {}) {
     child.kill(signal);
     await ended;
   };
-  return { found, output: () => lines.join('\n'), end };
+  return { found, pid: child.pid, output: () => lines.join('\n'), end };
 }
 
-/** Returns {url, port, output(), end()}. `port` 0 of a server's options: any. */
+/** Returns {url, port, pid, output(), end()}. `port` 0 of a server's options: any. */
 async function startServer(command, options) {
-  const { found, output, end } = await start(command, options, /http:\/\/127\.0\.0\.1:\d+/);
-  return { url: `${found}/`, port: Number(new URL(found).port), output, end };
+  const { found, pid, output, end } = await start(command, options, /http:\/\/127\.0\.0\.1:\d+/);
+  return { url: `${found}/`, port: Number(new URL(found).port), pid, output, end };
 }
 
 export const startProgram = (program, board, port = 0, options = []) =>

@@ -4,6 +4,7 @@ import { execFileSync } from 'node:child_process';
 import { mkdtemp, readFile, readdir, rm } from 'node:fs/promises';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
+import { gzipSync } from 'node:zlib';
 import { after, before, test } from 'node:test';
 import { PAGES, axe, hold, launch, open, show, waitForHalt, waitForLink, waitForPicture } from './browser.mjs';
 import { startProgram } from './console_server.mjs';
@@ -49,6 +50,58 @@ test('the picture appears, and the overlay belongs to it', async () => {
     return data.reduce((most, value, i) => (i % 4 === 3 ? most : Math.max(most, value)), 0);
   });
   assert.ok(brightest > 100, `brightest channel: ${brightest}`);
+  assert.deepEqual(problems, []);
+  await close();
+});
+
+test('the page has at most 300 kB, compressed', async () => {
+  const dist = new URL('../../tools/console/dist/', import.meta.url);
+  const assets = (await readdir(new URL('assets/', dist))).map((name) => `assets/${name}`);
+  const sizes = await Promise.all(['index.html', 'favicon.svg', ...assets].map(async (name) => gzipSync(await readFile(new URL(name, dist))).length));
+  const total = sizes.reduce((sum, size) => sum + size, 0);
+  console.log(`the page: ${total} bytes compressed`);
+  assert.ok(assets.length >= 2 && total <= 300_000, String(total));
+});
+
+test('the first picture is there within a second', async () => {
+  // Of several attempts, because the machine may be busy.
+  const times = [];
+  do {
+    const begin = performance.now();
+    const { page, close } = await open(browser, server.url);
+    await waitForPicture(page);
+    times.push(Math.round(performance.now() - begin));
+    await close();
+  } while (times.at(-1) > 1000 && times.length < 20);
+  console.log(`first picture after ${times.join(', ')} ms`);
+  assert.ok(times.at(-1) <= 1000, `${times}`);
+});
+
+test('by touch: a tap shows a pixel, two fingers zoom, and Stop stops', async () => {
+  const driver = await open(browser, server.url);
+  await takeControl(driver.page);
+  if (await driver.page.locator('[data-start]:not([disabled])').count()) await start(driver.page);
+  await driver.page.click('button:text-is("Give up control")');
+  await driver.close();
+  const { page, problems, close } = await open(browser, server.url, { viewport: { width: 360, height: 740 }, hasTouch: true, isMobile: true });
+  await waitForPicture(page);
+  const box = await page.locator('canvas[data-picture]').boundingBox();
+  const [x, y] = [box.x + box.width / 2, box.y + box.height / 2];
+  await page.touchscreen.tap(x, y);
+  await page.waitForFunction(() => document.querySelector('[data-pixel]').textContent !== '–');
+  const fingers = await page.context().newCDPSession(page);
+  const touch = (type, apart) => fingers.send('Input.dispatchTouchEvent', { type, touchPoints: apart ? [{ x: x - apart, y, id: 0 }, { x: x + apart, y, id: 1 }] : [] });
+  await touch('touchStart', 20);
+  for (const apart of [30, 45, 60, 80]) await touch('touchMove', apart);
+  await touch('touchEnd', 0);
+  await page.waitForFunction(() => Number(document.querySelector('canvas[data-picture]').dataset.zoom) > 2);
+  await waitForHalt(page, false);
+  await page.tap('header [data-stop]');
+  await page.waitForSelector('header [data-stop="confirmed"]');
+  await waitForHalt(page, true);
+  await takeControl(page);
+  await start(page);
+  await page.click('button:text-is("Give up control")');
   assert.deepEqual(problems, []);
   await close();
 });

@@ -51,10 +51,6 @@ export function drawFieldMap(
     const own = track.team === 'own';
     if (own) drawCommand(context, track, state, hello, at, unit);
     drawRobot(context, track, cssColor(rgbOf(track.team, track.id), own ? '#4a8cff' : '#ffd23f'), own && track.id === selected);
-    const role = own && track.id !== null ? roles.get(track.id) : undefined;
-    const [x, y] = at(track.x_m, track.y_m);
-    const half = (sizeOf(hello, track) / 2) * scale;
-    if (role === 'goalkeeper' || role === 'attacker') label(role, x, y + half * 1.4 + 9 * unit, 11.5);
   }
   const ball = state.ball_track;
   if (ball) {
@@ -69,6 +65,13 @@ export function drawFieldMap(
     context.stroke();
     context.globalAlpha = 1;
   }
+  // Over everything, so that a robot nearby hides no name.
+  for (const track of state.tracks) {
+    const role = track.team === 'own' && track.id !== null ? roles.get(track.id) : undefined;
+    const [x, y] = at(track.x_m, track.y_m);
+    const half = (sizeOf(hello, track) / 2) * scale;
+    if (role === 'goalkeeper' || role === 'attacker') label(role, x, y + half * 1.4 + 9 * unit, 11.5);
+  }
 
   function label(text: string, x: number, y: number, size: number): void {
     context.font = `600 ${size * unit}px system-ui, sans-serif`;
@@ -76,9 +79,12 @@ export function drawFieldMap(
     context.textBaseline = 'middle';
     context.lineWidth = 3 * unit;
     context.strokeStyle = colors.field;
-    context.strokeText(text, x, y);
+    // At the border of a small field the name stays inside.
+    const margin = context.measureText(text).width / 2 + 2 * unit;
+    const inside = Math.max(margin, Math.min(width - margin, x));
+    context.strokeText(text, inside, y);
     context.fillStyle = colors.text;
-    context.fillText(text, x, y);
+    context.fillText(text, inside, y);
   }
 
   function drawRobot(target: CanvasRenderingContext2D, track: RobotTrack, color: string, isSelected: boolean): void {

@@ -191,7 +191,7 @@ class Solver {
       const std::size_t r = robot(*m, cut, color_of);
       const bool explained = r != kNone && seen.insert({m->picture, m->team, r}).second;
       cost += explained ? -kExplained : kStranger;
-      if (explained) out.named.push_back({m->picture, m->team, r, m->patches[0]});
+      if (explained) out.named.push_back({m->picture, m->team, r, m->patches[0], m->patches});
       ++(explained ? out.robots : out.unknown_robots);
     }
     return cost;

@@ -19,6 +19,8 @@ namespace {
 
 // Greatest elongation of a ball. Shadow and motion elongate a ball; the end of a line is longer.
 constexpr double kBallElongation = 1.6;
+// Greatest dissimilarity of a patch to a color in other light.
+constexpr double kSimilar = 25.0;
 
 std::vector<PatchSize> sizes_of(const MarkerParameters& marker) {
   std::vector<PatchSize> sizes;
@@ -190,6 +192,23 @@ void assign_with_clicks(const std::vector<Click>& clicks, const std::vector<Mark
   }
 }
 
+// A patch that was not recognized may be one of a robot in other light: it is no background for a color like its own.
+// White dots and crosses are background.
+void leave_out_similar(DetectedColors& out) {
+  for (std::size_t p = 0; p < out.input.patches.size(); ++p) {
+    const FoundPatch& patch = out.input.patches[p];
+    bool similar = false;
+    for (std::size_t c = 0; c < out.input.colors.size(); ++c) {
+      const AssignedColor& color = out.assignment.colors[c];
+      similar = similar || (!color.patches.empty() && is_plausible(out.input.colors[c].look, patch.rgb) &&
+                            dissimilarity(patch.lab, lab_of(color.rgb)) < kSimilar);
+    }
+    if (!similar) continue;
+    std::vector<std::size_t>& unclear = out.unclear[out.images[out.input.picture[p]]];
+    unclear.insert(unclear.end(), patch.pixels.begin(), patch.pixels.end());
+  }
+}
+
 }  // namespace
 
 Result<DetectedColors> auto_detect_colors(const VenueDraft& venue, const TeamColors& team,
@@ -291,6 +310,7 @@ Result<DetectedColors> auto_detect_colors(const VenueDraft& venue, const TeamCol
   infer_robots(input, camera, sampled, out.assignment);
   infer_ball(input, camera, size_of(team.marker.ball), sampled, out.assignment);
   out.doubts = detection_doubts(input, out.assignment, out.images);
+  leave_out_similar(out);
   for (std::size_t c = 0; c < input.colors.size(); ++c) {
     const AssignedColor& color = out.assignment.colors[c];
     for (const auto* patches : {&color.patches, &color.others}) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <complex>
 #include <numbers>
 
 namespace touchline::calibrate {
@@ -11,6 +12,9 @@ namespace {
 constexpr double kBallPaint = 14.0, kMostUnlikeBall = 50.0;
 // Least part of the ball's disk that must look like it, and greatest elongation of that part.
 constexpr double kLeastPart = 0.18, kMostElongated = 1.7;
+// Part of the disk that usually looks like the ball, the cost if nothing does, and the cost if everything in a ring
+// around the ball (in radii) differs from the floor.
+constexpr double kUsualPart = 0.5, kUncovered = 4.0, kRingBegin = 1.4, kRingEnd = 2.0, kSurrounded = 8.0;
 // Radius of the search around a candidate, which may be only the rim of one side, in radii of the ball.
 constexpr double kSearchRadius = 1.5;
 // Relative areas of the candidates: part of the ball, or the ball with a line.
@@ -28,6 +32,17 @@ class BallInference {
     expected_ = lab_of(rgb);
   }
 
+  // A patch of a robot is no ball, unless a person has clicked on it.
+  void remove_from_robots() {
+    AssignedColor& color = assignment_.colors[ball_];
+    std::vector<std::size_t> kept;
+    for (const std::size_t p : color.patches) {
+      const bool on_robot = input_.named[p] != ball_ && is_on_robot(input_.picture[p], p);
+      (on_robot ? color.others : kept).push_back(p);
+    }
+    color.patches = std::move(kept);
+  }
+
   void search(const SearchedPicture& picture) {
     std::vector<std::pair<double, FoundPatch>> found;
     const std::size_t count = input_.patches.size();
@@ -36,10 +51,11 @@ class BallInference {
       if (input_.picture[p] != picture.number || candidate.sampled || is_on_robot(picture.number, p)) continue;
       const double relative = relative_area(candidate, camera_, size_);
       if (relative < kLeastRelative || relative > kMostRelative) continue;
-      FoundPatch patch = like_ball(candidate, picture.picture.image);
+      FoundPatch patch = like_ball(candidate, picture.picture);
       if (patch.pixels.empty()) continue;
       const double d = dissimilarity(patch.lab, expected_) / kBallPaint;
-      found.emplace_back(d * d / 2, std::move(patch));
+      const double cost = d * d / 2 + shape_cost(patch, candidate, picture);
+      found.emplace_back(cost, std::move(patch));
     }
     if (found.empty()) return;
     std::sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
@@ -62,19 +78,27 @@ class BallInference {
   }
 
  private:
-  // Closer to a team patch than the ball can be.
+  // In the square of a recognized robot.
   [[nodiscard]] bool is_on_robot(std::size_t picture, std::size_t patch) const {
     return std::any_of(assignment_.named.begin(), assignment_.named.end(), [&](const AssignedRobot& robot) {
       if (robot.picture != picture) return false;
       const MarkerLayout& layout = input_.teams[robot.team].layout;
-      const FieldPoint a = camera_.to_field(input_.patches[robot.team_patch].center, layout.height_m);
-      const FieldPoint b = camera_.to_field(input_.patches[patch].center, layout.height_m);
-      return std::hypot(a.x_m - b.x_m, a.y_m - b.y_m) < 0.6F * layout.robot_side_m;
+      const auto on_top = [&](std::size_t p) {
+        const FieldPoint at = camera_.to_field(input_.patches[p].center, layout.height_m);
+        return std::complex<double>(static_cast<double>(at.x_m), static_cast<double>(at.y_m));
+      };
+      std::vector<std::complex<double>> places;
+      for (const std::size_t p : robot.patches) places.push_back(on_top(p));
+      const LayoutFit fit = fit_layout(layout, places);
+      const std::complex<double> own = (on_top(patch) - fit.center) / fit.turn;
+      const double half = static_cast<double>(layout.robot_side_m) / 2;
+      return std::abs(own.real()) < half && std::abs(own.imag()) < half;
     });
   }
 
   // The pixels of the ball's disk that look like it; none: too few.
-  [[nodiscard]] FoundPatch like_ball(const FoundPatch& candidate, const ChannelImage& image) const {
+  [[nodiscard]] FoundPatch like_ball(const FoundPatch& candidate, const SampledPicture& picture) const {
+    const ChannelImage& image = picture.image;
     const double area = static_cast<double>(candidate.pixels.size()) / relative_area(candidate, camera_, size_);
     const int reach = std::max(1, static_cast<int>(std::lround(kSearchRadius * std::sqrt(area / std::numbers::pi))));
     const int u0 = static_cast<int>(std::lround(candidate.center.u_px)),
@@ -82,7 +106,9 @@ class BallInference {
     GrownPatch ball;
     for (int v = v0 - reach; v <= v0 + reach; ++v) {
       for (int u = u0 - reach; u <= u0 + reach; ++u) {
-        if (!image.contains(u, v) || (u - u0) * (u - u0) + (v - v0) * (v - v0) > reach * reach) continue;
+        if (!image.contains(u, v) || (u - u0) * (u - u0) + (v - v0) * (v - v0) > reach * reach ||
+            !differs_from_floor(image.at(u, v), picture.floor.at(u, v), image.space))
+          continue;
         const Channels rgb = to_rgb8(image.at(u, v), image.space);
         const Lab lab = lab_of({static_cast<double>(rgb[0]), static_cast<double>(rgb[1]), static_cast<double>(rgb[2])});
         const double own = dissimilarity(lab, expected_);
@@ -96,6 +122,28 @@ class BallInference {
     FoundPatch out = patch_of(image, candidate.center, candidate.radius_px, std::move(ball));
     out.sampled = true;
     return out.elongation < kMostElongated ? out : FoundPatch{};
+  }
+
+  // A ball covers its disk, and around it lies the floor; around a patch of a robot lie others.
+  [[nodiscard]] double shape_cost(const FoundPatch& patch, const FoundPatch& candidate,
+                                  const SearchedPicture& picture) const {
+    const ChannelImage& image = picture.picture.image;
+    const double area = static_cast<double>(candidate.pixels.size()) / relative_area(candidate, camera_, size_);
+    const double covered = std::min(1.0, static_cast<double>(patch.pixels.size()) / (kUsualPart * area));
+    const double radius = std::sqrt(area / std::numbers::pi);
+    const int reach = static_cast<int>(std::ceil(kRingEnd * radius));
+    const int u0 = static_cast<int>(std::lround(patch.center.u_px)),
+              v0 = static_cast<int>(std::lround(patch.center.v_px));
+    double all = 0, other = 0;
+    for (int v = v0 - reach; v <= v0 + reach; ++v) {
+      for (int u = u0 - reach; u <= u0 + reach; ++u) {
+        const double distance = std::hypot(u - u0, v - v0) / radius;
+        if (!image.contains(u, v) || distance < kRingBegin || distance > kRingEnd) continue;
+        all += 1;
+        other += differs_from_floor(image.at(u, v), picture.picture.floor.at(u, v), image.space) ? 1 : 0;
+      }
+    }
+    return kUncovered * (1 - covered) + kSurrounded * other / std::max(1.0, all);
   }
 
   AssignmentInput& input_;
@@ -112,8 +160,10 @@ void infer_ball(AssignmentInput& input, const CameraModel& camera, const PatchSi
                 const std::vector<SearchedPicture>& pictures, Assignment& assignment) {
   if (input.ball == kBackground || assignment.named.empty()) return;
   const std::size_t color = input.ball - std::size_t{1};
-  if (!assignment.colors[color].patches.empty() || !input.colors[color].look) return;
+  if (!input.colors[color].look) return;
   BallInference inference(input, camera, size, assignment);
+  inference.remove_from_robots();
+  if (!assignment.colors[color].patches.empty()) return;
   for (const SearchedPicture& picture : pictures) inference.search(picture);
 }
 

@@ -46,13 +46,17 @@ struct AssignedColor {
 struct AssignedRobot {
   std::size_t picture = 0, team = 0, robot = 0;  // indices of the picture, of the team and in TeamMarking::robots
   std::size_t team_patch = 0;                    // index of its patch
+  std::vector<std::size_t> patches;              // all of them in the order of the layout, the team patch first
 };
 
 struct Assignment {
   std::vector<AssignedColor> colors;  // in the order of the input
   std::size_t robots = 0;             // markers recognized as robots of the team file
   std::vector<AssignedRobot> named;   // those of them that the team file lists
-  std::size_t unknown_robots = 0;     // markers with known colors that match no robot
+  // Robots that nothing else than unusual light on them, and a color that only they show, keeps from being recognized;
+  // `patches` is empty.
+  std::vector<AssignedRobot> in_odd_light;
+  std::size_t unknown_robots = 0;  // markers with known colors that match no robot
 };
 
 /// Clusters the patches by color and assigns the clusters to colors. The cost is a negative log-likelihood: the

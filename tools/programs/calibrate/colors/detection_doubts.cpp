@@ -39,7 +39,17 @@ class Doubts {
     const AssignedColor& color = assignment_.colors[c];
     const WantedColor& wanted = input_.colors[c];
     const char* const name = wanted.name.c_str();
-    if (color.patches.empty()) {
+    if (const AssignedRobot* const odd = in_odd_light(c); color.patches.empty() && odd != nullptr) {
+      const PixelPoint& at = input_.patches[odd->team_patch].center;
+      out_.push_back(
+          {formatted("%s: only robot %s %d shows it, at %.0f,%.0f of %s in glare or shade, in which it does not look "
+                     "as elsewhere; "
+                     "show a further picture in which this robot stands elsewhere",
+                     name, odd->team == 0 ? "own" : "opponent",
+                     static_cast<int>(input_.teams[odd->team].robots[odd->robot].id), static_cast<double>(at.u_px),
+                     static_cast<double>(at.v_px), images_[odd->picture].c_str()),
+           any_click(c)});
+    } else if (color.patches.empty()) {
       out_.push_back(
           {formatted("%s: no patch was found in %s; show a further picture in which %s, or click on %s", name,
                      searched().c_str(), wish(c).c_str(), c + 1 == input_.ball ? "it" : "one of its patches"),
@@ -60,12 +70,21 @@ class Doubts {
     }
   }
 
+  // A robot with this color that was recognized but not learned from; nullptr: none.
+  [[nodiscard]] const AssignedRobot* in_odd_light(std::size_t c) const {
+    const auto& robots = assignment_.in_odd_light;
+    const auto found = std::find_if(robots.begin(), robots.end(), [&](const AssignedRobot& one) {
+      const auto& colors = input_.teams[one.team].robots[one.robot].colors;
+      return std::find(colors.begin(), colors.end(), c + 1) != colors.end();
+    });
+    return found == robots.end() ? nullptr : &*found;
+  }
   [[nodiscard]] std::string searched() const {
     return images_.size() == 1 ? images_.front() : formatted("any of the %zu pictures", images_.size());
   }
   // What a picture must show to find this color.
   [[nodiscard]] std::string wish(std::size_t c) const {
-    if (c + 1 == input_.ball) return "the ball lies alone on the field";
+    if (c + 1 == input_.ball) return "the ball lies elsewhere, alone on the field";
     std::string robots;
     std::size_t count = 0, all = 0;
     for (std::size_t t = 0; t < 2; ++t) {
@@ -79,9 +98,9 @@ class Doubts {
         ++count;
       }
     }
-    if (count > 0) return "robot " + robots + " stands apart from all others";
-    if (all == 0) return "robots of this team stand apart from all others";
-    return formatted("all %zu robots stand apart", all);
+    if (count > 0) return "robot " + robots + " stands elsewhere, apart from all others and out of glare and shade";
+    if (all == 0) return "robots of this team stand elsewhere, apart from all others and out of glare and shade";
+    return formatted("all %zu robots stand elsewhere, apart and out of glare and shade", all);
   }
 
   // The first of the patches that are taken for this color.

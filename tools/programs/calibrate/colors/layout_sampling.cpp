@@ -90,6 +90,25 @@ std::vector<double> LayoutView::headings(const std::vector<FoundPatch>& patches,
   return out;
 }
 
+LayoutFit fit_layout(const MarkerLayout& layout, const std::vector<PlanePoint>& places) {
+  const auto count = static_cast<double>(places.size());
+  PlanePoint mean = 0, layout_mean = 0, turn = 0;
+  for (std::size_t k = 0; k < places.size(); ++k) {
+    mean += places[k] / count;
+    layout_mean += place_of(layout.patches[k]) / count;
+  }
+  for (std::size_t k = 0; k < places.size(); ++k)
+    turn += (places[k] - mean) * std::conj(place_of(layout.patches[k]) - layout_mean);
+  LayoutFit out;
+  if (std::abs(turn) > 0) out.turn = turn / std::abs(turn);
+  out.center = mean - out.turn * layout_mean;
+  double sum = 0;
+  for (std::size_t k = 0; k < places.size(); ++k)
+    sum += std::norm(places[k] - out.center - out.turn * place_of(layout.patches[k]));
+  out.residual_m = std::sqrt(sum / count);
+  return out;
+}
+
 std::optional<PlaceSample> sample_place(const LayoutView& view, std::size_t place, PlanePoint at, PlanePoint turn) {
   const PatchPlace& shape = view.layout.patches[place];
   const ChannelImage& image = view.picture.image;

@@ -48,6 +48,16 @@ struct PlaceSample {
 /// Position of a patch in the robot's frame, m.
 std::complex<double> place_of(const PatchPlace& place);
 
+/// Where a robot stands.
+struct LayoutFit {
+  std::complex<double> center{0, 0}, turn{1, 0};  // m; of length 1, with the heading as angle
+  double residual_m = 0;                          // RMS distance between the places and the layout
+};
+
+/// Fits a layout to the places of its patches on the field (least squares in the complex plane). A single patch shows
+/// no heading: `turn` is 1.
+LayoutFit fit_layout(const MarkerLayout& layout, const std::vector<std::complex<double>>& places);
+
 /// Samples the place `place` of the layout, centered at `at`, of a robot whose heading is the angle of `turn`. Empty if
 /// it lies outside the picture or the region of interest, or has too few pixels.
 std::optional<PlaceSample> sample_place(const LayoutView& view, std::size_t place, std::complex<double> at,

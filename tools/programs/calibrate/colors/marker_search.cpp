@@ -4,6 +4,8 @@
 #include <cmath>
 #include <complex>
 
+#include "tools/programs/calibrate/colors/layout_sampling.h"
+
 namespace touchline::calibrate {
 namespace {
 
@@ -63,26 +65,17 @@ class Search {
     }
   }
 
-  // Rigid fit of the layout to the points (least squares in the complex plane), which also detects a mirrored layout.
+  // A rigid fit also detects a mirrored layout.
   void accept() {
-    const auto count = static_cast<double>(chosen_.size());
-    Point point_mean = 0, place_mean = 0, turn = 0;
-    for (std::size_t k = 0; k < chosen_.size(); ++k) {
-      point_mean += points_[chosen_[k]] / count;
-      place_mean += place(k) / count;
-    }
-    for (std::size_t k = 0; k < chosen_.size(); ++k) {
-      turn += (points_[chosen_[k]] - point_mean) * std::conj(place(k) - place_mean);
-    }
-    if (std::abs(turn) > 0) turn /= std::abs(turn);
-    double sum = 0, tolerance = 0;
+    std::vector<Point> places;
+    double tolerance = 0;
     MarkerCandidate marker;
-    for (std::size_t k = 0; k < chosen_.size(); ++k) {
-      sum += std::norm(points_[chosen_[k]] - point_mean - turn * (place(k) - place_mean));
-      tolerance = std::max(tolerance, tolerance_m_[chosen_[k]]);
-      marker.patches.push_back(numbers_[chosen_[k]]);
+    for (const std::size_t chosen : chosen_) {
+      places.push_back(points_[chosen]);
+      tolerance = std::max(tolerance, tolerance_m_[chosen]);
+      marker.patches.push_back(numbers_[chosen]);
     }
-    marker.residual_m = std::sqrt(sum / count);
+    marker.residual_m = fit_layout(layout_, places).residual_m;
     if (marker.residual_m <= tolerance) found_.push_back(std::move(marker));
   }
 

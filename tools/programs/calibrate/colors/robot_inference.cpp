@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <set>
 
 namespace touchline::calibrate {
 namespace {
@@ -11,14 +12,18 @@ using Linear = std::array<double, 3>;
 
 // Approximates the sRGB transfer function.
 constexpr double kGamma = 2.2;
-// Standard deviation of the logarithm of a channel, and the greatest contradiction of one channel in these.
-constexpr double kSeenSigma = 0.25, kMostResiduals = 4.0;
+// Standard deviation of the logarithm of a channel, also of a color that is known only by its name, and the greatest
+// contradiction of one channel in these.
+constexpr double kSeenSigma = 0.25, kNamedSigma = 0.6, kMostResiduals = 4.0;
 // Sensor noise and black level in linear light, which hide the ratios of dark channels.
 constexpr double kNoiseFloor = 0.01;
 // Factors and glare that are tried. Robots in shade have a third of the light; glare is at most a third of white.
 constexpr double kGains[] = {0.25, 0.35, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0, 1.15, 1.35, 1.6, 2.0};
 constexpr double kGlares[] = {0, 0.01, 0.02, 0.04, 0.07, 0.1, 0.14, 0.18, 0.24, 0.3};
 constexpr double kGainSigma = 0.6, kGlareScale = 0.1;
+// Greatest change by the light on a robot, as logarithm of its factor and as glare, at which a color can be learned
+// from this robot alone.
+constexpr double kUsualGain = 0.25, kUsualGlare = 0.05;
 // Greatest mean square of the residuals, and least difference to another robot or color in nats.
 constexpr double kMostMeanSquare = 1.6, kLeastMargin = 3.0, kLeastColorMargin = 1.0;
 // Share of the pixels that are darker than white.
@@ -39,8 +44,12 @@ struct Look {
 
 // Negative log-likelihood of a color in this light, with the glare that explains it best: glare differs from patch to
 // patch.
-double cost_of(const Look& look, const Linear& seen, double gain, double white) {
-  double least = 1e9;
+struct Fit {
+  double cost = 1e9, glare = 0;
+};
+
+Fit fit_of(const Look& look, const Linear& seen, double gain, double white) {
+  Fit best;
   for (const double glare : kGlares) {
     double sum = 0;
     for (std::size_t c = 0; c < 3; ++c) {
@@ -48,16 +57,19 @@ double cost_of(const Look& look, const Linear& seen, double gain, double white) 
       const double residual = std::log((seen[c] + kNoiseFloor) / (expected + kNoiseFloor)) / look.sigma;
       sum += std::min(residual * residual, kMostResiduals * kMostResiduals);
     }
-    least = std::min(least, sum / 2 + glare / kGlareScale);
+    // A wide distribution is low everywhere.
+    const double cost = sum / 2 + 3 * std::log(look.sigma / kSeenSigma) + glare / kGlareScale;
+    if (cost < best.cost) best = {cost, glare};
   }
-  return least;
+  return best;
 }
 
 // A robot at one place with its samples, the team patch first.
 struct Standing {
   std::size_t team = 0, robot = 0, patch = 0;
   std::vector<PlaceSample> samples;
-  double cost = 0, margin = 0;
+  double cost = 0, margin = 0, gain = 1;
+  bool in_odd_light = false;  // and the only robot with one of its colors
 };
 
 class Inference {
@@ -75,19 +87,31 @@ class Inference {
     for (;;) {
       std::vector<Standing> found;
       for (std::size_t team = 0; team < 2; ++team) search(team, found);
-      const auto best = std::min_element(found.begin(), found.end(),
-                                         [](const Standing& a, const Standing& b) { return a.cost < b.cost; });
-      if (best == found.end()) return;
+      const auto best = std::min_element(found.begin(), found.end(), [](const Standing& a, const Standing& b) {
+        return a.in_odd_light != b.in_odd_light ? b.in_odd_light : a.cost < b.cost;
+      });
+      if (best == found.end() || best->in_odd_light) {
+        for (const Standing& one : found)
+          assignment_.in_odd_light.push_back({picture_.number, one.team, one.robot, one.patch, {}});
+        return;
+      }
       accept(*best);
     }
   }
 
  private:
-  // A color of which only a patch in glare is known would be learned wrong, so its robots are not inferred.
+  // A color without a patch is expected to look like its name in this light.
   void learn_looks() {
     looks_.resize(input_.colors.size());
+    const Rgb gain = light_gain(input_, assignment_);
     for (std::size_t c = 0; c < input_.colors.size(); ++c) {
-      if (!assignment_.colors[c].patches.empty()) looks_[c] = {linear(assignment_.colors[c].rgb), kSeenSigma};
+      if (!assignment_.colors[c].patches.empty()) {
+        looks_[c] = {linear(assignment_.colors[c].rgb), kSeenSigma};
+      } else if (input_.colors[c].look) {
+        Rgb rgb = *input_.colors[c].look;
+        for (std::size_t k = 0; k < 3; ++k) rgb[k] = std::min(255.0, rgb[k] * gain[k]);
+        looks_[c] = {linear(rgb), kNamedSigma};
+      }
     }
   }
 
@@ -129,7 +153,7 @@ class Inference {
         std::vector<PlaceSample> samples = samples_of(view, patch, heading);
         if (samples.empty()) continue;
         for (const std::size_t r : missing) {
-          Standing standing{team, r, patch, samples, 0, 0};
+          Standing standing{team, r, patch, samples};
           if (explains(marking, standing)) here.push_back(std::move(standing));
         }
       }
@@ -163,31 +187,62 @@ class Inference {
     return linear({static_cast<double>(rgb[0]), static_cast<double>(rgb[1]), static_cast<double>(rgb[2])});
   }
 
-  // Fits the light of the robot; false if it does not explain the samples, or if another color explains one better.
+  // Whether a patch of this color was found elsewhere in any picture.
+  [[nodiscard]] bool is_known_elsewhere(std::size_t color, const PlaceSample& sample) const {
+    if (looks_[color].sigma > kSeenSigma) return false;
+    const std::vector<std::size_t>& patches = assignment_.colors[color].patches;
+    return std::any_of(patches.begin(), patches.end(), [&](std::size_t p) {
+      const PixelPoint& at = input_.patches[p].center;
+      return input_.picture[p] != picture_.number ||
+             std::hypot(at.u_px - sample.middle.u_px, at.v_px - sample.middle.v_px) >
+                 static_cast<float>(sample.radius_px);
+    });
+  }
+
+  // Fits the light of the robot; false if it does not explain the samples, or if another color explains one better. One
+  // of its colors may be known by its name alone, or by this robot.
   bool explains(const TeamMarking& marking, Standing& standing) const {
     std::vector<std::size_t> colors = {marking.team_color - std::size_t{1}};
     for (const ColorId color : marking.robots[standing.robot].colors) colors.push_back(color - std::size_t{1});
-    if (std::any_of(colors.begin(), colors.end(), [&](std::size_t c) { return looks_[c].sigma <= 0; })) return false;
-    double best_gain = 1;
+    std::set<std::size_t> only_here;
+    for (std::size_t k = 0; k < colors.size(); ++k) {
+      if (looks_[colors[k]].sigma <= 0) return false;
+      if (!is_known_elsewhere(colors[k], standing.samples[k])) only_here.insert(colors[k]);
+    }
+    if (only_here.size() > 1) return false;
     standing.cost = 1e9;
     for (const double gain : kGains) {
       double cost = std::pow(std::log(gain) / kGainSigma, 2) / 2;
       for (std::size_t k = 0; k < colors.size(); ++k)
-        cost += cost_of(looks_[colors[k]], seen(standing.samples[k]), gain, white_);
+        cost += fit_of(looks_[colors[k]], seen(standing.samples[k]), gain, white_).cost;
       if (cost >= standing.cost) continue;
       standing.cost = cost;
-      best_gain = gain;
+      standing.gain = gain;
     }
     if (2 * standing.cost > kMostMeanSquare * 3 * static_cast<double>(colors.size())) return false;
+    standing.in_odd_light = !only_here.empty() && is_odd(colors, standing, *only_here.begin());
     for (std::size_t k = 0; k < colors.size(); ++k) {
       const Linear color = seen(standing.samples[k]);
-      const double own = cost_of(looks_[colors[k]], color, best_gain, white_);
+      const double own = fit_of(looks_[colors[k]], color, standing.gain, white_).cost;
       for (std::size_t c = 0; c < looks_.size(); ++c) {
-        if (c == colors[k] || looks_[c].sigma <= 0 || c + 1 == input_.ball) continue;
-        if (cost_of(looks_[c], color, best_gain, white_) < own + kLeastColorMargin) return false;
+        if (c == colors[k] || looks_[c].sigma <= 0 || looks_[c].sigma > kSeenSigma || c + 1 == input_.ball) continue;
+        // Nothing is learned from a robot in odd light, so that its colors need not be certain.
+        const double margin = standing.in_odd_light ? -kLeastMargin : kLeastColorMargin;
+        if (fit_of(looks_[c], color, standing.gain, white_).cost < own + margin) return false;
       }
     }
     return true;
+  }
+
+  // Whether the light on the robot differs from that on others, as its patches of other colors than `color` show. A
+  // color that only this robot shows would be learned wrong.
+  [[nodiscard]] bool is_odd(const std::vector<std::size_t>& colors, const Standing& standing, std::size_t color) const {
+    if (std::abs(std::log(standing.gain)) > kUsualGain) return true;
+    for (std::size_t k = 0; k < colors.size(); ++k) {
+      const Fit fit = fit_of(looks_[colors[k]], seen(standing.samples[k]), standing.gain, white_);
+      if (colors[k] != color && fit.glare > kUsualGlare) return true;
+    }
+    return false;
   }
 
   // Keeps the best robot of one place if no other one is nearly as good.
@@ -204,19 +259,17 @@ class Inference {
 
   void accept(Standing& standing) {
     const TeamMarking& marking = input_.teams[standing.team];
-    std::size_t team_patch = 0;
+    std::vector<std::size_t> patches;
     for (std::size_t k = 0; k < standing.samples.size(); ++k) {
       const std::size_t color =
           k == 0 ? marking.team_color - std::size_t{1} : marking.robots[standing.robot].colors[k - 1] - std::size_t{1};
-      const std::size_t number = input_.patches.size();
-      if (k == 0) team_patch = number;
+      patches.push_back(input_.patches.size());
       input_.patches.push_back(sampled_patch(picture_.picture.image, std::move(standing.samples[k])));
       input_.picture.push_back(picture_.number);
       input_.named.push_back(kNone);
-      AssignedColor& assigned = assignment_.colors[color];
-      assigned.patches.push_back(number);
+      assignment_.colors[color].patches.push_back(patches.back());
     }
-    assignment_.named.push_back({picture_.number, standing.team, standing.robot, team_patch});
+    assignment_.named.push_back({picture_.number, standing.team, standing.robot, patches[0], patches});
     ++assignment_.robots;
   }
 

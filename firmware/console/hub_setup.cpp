@@ -107,7 +107,12 @@ Result<void> Hub::leave_setup(const Client& client) {
 }
 
 void Hub::update_setup_wish(Instant now) {
-  if (!setup_.is_running() || driving_.is_stopped()) is_trying_ = false;
+  if (is_trying_ && (!setup_.is_running() || driving_.is_stopped())) {
+    is_trying_ = false;
+    // Of no request: the page must not go on saying that robots play.
+    if (setup_.is_running())
+      setup_.answer({SetupOrder::Kind::kTry, 0, {}}, "a stop ended the try", scene_.is_calibrated);
+  }
   const bool may_move = setup_.is_running() && scene_.is_draft && !order_ && (is_trying_ || driving_.is_driving(now));
   const SetupWish wish = !is_held_ ? SetupWish::kNone : may_move ? SetupWish::kPermit : SetupWish::kStand;
   if (std::exchange(wish_, wish) != wish) links_.input.put(input_now());

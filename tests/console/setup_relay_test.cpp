@@ -321,6 +321,9 @@ TEST_F(SetupRelayTest, WithADraftRobotsStandExceptOneThatIsDrivenAndATry) {
   EXPECT_TRUE(eventually([&] { return input().setup == SetupWish::kPermit; }));
   EXPECT_EQ(ask(driver, "stop", {}, 6)["ok"], true);
   EXPECT_TRUE(eventually([&] { return input().setup == SetupWish::kStand && input().stop; })) << "a stop ends a try";
+  const json ended = peer->read_type("tried").text;
+  EXPECT_EQ(ended["ok"], false) << "and the program is told";
+  EXPECT_EQ(ended["error"], "a stop ended the try");
   EXPECT_EQ(ask(driver, "start", {}, 7)["ok"], true);
   EXPECT_TRUE(eventually([&] { return input().setup == SetupWish::kStand && !input().stop; }));
 

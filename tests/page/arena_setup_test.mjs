@@ -175,6 +175,15 @@ test('from an arena without calibration to a scored goal', () =>
 
     await page.waitForSelector('[data-save-panel] .added:has-text("[camera_model]")');
     assert.equal(await venue(), before, 'nothing is written before the differences were shown');
+    await page.click('[data-try]:not([disabled])');
+    await page.waitForSelector('[data-try][aria-pressed="true"]');
+    await page.waitForSelector('[data-halt=""]:has-text("Robots may move")');
+    await page.keyboard.press('Space');
+    await page.waitForSelector('[data-halt~="console"]');
+    await page.waitForSelector('[data-try][aria-pressed="false"][disabled]');
+    await page.click('[data-release-stop]:not([disabled])');
+    await page.waitForSelector('[data-halt="setup"]');
+    await page.waitForSelector('[data-try]:not([disabled])');
     await page.click('[data-confirm-save]:not([disabled])');
     await page.waitForSelector('[data-message]:has-text("Saved")');
     const after = await venue();

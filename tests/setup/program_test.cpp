@@ -259,6 +259,8 @@ TEST_F(SetupOfACalibratedBoard, TicksRobotsAndRadioOnlyWhenAPersonHasConfirmedTh
   expect_ok("begin");
   EXPECT_EQ(level("robots"), "none") << state_["steps"]["robots"]["quality"];
   EXPECT_EQ(level("radio"), "none");
+  EXPECT_FALSE(state_["steps"]["robots"]["done"]);
+  EXPECT_FALSE(state_["steps"]["radio"]["done"]);
   expect_ok("confirm", {{"step", "robots"}});
   expect_ok("confirm", {{"step", "radio"}});
   EXPECT_EQ(level("robots"), "ok");

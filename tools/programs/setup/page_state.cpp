@@ -67,10 +67,7 @@ nlohmann::json radio_values(const config::BoardFile& board) {
   std::vector<hal::SerialPortNode> ports;
   hal::list_serial_ports(ports);
   for (const hal::SerialPortNode& port : ports) devices.push_back(port.path);
-  return {{"done", board.radio.backend != hal::RadioBackend::kNone},
-          {"values", radio.values()},
-          {"keys", radio.keys()},
-          {"devices", devices}};
+  return {{"done", false}, {"values", radio.values()}, {"keys", radio.keys()}, {"devices", devices}};
 }
 
 }  // namespace

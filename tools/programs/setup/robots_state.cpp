@@ -104,9 +104,12 @@ nlohmann::json robots_state(const std::string& team_path, const calibrate::Venue
     const std::size_t folder = line.rfind('/', line.find(": "));
     problems.push_back(folder == std::string::npos ? line : line.substr(folder + 1));
   }
-  nlohmann::json out = {{"done", problems.empty()},   {"layouts", layouts_json()},
-                        {"own", team_json(file.own)}, {"opponent", team_json(file.opponent)},
-                        {"ball", file.ball.color},    {"similar", similar_json(file, venue.file)}};
+  nlohmann::json out = {{"done", false},
+                        {"layouts", layouts_json()},
+                        {"own", team_json(file.own)},
+                        {"opponent", team_json(file.opponent)},
+                        {"ball", file.ball.color},
+                        {"similar", similar_json(file, venue.file)}};
   if (!problems.empty()) {
     out["quality"] = quality("bad", problems[0].get_ref<const std::string&>());
   } else if (out["similar"].empty()) {

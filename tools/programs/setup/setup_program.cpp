@@ -114,6 +114,7 @@ void SetupProgram::handle(const Message& message) {
   if (type == "setup") handle_command(message.content);
   if (type == "frame") handle_frame(message);
   if (type == "tried") {
+    // Also without a request: a stop has ended the try.
     trying_ = message.content.contains("ok") && message.content.at("ok") == true && trying_;
     send_state();
   }

@@ -20,8 +20,7 @@ constexpr std::array<PixelPoint, kPairs> kRayDirections = {{{1.0f, 0.0f},
                                                             {-0.3827f, 0.9239f},
                                                             {-0.7071f, 0.7071f},
                                                             {-0.9239f, 0.3827f}}};
-// Least number of rays with mixed pixels.
-constexpr std::size_t kLeastRays = kPairs;
+static_assert(kLeastBorderRays == kPairs);
 // Mixed pixels of a ray at most: the blur of an edge is narrower.
 constexpr std::size_t kMaxMixed = 12;
 // A patch that is hardly saturated has noise below the value at which it saturates.
@@ -129,7 +128,7 @@ Rgb fit_color(const MixedPixels& pixels, std::array<Rgb, kPairs>& of_pair) {
 }  // namespace
 
 bool sample_border(const Frame& frame, PixelPoint center, const std::array<bool, 3>& saturated, float inner_px,
-                   float reach_px, BorderColor& out) {
+                   float reach_px, BorderColor& out, std::size_t least_rays) {
   MixedPixels pixels;
   Rgb background{};
   std::size_t rays = 0;
@@ -139,7 +138,7 @@ bool sample_border(const Frame& frame, PixelPoint center, const std::array<bool,
     const BorderRay ray{center, {sign * half.u_px, sign * half.v_px}, inner_px, reach_px, k % kPairs};
     if (follow_ray(frame, ray, saturated, pixels, background)) ++rays;
   }
-  if (rays < kLeastRays) return false;
+  if (rays < least_rays) return false;
   std::array<Rgb, kPairs> of_pair{};
   out.excess = fit_color(pixels, of_pair);
   if (std::min({out.excess[0], out.excess[1], out.excess[2]}) <= 0.0f) return false;

@@ -91,6 +91,22 @@ float log_density(const SurfaceColor& surface, const Expectation& expected) {
   return density;
 }
 
+// Squares of the channels' errors in standard deviations, without what is common to all of them.
+struct RatioErrors {
+  float squares = 0;
+  float weights = 0;  // sum of the channels' inverse variances
+};
+RatioErrors ratio_errors(const std::array<float, 3>& deviation, const std::array<float, 3>& variance) {
+  RatioErrors out;
+  float sum = 0;
+  for (std::size_t c = 0; c < 3; ++c) {
+    sum += deviation[c] / variance[c];
+    out.weights += 1.0f / variance[c];
+  }
+  for (std::size_t c = 0; c < 3; ++c) out.squares += square(deviation[c] - sum / out.weights) / variance[c];
+  return out;
+}
+
 }  // namespace
 
 void ColorEvidence::configure(const TypicalColors& typical) {
@@ -183,28 +199,50 @@ float ColorEvidence::log_likelihood(const SurfaceColor& surface, const LocalLigh
   return std::max(density, kFloor);
 }
 
-float ColorEvidence::log_likelihood_of_border(const BorderColor& border, const LocalLight& light, ColorId color,
-                                              ColorSpace space) const {
+// Deviations of a border's channels from a color, as logarithms of values, and the errors of this patch alone.
+ColorEvidence::BorderDeviation ColorEvidence::deviation_of(const BorderColor& border, const LocalLight& light,
+                                                           ColorId color, ColorSpace space) const {
   const std::array<float, 3>& typical = typical_rgb(color, space);
-  std::array<float, 3> deviation{}, variance{};
-  float sum = 0, weights = 0, determinant = 1;
+  BorderDeviation out;
   for (std::size_t c = 0; c < 3; ++c) {
     const float value = light.gain[c] * typical[c], linear = square(value + kStrayLight_levels);
     // Of the logarithm of linear light: twice that of the value. A dark channel hardly differs from its surroundings.
     const float excess = std::max(linear - border.background[c], kLeastExcess * linear);
-    const float slope = linear / excess;
-    deviation[c] = 0.5f * std::log(border.excess[c] / excess);
-    variance[c] = square(slope) *
-                      (light.ratio_variance + light.variance[c] + haze_variance(value, light.gain[c] * kWhite, kHaze)) +
-                  square(0.5f * border.error[c]) + square(kBorderSigma);
-    sum += deviation[c] / variance[c];
-    weights += 1.0f / variance[c];
-    determinant *= variance[c];
+    out.slope[c] = linear / excess;
+    out.value[c] = 0.5f * std::log(border.excess[c] / excess);
+    out.variance[c] =
+        square(out.slope[c]) * (light.ratio_variance + haze_variance(value, light.gain[c] * kWhite, kHaze)) +
+        square(0.5f * border.error[c]);
   }
-  float squares = 0;
-  for (std::size_t c = 0; c < 3; ++c) squares += square(deviation[c] - sum / weights) / variance[c];
-  const float density = -0.5f * (squares + std::log(determinant * weights)) - kNoBorderColor;
+  return out;
+}
+
+float ColorEvidence::log_likelihood_of_border(const BorderColor& border, const LocalLight& light, ColorId color,
+                                              ColorSpace space) const {
+  BorderDeviation deviation = deviation_of(border, light, color, space);
+  float determinant = 1;
+  for (std::size_t c = 0; c < 3; ++c) {
+    float& variance = deviation.variance[c];
+    variance += square(deviation.slope[c]) * light.variance[c] + square(kBorderSigma);
+    determinant *= variance;
+  }
+  const RatioErrors errors = ratio_errors(deviation.value, deviation.variance);
+  const float density = -0.5f * (errors.squares + std::log(determinant * errors.weights)) - kNoBorderColor;
   return std::log((1.0f - kForeignBorder) * std::exp(density) + kForeignBorder);
+}
+
+float ColorEvidence::log_likelihood_of_order(const BorderOfRobot& a, ColorId color_of_a, const BorderOfRobot& b,
+                                             ColorId color_of_b, ColorSpace space) const {
+  const auto half_squares = [&](ColorId of_a, ColorId of_b) {
+    BorderDeviation deviation = deviation_of(a.border, a.light, of_a, space);
+    const BorderDeviation other = deviation_of(b.border, b.light, of_b, space);
+    for (std::size_t c = 0; c < 3; ++c) {
+      deviation.value[c] -= other.value[c];
+      deviation.variance[c] += other.variance[c];
+    }
+    return 0.5f * ratio_errors(deviation.value, deviation.variance).squares;
+  };
+  return half_squares(color_of_b, color_of_a) - half_squares(color_of_a, color_of_b);
 }
 
 float ColorEvidence::log_likelihood_of_same(const SurfaceColor& surface, const SurfaceColor& other) {

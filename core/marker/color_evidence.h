@@ -23,6 +23,12 @@ struct LightPrior {
   float common_sigma = 1.0f, tint_sigma = 0.3f;
 };
 
+/// The border of a patch of a robot, and the light on that robot.
+struct BorderOfRobot {
+  BorderColor border;
+  LocalLight light;
+};
+
 /// Compares the pixels of a robot's identification patches with the colors that they may have. All patches of a robot
 /// are under the same light, so its team patch tells how the other colors look there: the ratio of two colors hardly
 /// depends on lamps, exposure and light map. In YUV, pixel values are converted to RGB first (ITU-R BT.601).
@@ -62,7 +68,20 @@ class ColorEvidence {
   [[nodiscard]] float log_likelihood_of_border(const BorderColor& border, const LocalLight& light, ColorId color,
                                                ColorSpace space) const;
 
+  /// Log likelihood ratio of the borders of two robots' patches: `a` and `b` have these colors, or each has the other
+  /// one's. What acts alike on saturated patches of one picture has no effect: a tint that saturated team patches do
+  /// not show, and the contrast of borders, which clipping before demosaicing reduces and clipping after it increases.
+  [[nodiscard]] float log_likelihood_of_order(const BorderOfRobot& a, ColorId color_of_a, const BorderOfRobot& b,
+                                              ColorId color_of_b, ColorSpace space) const;
+
  private:
+  struct BorderDeviation {
+    std::array<float, 3> value{}, variance{};
+    std::array<float, 3> slope{};  // change per change of the light's logarithm
+  };
+  [[nodiscard]] BorderDeviation deviation_of(const BorderColor& border, const LocalLight& light, ColorId color,
+                                             ColorSpace space) const;
+
   TypicalColors typical_;
   // Of the typical values, by color space.
   std::array<std::array<std::array<float, 3>, kMaxColors + 1>, kColorSpaces.size()> rgb_{};

@@ -16,8 +16,6 @@ namespace {
 // evidence, therefore not more.) White pixels are in several boxes, of which only the first one is known.
 // The edge of something else may have pixels of any color.
 constexpr float kBoxVote = 2.0f, kUneven_levels = 25.0f;
-// A margin above this one needs no exact value: the probability of an error is below the rate of other errors.
-constexpr float kClearMargin = 5.0f;
 // Margins are divided by this value before they become a probability, because the errors of a robot's patches are not
 // independent.
 constexpr float kTemperature = 1.5f;
@@ -97,13 +95,14 @@ int Identifier::step_px(const TeamColors& colors, std::size_t patch, float scale
 
 // Looks at the border of a patch with a saturated channel.
 bool Identifier::look_at_border(const Scene& now, PixelPoint center, const SurfaceColor& surface, std::size_t patch,
-                                float scale_px_per_m, BorderColor& out) const {
+                                float scale_px_per_m, bool is_merged, BorderColor& out) const {
   if (surface.saturated_channels() == 0 || now.borders_left == 0) return false;
   --now.borders_left;
   const PatchPlace& place = teams_[now.team].layout.patches[patch];
   const float inner_px = kBorderFrom * team_colors_[now.team].radius_m[patch] * scale_px_per_m;
   const float reach_px = 0.5f * std::hypot(place.length_m, place.width_m) * scale_px_per_m + kBorderBlur_px;
-  return sample_border(now.frame, center, surface.saturated, inner_px, reach_px, out);
+  return sample_border(now.frame, center, surface.saturated, inner_px, reach_px, out,
+                       is_merged ? kRaysOfTwoSides : kLeastBorderRays);
 }
 
 LightPrior Identifier::prior_light(const Scene& now, PixelPoint at) {
@@ -141,39 +140,72 @@ float Identifier::best_likelihood(const Scene& now, const Candidate& candidate, 
   return best;
 }
 
-// A patch belongs to a single robot. One that is the only explanation of a robot costs other poses of its team that
-// need it: as identification patch, if another pose explains that robot as well without it, and as a doubtful team
-// patch.
+// Whether every pose of a robot is through an identification region that another robot may have. Its own patch may have
+// fallen into no box.
+bool Identifier::has_only_claimed_regions(const Candidate& candidate) const {
+  const auto is_claimed = [&](std::uint16_t number) {
+    return number != kMissing && std::any_of(candidates_.begin(), candidates_.end(), [&](const Candidate& other) {
+             return &other != &candidate &&
+                    std::any_of(other.poses.begin(), other.poses.end(), [&](const PoseEvidence& pose) {
+                      return std::find(pose.identification.begin(), pose.identification.end(), number) !=
+                             pose.identification.end();
+                    });
+           });
+  };
+  return !candidate.pose_is_sure && !candidate.has_axis() && candidate.is_complete && !candidate.poses.empty() &&
+         std::all_of(candidate.poses.begin(), candidate.poses.end(), [&](const PoseEvidence& pose) {
+           return std::any_of(pose.identification.begin(), pose.identification.end(), is_claimed);
+         });
+}
+
+// A patch belongs to a single robot. One without which a robot has no good explanation costs other poses of its team
+// that need it: those of a doubtful team patch; those of a robot that another pose explains as well without it; and
+// those of a robot that both robots together gain less by.
 void Identifier::share_patches(const Scene& now) {
   const MarkerLayout& layout = teams_[now.team].layout;
   const auto slots = layout.patches.size() - 1;
-  const auto has_patch_at = [&](const PoseEvidence& pose, std::size_t slot, const FieldPoint& at) {
-    return distance_m(on_field(pose.pose, layout.patches[slot + 1]), at) < team_colors_[now.team].radius_m[slot + 1];
-  };
-  for (const Candidate& owner : candidates_) {
-    if (!owner.has_evidence || owner.poses.size() != 1 || now.boxes[owner.robot].is_tentative ||
-        owner.poses[0].best < owner.unknown + kDoubtfulMargin) {
-      continue;
-    }
+  const auto needs_patch_at = [&](const PoseEvidence& pose, const FieldPoint& at) {
     for (std::size_t s = 0; s < slots; ++s) {
-      const FieldPoint at = on_field(owner.poses[0].pose, layout.patches[s + 1]);
+      if (distance_m(on_field(pose.pose, layout.patches[s + 1]), at) < team_colors_[now.team].radius_m[s + 1])
+        return true;
+    }
+    return false;
+  };
+  const auto best_without = [&](const Candidate& candidate, const FieldPoint& at) {
+    float best = std::numeric_limits<float>::lowest();
+    for (const PoseEvidence& pose : candidate.poses) {
+      if (!needs_patch_at(pose, at)) best = std::max(best, pose.best);
+    }
+    return best;
+  };
+  for (Candidate& owner : candidates_) {
+    if (!owner.has_evidence || now.boxes[owner.robot].is_tentative) continue;
+    const PoseEvidence& own = *std::max_element(owner.poses.begin(), owner.poses.end(),
+                                                [](const auto& a, const auto& b) { return a.best < b.best; });
+    for (std::size_t s = 0; s < slots; ++s) {
+      const FieldPoint at = on_field(own.pose, layout.patches[s + 1]);
+      const float loss = own.best - std::max(owner.unknown, best_without(owner, at));
+      if (loss < kDoubtfulMargin) continue;
       for (Candidate& other : candidates_) {
         if (&other == &owner || !other.has_evidence || other.pose_is_sure) continue;
-        if (now.boxes[other.robot].is_tentative &&
-            distance_m(other.views[0].at, at) < team_colors_[now.team].radius_m[s + 1]) {
-          for (PoseEvidence& pose : other.poses) pose.costs = kDoubtfulMargin;
+        if (now.boxes[other.robot].is_tentative) {
+          const bool is_patch = distance_m(other.views[0].at, at) < team_colors_[now.team].radius_m[s + 1];
+          for (PoseEvidence& pose : other.poses) {
+            if (is_patch || needs_patch_at(pose, at)) pose.costs = kDoubtfulMargin;
+          }
           continue;
         }
-        FixedVector<bool, kMaxPoses> needs;
-        float best = std::numeric_limits<float>::lowest();  // of the poses without this patch
-        for (const PoseEvidence& pose : other.poses) {
-          bool any = false;
-          for (std::size_t k = 0; k < slots; ++k) any = any || has_patch_at(pose, k, at);
-          needs.push_back(any);
-          if (!any) best = std::max(best, pose.best);
-        }
-        for (std::size_t i = 0; i < other.poses.size(); ++i) {
-          if (needs[i] && other.poses[i].best <= best + kNearlyAsWell) other.poses[i].costs = kDoubtfulMargin;
+        const float without = best_without(other, at);
+        for (PoseEvidence& pose : other.poses) {
+          if (!needs_patch_at(pose, at)) continue;
+          const float gain = pose.best - std::max(other.unknown, without);
+          if (pose.best <= without + kNearlyAsWell) {
+            pose.costs = std::max(pose.costs, kDoubtfulMargin);
+          } else if (without > other.unknown && loss >= gain + kDoubtfulMargin) {
+            pose.costs = std::max(pose.costs, loss);
+            // It may be the other robot's patch nevertheless.
+            owner.unknown = std::max(owner.unknown, own.best - loss + gain);
+          }
         }
       }
     }
@@ -214,7 +246,7 @@ bool Identifier::evaluate(const Scene& now, Candidate& candidate) const {
         }
         BorderColor border;
         if ((pose.partner != kMissing || is_doubtful({likelihood.data(), slot.colors.size()})) &&
-            look_at_border(now, center, surface, s + 1, scale, border)) {
+            look_at_border(now, center, surface, s + 1, scale, pose.is_merged, border)) {
           for (std::size_t i = 0; i < slot.colors.size(); ++i) {
             likelihood[i] += colors_.log_likelihood_of_border(border, candidate.light, slot.colors[i], space);
           }
@@ -348,10 +380,16 @@ void Identifier::identify(const Frame& frame, const ExpectedGain& light, const P
       collect_poses(now, candidate);
       candidate.has_evidence = evaluate(now, candidate);
     }
+    for (Candidate& candidate : candidates_) {
+      if (!has_only_claimed_regions(candidate)) continue;
+      search_poses(now, candidate);
+      candidate.has_evidence = evaluate(now, candidate);
+    }
     share_patches(now);
     for (const Candidate& candidate : candidates_) evidence.push_back(evidence_of(now, candidate));
     AssignedIds assigned;
     assign_ids(evidence, teams_[t].robots.size(), kClearMargin, assigned);
+    compare_robots(now, evidence, assigned);
     for (std::size_t k = 0; k < candidates_.size(); ++k) {
       if (candidates_[k].has_evidence) apply(now, k, assigned, used, out);
     }

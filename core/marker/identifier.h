@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <span>
@@ -61,6 +62,8 @@ class Identifier {
     float floor = 0;         // log likelihood ratio that its missing patches are floor
     float search_doubt = 0;  // contained in prior: it is one of many directions in which patches were looked for
     std::uint16_t partner = kMissing;  // team patch that is its saturated identification patch
+    bool is_grown = false;             // an identification patch of the right size was grown from pixels
+    bool is_merged = false;  // its identification patch is a part of a larger surface, but has two visible sides
   };
   // A team patch as its region or its pixels show it.
   struct TeamPatchView {
@@ -68,6 +71,8 @@ class Identifier {
     FieldPoint at;       // the center on the field
     float axis_rad = 0;  // direction of its longer side on the field, modulo pi
     bool has_axis = false;
+    float side_rad = 0;  // direction of a square's sides on the field, modulo pi / 2
+    bool has_sides = false;
   };
   struct Candidate {
     std::size_t robot = 0;  // index in Sightings::robots
@@ -81,6 +86,10 @@ class Identifier {
     bool has_evidence = false;
     float unknown = 0;  // log likelihood that it has none of the names
     FixedVector<PoseEvidence, kMaxPoses> poses;
+
+    [[nodiscard]] bool has_axis() const {
+      return std::any_of(views.begin(), views.end(), [](const TeamPatchView& view) { return view.has_axis; });
+    }
   };
   // Colors that a slot may have.
   struct SlotColors {
@@ -103,6 +112,8 @@ class Identifier {
   [[nodiscard]] float best_likelihood(const Scene& now, const Candidate& candidate, const Pose& pose,
                                       std::size_t slot) const;
   void search_poses(const Scene& now, Candidate& candidate) const;
+  void add_poses_along_sides(const Scene& now, Candidate& candidate) const;
+  [[nodiscard]] bool has_visible_corner(const Scene& now, const PoseEvidence& pose) const;
   bool align(const Scene& now, const Candidate& candidate, PoseEvidence& pose) const;
   bool place_through(const Scene& now, const Candidate& candidate, FieldPoint team_patch, std::size_t slot,
                      FieldPoint at, PoseEvidence& pose) const;
@@ -115,15 +126,26 @@ class Identifier {
   [[nodiscard]] float prior_of(const Scene& now, const Candidate& candidate, const PoseEvidence& pose) const;
   [[nodiscard]] bool is_free(const Scene& now, std::size_t robot, const PoseEvidence& pose) const;
   bool evaluate(const Scene& now, Candidate& candidate) const;
+  [[nodiscard]] bool has_only_claimed_regions(const Candidate& candidate) const;
   void share_patches(const Scene& now);
   [[nodiscard]] IdEvidence evidence_of(const Scene& now, const Candidate& candidate) const;
+  // A robot that has this name (index in TeamMarking::robots) in the best assignment.
+  struct NamedCandidate {
+    const Candidate& candidate;
+    std::size_t name = 0;
+  };
+  static const PoseEvidence& best_pose(const Candidate& candidate, std::size_t name);
+  bool border_of(const Scene& now, const Candidate& candidate, const PoseEvidence& pose, std::size_t slot,
+                 BorderOfRobot& out) const;
+  [[nodiscard]] float evidence_of_order(const Scene& now, const NamedCandidate& a, const NamedCandidate& b) const;
+  void compare_robots(const Scene& now, const IdEvidences& evidence, AssignedIds& assigned) const;
   void apply(const Scene& now, std::size_t number, const AssignedIds& assigned, std::span<bool> used,
              Sightings& out) const;
   [[nodiscard]] float other_explanation(const Scene& now, std::size_t number, const PoseEvidence& pose,
                                         const AssignedIds& assigned) const;
   static bool has_same_part(const PoseEvidence& a, const PoseEvidence& b);
   bool look_at_border(const Scene& now, PixelPoint center, const SurfaceColor& surface, std::size_t patch,
-                      float scale_px_per_m, BorderColor& out) const;
+                      float scale_px_per_m, bool is_merged, BorderColor& out) const;
   [[nodiscard]] int step_px(const TeamColors& colors, std::size_t patch, float scale_px_per_m) const;
 
   ColorEvidence colors_;

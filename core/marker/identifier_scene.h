@@ -8,6 +8,9 @@
 
 namespace touchline {
 
+// A margin above this one needs no exact value: the probability of an error is below the rate of other errors.
+constexpr float kClearMargin = 5.0f;
+
 struct Identifier::Scene {
   const Frame& frame;
   const ExpectedGain& light;

@@ -32,10 +32,20 @@ constexpr float kAroundRadius = 1.1f;
 // number, as log likelihood: any of them may show a known color by chance.
 constexpr std::size_t kDirections = 16;
 constexpr float kManyDirections = 2.8f;
+// The same for the four directions that the sides of a square team patch allow, and the error of these sides.
+constexpr float kFourDirections = 1.4f, kSideError = 0.2f, kLeastSquareness = 0.5f;
 // Ratio of variances of patches whose axis is visible: in the layout, and in the picture.
 constexpr float kLong = 2.0f, kVisiblyLong = 1.5f;
 // Smaller differences of pose show the same pixels.
 constexpr float kSamePlace = 0.006f, kSameHeading = 0.2f;
+
+// The sides of a square are looked for this far from its edge, and along a part of the side. What is beyond them is
+// darker, what is within them hardly.
+constexpr float kClearOfEdge_px = 2.5f, kClearOfSide = 0.5f, kDarkTop = 0.5f, kSameSurface = 0.8f;
+
+bool is_square(const PatchPlace& place) {
+  return place.outline == PatchOutline::kSquare && std::abs(place.length_m - place.width_m) < 0.05f * place.length_m;
+}
 
 bool same_pose(const Pose& a, const Pose& b) {
   return distance_m(a.position, b.position) < kSamePlace &&
@@ -82,7 +92,7 @@ void Identifier::look_at_team_patch(const Scene& now, Candidate& candidate) cons
   if (!is_grown) return;
   const auto field = [&](PixelPoint pixel) { return camera_.to_field(pixel, layout.height_m); };
   const PrincipalVariances variances = principal_variances(place);
-  TeamPatchView whole{patch.center, field(patch.center), 0.0f, false};
+  TeamPatchView whole{patch.center, field(patch.center)};
   whole.has_axis = variances.major_m2 > kLong * variances.minor_m2 && patch.major_px2 > kVisiblyLong * patch.minor_px2;
   if (whole.has_axis) {
     const float du = std::sqrt(patch.major_px2) * std::cos(patch.axis_rad);
@@ -90,6 +100,13 @@ void Identifier::look_at_team_patch(const Scene& now, Candidate& candidate) cons
     const FieldPoint a = field({patch.center.u_px + du, patch.center.v_px + dv});
     const FieldPoint b = field({patch.center.u_px - du, patch.center.v_px - dv});
     whole.axis_rad = std::atan2(a.y_m - b.y_m, a.x_m - b.x_m);
+  }
+  if (is_square(place) && patch.squareness > kLeastSquareness) {
+    const float du = reach_px * std::cos(patch.side_rad), dv = reach_px * std::sin(patch.side_rad);
+    const FieldPoint a = field({patch.center.u_px + du, patch.center.v_px + dv});
+    const FieldPoint b = field({patch.center.u_px - du, patch.center.v_px - dv});
+    whole.has_sides = true;
+    whole.side_rad = std::atan2(a.y_m - b.y_m, a.x_m - b.x_m);
   }
   candidate.views[0] = whole;
   if (!region.is_partly_visible) candidate.views.push_back(of_region);
@@ -140,6 +157,7 @@ float Identifier::prior_of(const Scene& now, const Candidate& candidate, const P
     prior -= 0.5f * least_error * least_error / (kRoughAxisSigma * kRoughAxisSigma);
   }
   if (pose.partner != kMissing) prior += kRegionReward;
+  if (pose.is_grown) prior += kPartReward;
   return prior - pose.search_doubt;
 }
 
@@ -172,9 +190,9 @@ void Identifier::collect_poses(const Scene& now, Candidate& candidate) const {
   add_saturated_patches(now, candidate);
   add_poses_through_parts(now, candidate);
   add_upright_poses(now, candidate);
-  const bool has_axis = std::any_of(candidate.views.begin(), candidate.views.end(),
-                                    [](const TeamPatchView& view) { return view.has_axis; });
-  if (!has_axis && candidate.poses.empty() && candidate.is_complete) search_poses(now, candidate);
+  if (candidate.has_axis() || !candidate.poses.empty() || !candidate.is_complete) return;
+  search_poses(now, candidate);
+  if (candidate.poses.empty()) add_poses_along_sides(now, candidate);
 }
 
 // Adds both poses that the axis of a long team patch allows.
@@ -283,7 +301,7 @@ float Identifier::doubt_of_team_patch(const Scene& now, const Candidate& candida
   SurfaceColor surface;
   BorderColor border;
   if (!sample_surface(now.frame, candidate.views[0].center, step_px(team_colors_[now.team], 0, scale), surface) ||
-      !look_at_border(now, candidate.views[0].center, surface, 0, scale, border)) {
+      !look_at_border(now, candidate.views[0].center, surface, 0, scale, false, border)) {
     return 0.0f;
   }
   const auto likelihood = [&](ColorId color) {
@@ -320,8 +338,65 @@ void Identifier::add_saturated_patches(const Scene& now, Candidate& candidate) c
   }
 }
 
+// Adds poses in the four directions that the sides of a square team patch allow: the identification patch may be merged
+// with something of its color, so that only a corner of it is visible.
+void Identifier::add_poses_along_sides(const Scene& now, Candidate& candidate) const {
+  const TeamPatchView& view = candidate.views[0];
+  const PatchPlace& place = teams_[now.team].layout.patches[0];
+  if (!view.has_sides) return;
+  for (int quarter = 0; quarter < 4; ++quarter) {
+    PoseEvidence pose;
+    pose.pose.theta_rad =
+        wrap_angle(view.side_rad - place.turn_rad + 0.5f * std::numbers::pi_v<float> * static_cast<float>(quarter));
+    const FieldPoint offset = on_field({{}, pose.pose.theta_rad}, place);
+    pose.pose.position = {view.at.x_m - offset.x_m, view.at.y_m - offset.y_m};
+    pose.identification.fill(kMissing);
+    pose.search_doubt = kFourDirections;
+    pose.is_merged = true;
+    if (has_visible_corner(now, pose)) add_pose(now, pose, candidate);
+  }
+}
+
+// Whether the only identification patch, a square, ends at two adjacent sides in front of the robot's darker top.
+bool Identifier::has_visible_corner(const Scene& now, const PoseEvidence& pose) const {
+  const MarkerLayout& layout = teams_[now.team].layout;
+  if (layout.patches.size() != 2 || !is_square(layout.patches[1])) return false;
+  const PatchPlace& place = layout.patches[1];
+  const PixelPoint center = camera_.to_pixel(on_field(pose.pose, place), layout.height_m);
+  const auto sum_at = [&](float along_m, float across_m, float& sum) {
+    PatchPlace at = place;
+    at.x_m += std::cos(place.turn_rad) * along_m - std::sin(place.turn_rad) * across_m;
+    at.y_m += std::sin(place.turn_rad) * along_m + std::cos(place.turn_rad) * across_m;
+    SurfaceColor surface;
+    const bool on_top = on_robot(layout, {at.x_m, at.y_m}, 0.0f);
+    if (!on_top || !sample_surface(now.frame, camera_.to_pixel(on_field(pose.pose, at), layout.height_m), 1, surface)) {
+      return false;
+    }
+    sum = surface.rgb[0] + surface.rgb[1] + surface.rgb[2];
+    return true;
+  };
+  const float half = 0.5f * place.length_m;
+  const PixelPoint side =
+      camera_.to_pixel(on_field(pose.pose, {.x_m = place.x_m + half, .y_m = place.y_m}), layout.height_m);
+  const float scale = std::hypot(side.u_px - center.u_px, side.v_px - center.v_px) / half;
+  const float beyond = half + kClearOfEdge_px / scale, within = kClearOfSide * half;
+  float patch = 0;
+  if (!sum_at(0, 0, patch)) return false;
+  // Whether the side in direction (x, y) of the patch is on the robot, and dark beyond it.
+  const auto ends = [&](float x, float y) {
+    for (const float along : {-within, 0.0f, within}) {
+      float outside = 0, inside = 0;
+      if (!sum_at(x * beyond - y * along, y * beyond + x * along, outside) || outside > kDarkTop * patch) return false;
+      if (!sum_at(x * within - y * along, y * within + x * along, inside) || inside < kSameSurface * patch)
+        return false;
+    }
+    return true;
+  };
+  return (ends(1, 0) || ends(-1, 0)) && (ends(0, 1) || ends(0, -1));
+}
+
 // Looks for identification patches that fell into no box in all directions around the team patch. Adds the two
-// likeliest poses.
+// likeliest poses. The sides of a square team patch confirm a direction.
 void Identifier::search_poses(const Scene& now, Candidate& candidate) const {
   const MarkerLayout& layout = teams_[now.team].layout;
   if (!candidate.has_light) return;
@@ -345,7 +420,14 @@ void Identifier::search_poses(const Scene& now, Candidate& candidate) const {
     pose.pose = poses[best];
     pose.identification.fill(kMissing);
     pose.search_doubt = kManyDirections;
-    if (align(now, candidate, pose)) add_pose(now, pose, candidate);
+    if (align(now, candidate, pose)) {
+      const TeamPatchView& view = candidate.views[0];
+      const float error = std::remainder(pose.pose.theta_rad + layout.patches[0].turn_rad - view.side_rad,
+                                         0.5f * std::numbers::pi_v<float>);
+      if (view.has_sides && std::abs(error) < kSideError) pose.search_doubt = kFourDirections;
+      pose.is_grown = true;
+      add_pose(now, pose, candidate);
+    }
     for (const std::size_t near : {best + kDirections - 1, best, best + 1}) {
       value[near % kDirections] = std::numeric_limits<float>::lowest();
     }

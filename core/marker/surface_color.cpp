@@ -85,6 +85,26 @@ Grid connected(const Grid& mask, int reach) {
   return out;
 }
 
+// The mean of z^4 of a square whose side has the direction of the real axis, relative to the squared mean of |z|^2.
+constexpr float kSquareMoment = -0.6f;
+
+// Finds the direction of a square's sides from the mean of z^4, z being the place of a sample relative to the centroid
+// as a complex number. `spread`: mean of |z|^2.
+void find_sides(const Grid& grown, float count, const std::array<float, 2>& centroid, float spread, GrownPatch& out) {
+  float real = 0, imaginary = 0;
+  for (std::size_t row = 0; row < kGridSize; ++row) {
+    const float y = static_cast<float>(row) - static_cast<float>(kGridReach) - centroid[1];
+    for (std::uint64_t bits = grown[row]; bits != 0; bits &= bits - 1) {
+      const float x = static_cast<float>(std::countr_zero(bits) - kGridReach) - centroid[0];
+      const float difference = x * x - y * y, product = 2.0f * x * y;
+      real += difference * difference - product * product;
+      imaginary += 2.0f * difference * product;
+    }
+  }
+  out.side_rad = 0.25f * std::atan2(-imaginary, -real);
+  out.squareness = std::hypot(real, imaginary) / (count * -kSquareMoment * spread * spread);
+}
+
 }  // namespace
 
 std::array<float, 3> to_rgb(const std::array<float, 3>& value, ColorSpace space) {
@@ -177,6 +197,7 @@ bool grow_patch(const Frame& frame, PixelPoint seed, float reach_px, GrownPatch&
   out.major_px2 = square * (middle + half + 1.0f / 12.0f);
   out.minor_px2 = square * (std::max(0.0f, middle - half) + 1.0f / 12.0f);
   out.axis_rad = 0.5f * std::atan2(2.0f * xy, xx - yy);
+  find_sides(grown, n, {x, y}, xx + yy, out);
   return true;
 }
 

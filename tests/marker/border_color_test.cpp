@@ -92,6 +92,32 @@ TEST_F(SaturatedPatch, IsNamedBesideABrightPatch) {
   EXPECT_GT(likelihood(kPink), likelihood(kLavender) + 2.0f);
 }
 
+// A camera that saturates before it interpolates its mosaic shows less contrast. Both patches look like pink then, but
+// one of them more than the other.
+TEST_F(SaturatedPatch, IsNamedBesideAnotherOneInSpiteOfLowContrast) {
+  const auto of_robot = [this](const Values& linear) {
+    BorderOfRobot out;
+    out.border = {linear, {0.05f, 0.05f, 0.05f}, {3000, 3000, 3000}};
+    out.light.gain = {1.4f, 1.4f, 1.4f};
+    out.light.ratio_variance = 0.08f * 0.08f;
+    return out;
+  };
+  const BorderOfRobot pink = of_robot({1.32f, 0.78f, 0.90f}), lavender = of_robot({1.14f, 0.83f, 1.03f});
+  const auto likelihood = [&](const BorderOfRobot& seen, Paint paint) {
+    return evidence.log_likelihood_of_border(seen.border, seen.light, paint, ColorSpace::kRgb);
+  };
+  ASSERT_GT(likelihood(lavender, kPink), likelihood(lavender, kLavender)) << "low contrast";
+  const auto order = [&](Paint left, Paint right) {
+    return evidence.log_likelihood_of_order(pink, left, lavender, right, ColorSpace::kRgb);
+  };
+  const float alone = likelihood(pink, kPink) - likelihood(pink, kLavender) + likelihood(lavender, kLavender) -
+                      likelihood(lavender, kPink);
+  EXPECT_GT(order(kPink, kLavender), 1.3f * alone);
+  EXPECT_FLOAT_EQ(order(kLavender, kPink), -order(kPink, kLavender));
+  // Equal patches have no order.
+  EXPECT_NEAR(evidence.log_likelihood_of_order(pink, kPink, pink, kLavender, ColorSpace::kRgb), 0.0f, 0.01f);
+}
+
 TEST_F(SaturatedPatch, HasNoBorderInWhiteSurroundings) {
   OwnedPicture picture = patch_in_light(kPinkValue, 1.4f);
   for (int v = 0; v < 80; ++v) {

@@ -64,6 +64,56 @@ TEST_F(IdsFromPixels, FindThePatchBesideASquareThatFellIntoNoBox) {
   }
 }
 
+// The patch of the robot in front is as far from the team patch of the one behind as its own patch, which fell into no
+// box.
+TEST_F(IdsFromPixels, FindThePatchOfARobotBehindAnotherOne) {
+  use(teams_with(paper_teams().teams[0].layout, 3));
+  for (const float heading : {0.0f, 0.7f, 2.9f}) {
+    boxes->clear();
+    shown->clear();
+    const Placed front{Team::kOwn, 0, {{0.1f, 0.1f}, heading}};
+    const Placed behind{
+        Team::kOwn, 2, {{0.1f - 0.077f * std::cos(heading), 0.1f - 0.077f * std::sin(heading)}, heading}};
+    paint(front);
+    paint_without_regions(behind);
+    const Comparison result = compare({front, behind}, look(kLampLight), parameters);
+    EXPECT_EQ(result.right, 2u) << heading;
+    EXPECT_LT(result.heading_rad, 0.1f) << heading;
+  }
+}
+
+// Light that saturates a patch gives it the color of a white line. Its corner on the robot's top remains.
+TEST_F(IdsFromPixels, FindThePatchThatIsMergedWithALine) {
+  use(teams_with(paper_teams().teams[0].layout, 3));
+  covered = painted_rgb(parameters.teams[0].robots[2].colors[0]);
+  for (const float heading : {-1.9f, 0.0f, 0.3f, 2.5f}) {
+    boxes->clear();
+    shown->clear();
+    const Placed robot{Team::kOwn, 2, {{0.0f, 0.1f}, heading}};
+    paint_without_regions(robot);
+    shown->paint_part(robot, {-0.08f, -0.3f}, {-0.034f, 0.3f}, kGrey);
+    const Comparison result = compare({robot}, look(kLampLight), parameters);
+    EXPECT_EQ(result.right, 1u) << heading;
+    EXPECT_LT(result.heading_rad, 0.1f) << heading;
+  }
+}
+
+// A line that goes on where a patch would end.
+TEST_F(IdsFromPixels, AreNotThoseOfALine) {
+  use(teams_with(paper_teams().teams[0].layout, 3));
+  covered = painted_rgb(parameters.teams[0].robots[2].colors[0]);
+  for (const float near : {-0.003f, -0.010f, -0.02f}) {
+    boxes->clear();
+    shown->clear();
+    const Placed robot{Team::kOwn, 2, {{0.0f, 0.1f}, 0.3f}};
+    paint_without_regions(robot);
+    shown->paint_patch(robot, 1, kBackground);
+    shown->paint_part(robot, {-0.08f, -0.3f}, {near, 0.3f}, kGrey);
+    const Comparison result = compare({robot}, look(kLampLight), parameters, 0.05f);
+    EXPECT_EQ(result.right + result.wrong, 0u) << near;
+  }
+}
+
 // A robot whose identification has an unknown color is reported; a paper of the team's color is not.
 TEST_F(IdsFromPixels, ReportARobotWithAnUnknownPatchButNoPaper) {
   covered = {230, 230, 230};

@@ -53,6 +53,31 @@ TEST(GrownPatch, HasPlaceAreaAndAxisOfTheWholePatch) {
   }
 }
 
+// Every pixel, and every second one.
+TEST(GrownPatch, HasTheSidesOfASquare) {
+  for (const float half : {6.0f, 20.0f}) {
+    for (const float angle : {0.0f, 0.3f, 0.785f, -0.6f}) {
+      OwnedPicture square(PixelFormat::kRgb24, kPictureWidth, kPictureHeight, 3);
+      OwnedPicture disk(PixelFormat::kRgb24, kPictureWidth, kPictureHeight, 3);
+      for (int row = 0; row < kPictureHeight; ++row) {
+        for (int column = 0; column < kPictureWidth; ++column) {
+          const float du = static_cast<float>(column) - 80.3f, dv = static_cast<float>(row) - 60.8f;
+          const float along = std::abs(std::cos(angle) * du + std::sin(angle) * dv);
+          const float across = std::abs(std::cos(angle) * dv - std::sin(angle) * du);
+          square.set(column, row, surface_value(ColorSpace::kRgb, std::max(along, across) <= half));
+          disk.set(column, row, surface_value(ColorSpace::kRgb, std::hypot(along, across) <= half));
+        }
+      }
+      GrownPatch patch;
+      ASSERT_TRUE(grow_patch(square.frame(), {82.0f, 59.0f}, 1.6f * half, patch));
+      EXPECT_NEAR(std::remainder(patch.side_rad - angle, 0.5f * 3.14159265f), 0.0f, 0.06f) << half << ", " << angle;
+      EXPECT_NEAR(patch.squareness, 1.0f, 0.15f) << half << ", " << angle;
+      ASSERT_TRUE(grow_patch(disk.frame(), {82.0f, 59.0f}, 1.6f * half, patch));
+      EXPECT_LT(patch.squareness, 0.2f) << half;
+    }
+  }
+}
+
 TEST(GrownPatch, EndsWhereAnotherPatchOfTheColorIsSeparate) {
   OwnedPicture picture = rectangle(PixelFormat::kRgb24, 0.0f, 80.0f, 50.0f);
   for (int column = 60; column <= 100; ++column) {

@@ -1,0 +1,88 @@
+// Names of robots that may be exchanged: Identifier::compare_robots() and what it needs.
+#include <algorithm>
+#include <limits>
+
+#include "core/marker/identifier_scene.h"
+
+namespace touchline {
+
+const Identifier::PoseEvidence& Identifier::best_pose(const Candidate& candidate, std::size_t name) {
+  return *std::max_element(candidate.poses.begin(), candidate.poses.end(),
+                           [&](const PoseEvidence& a, const PoseEvidence& b) { return a.value[name] < b.value[name]; });
+}
+
+// The border of an identification patch. False if it has no saturated channel, or no border that can be seen.
+bool Identifier::border_of(const Scene& now, const Candidate& candidate, const PoseEvidence& pose, std::size_t slot,
+                           BorderOfRobot& out) const {
+  const MarkerLayout& layout = teams_[now.team].layout;
+  const float scale = now.patches.team[now.boxes[candidate.robot].team_patch].patch.scale_px_per_m;
+  const std::uint16_t number = pose.identification[slot];
+  const PixelPoint center = number != kMissing
+                                ? now.patches.identification[number].center
+                                : camera_.to_pixel(on_field(pose.pose, layout.patches[slot + 1]), layout.height_m);
+  SurfaceColor surface;
+  out.light = candidate.light;
+  return sample_surface(now.frame, center, step_px(team_colors_[now.team], slot + 1, scale), surface) &&
+         look_at_border(now, center, surface, slot + 1, scale, pose.is_merged, out.border);
+}
+
+// Log likelihood by which two robots have these names rather than each other's, beyond their evidence: their saturated
+// patches are compared with each other.
+float Identifier::evidence_of_order(const Scene& now, const NamedCandidate& a, const NamedCandidate& b) const {
+  const TeamMarking& team = teams_[now.team];
+  const ColorSpace space = color_space(now.frame.format);
+  const PoseEvidence &pose_a = best_pose(a.candidate, a.name), &pose_b = best_pose(b.candidate, b.name);
+  float gain = 0;
+  for (std::size_t s = 0; s + 1 < team.layout.patches.size(); ++s) {
+    const ColorId color_a = team.robots[a.name].colors[s], color_b = team.robots[b.name].colors[s];
+    if (color_a == color_b) continue;
+    BorderOfRobot of_a, of_b;
+    if (!border_of(now, a.candidate, pose_a, s, of_a) || !border_of(now, b.candidate, pose_b, s, of_b)) continue;
+    const auto likelihood = [&](const BorderOfRobot& seen, ColorId color) {
+      return colors_.log_likelihood_of_border(seen.border, seen.light, color, space);
+    };
+    gain += colors_.log_likelihood_of_order(of_a, color_a, of_b, color_b, space);
+    gain -=
+        likelihood(of_a, color_a) + likelihood(of_b, color_b) - likelihood(of_a, color_b) - likelihood(of_b, color_a);
+  }
+  return gain;
+}
+
+// Two robots whose names would be in doubt only because they may be exchanged are compared with each other.
+void Identifier::compare_robots(const Scene& now, const IdEvidences& evidence, AssignedIds& assigned) const {
+  const std::size_t known = teams_[now.team].robots.size();
+  IdEvidences compared = evidence;
+  // Margins to alternatives in which only one of two robots has the other one's name.
+  std::array<float, kMaxRobotsPerTeam> limit{};
+  limit.fill(std::numeric_limits<float>::max());
+  bool any = false;
+  for (std::size_t i = 0; i < assigned.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      if (assigned[i].robot == kNoRobot || assigned[j].robot == kNoRobot) continue;
+      const auto a = static_cast<std::size_t>(assigned[i].robot), b = static_cast<std::size_t>(assigned[j].robot);
+      const float only_i = evidence[i].value[a] - evidence[i].value[b];
+      const float only_j = evidence[j].value[b] - evidence[j].value[a];
+      if (!candidates_[i].has_evidence || !candidates_[j].has_evidence || only_i + only_j >= kDoubtfulMargin) continue;
+      const float gain = evidence_of_order(now, {candidates_[i], a}, {candidates_[j], b});
+      if (gain <= 0.0f) continue;
+      // The robot that loses its name has none, or one that is free.
+      const auto loss = [&](std::size_t robot, std::size_t name, std::size_t other) {
+        float best = evidence[robot].unknown;
+        for (std::size_t k = 0; k < known; ++k) {
+          if (k != name && k != other) best = std::max(best, evidence[robot].value[k]);
+        }
+        return evidence[robot].value[name] - best;
+      };
+      const float one = std::min(only_i + loss(j, b, a), only_j + loss(i, a, b));
+      compared[i].value[b] -= 0.5f * gain;
+      compared[j].value[a] -= 0.5f * gain;
+      for (const std::size_t k : {i, j}) limit[k] = std::min(limit[k], one);
+      any = true;
+    }
+  }
+  if (!any) return;
+  assign_ids(compared, known, kClearMargin, assigned);
+  for (std::size_t k = 0; k < assigned.size(); ++k) assigned[k].margin = std::min(assigned[k].margin, limit[k]);
+}
+
+}  // namespace touchline

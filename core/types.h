@@ -174,6 +174,9 @@ struct RobotSighting {
   Pose pose;
   float residual_m = 0.0f;  // RMS distance of the patches from their layout
   PoseCovariance noise;     // of the pose, as far as this picture tells; without a heading only xx and yy
+  // Part of these variances that lasts while the robot stands: errors against the pixel grid, and of colors and shape.
+  // It becomes another one as the robot moves by `lasts_m`. The rest differs from picture to picture.
+  float lasting_share = 0.0f, lasts_m = 0.0f;
   float confidence = 0.0f;  // see Confidence
   FixedVector<PatchSighting, kMaxPatches> patches;
   IdDoubt doubt = IdDoubt::kNone;

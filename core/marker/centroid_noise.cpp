@@ -11,6 +11,8 @@ namespace {
 constexpr float kUprightPosition_m = 0.005f, kUprightHeading = 0.1f;
 // Error of a region's centroid, along each axis.
 constexpr float kCentroidSigmaPx = 0.2f;
+// Most of it is that of whole pixels on the region's border. It is another one half a pixel further.
+constexpr float kCentroidLastingShare = 0.9f, kCentroidLastsPx = 0.5f;
 // Error of a ball's centroid: light and shade move it by this part of the radius.
 constexpr float kBallShading = 0.15f;
 
@@ -25,6 +27,8 @@ void write_centroid_noise(const CameraModel& camera, const std::array<TeamMarkin
   for (RobotSighting& robot : out.robots) {
     const MarkerLayout& layout = teams[index_of(robot.team)].layout;
     const float variance = variance_at(robot.pose.position, layout.height_m);
+    robot.lasting_share = kCentroidLastingShare;
+    robot.lasts_m = kCentroidLastsPx / camera.scale_px_per_m(robot.pose.position, layout.height_m);
     if (!robot.has_heading) {
       robot.noise.xx = robot.noise.yy = variance;
       continue;

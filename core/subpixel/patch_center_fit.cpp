@@ -26,7 +26,13 @@ constexpr float kMaxCorrectionPx = 2.0f;
 constexpr float kGoodCoverage = 0.22f, kWorstCoverage = 0.32f;
 // Part of the variance of a pixel's covered fraction that moves the center: most of it is the blur's shape, whose
 // errors on opposite edges cancel. Measured in the arena (tests/tools/motion_evaluation_test.cpp).
-constexpr float kMovingPart = 0.1f;
+constexpr float kMovingPart = 0.09f;
+// Distance after which the correlation of the fit's errors is 1/e: those of edges against the pixel grid are others
+// half a pixel further, but most of the error depends on the edges' angles. Measured in games of the arena.
+constexpr float kLastsPx = 8.0f;
+// Ratio of a center's variance from the camera's noise to that for pixels with independent noise: the Bayer pattern's
+// interpolation and blur spread it to neighbors.
+constexpr float kNoiseOfNeighbors = 1.2f;
 // The first iteration leaves at most a tenth of its step as error. After a short step the rest is below the noise.
 constexpr int kMaxPatchIterations = 2;
 constexpr float kShortStepPx = 0.05f;
@@ -71,7 +77,8 @@ class PatchCenterFit::Solver {
     view_.scale_px_per_m = std::sqrt(std::abs(view_.u_by_x * view_.v_by_y - view_.u_by_y * view_.v_by_x));
     view_.ramp_m = kRampPx / view_.scale_px_per_m;
     view_.middle = {0.5f * (front.u_px + back.u_px), 0.5f * (front.v_px + back.v_px)};
-    for (const PatchPlace& place : layout_.patches) targets_.push_back({seen_at(place.x_m, place.y_m), {}, {}, 0, {}});
+    for (const PatchPlace& place : layout_.patches)
+      targets_.push_back({seen_at(place.x_m, place.y_m), {}, {}, 0, 0, {}});
   }
 
   // Returns the weight of the fit, 0 to 1.
@@ -98,6 +105,10 @@ class PatchCenterFit::Solver {
             c * s * (along.xx - along.yy) + (c * c - s * s) * along.xy,
             s * s * along.xx + 2 * c * s * along.xy + c * c * along.yy};
   }
+  // Part of these variances that does not come from the camera's noise, 0 to 1.
+  [[nodiscard]] float lasting_share() const {
+    return error_ > 0.0f ? std::max(0.0f, 1.0f - kNoiseOfNeighbors * camera_noise_ / error_) : 0.0f;
+  }
   [[nodiscard]] float scale_px_per_m() const { return view_.scale_px_per_m; }
 
  private:
@@ -106,6 +117,7 @@ class PatchCenterFit::Solver {
     FieldPoint at;                // offset from there along the outline's axes
     std::array<float, 3> excess;  // light of the patch minus light of the top
     float power;                  // squared norm of the excess
+    float camera_noise;           // variance of a pixel's covered fraction from the noise of its light
     PointCovariance noise;        // of `at`
   };
   using Targets = FixedVector<Target, kMaxPatches>;
@@ -123,6 +135,7 @@ class PatchCenterFit::Solver {
       if (iteration > 0 && step_px > kSameEdgePx && !sample_all()) return false;
       const Targets before = targets_;
       worst_coverage_ = unevenness;
+      error_ = camera_noise_ = 0;
       step_px = 0;
       for (std::size_t k = 0; k < targets_.size(); ++k) {
         if (!step(k, iteration == 0, before)) return false;
@@ -165,6 +178,8 @@ class PatchCenterFit::Solver {
     // A patch that does not have one color is covered by something.
     const float variance = std::max(0.0f, inside.squares / count - target.power);
     unevenness_ = std::max(unevenness_, std::sqrt(variance / target.power));
+    // `variance` is the sum of three channels, of which the covered fraction is a mean.
+    target.camera_noise = variance / (3 * target.power);
     return true;
   }
 
@@ -203,7 +218,10 @@ class PatchCenterFit::Solver {
     // After a short first step, the predicted remaining error equals the error of a second iteration.
     const float left = first ? std::max(0.0f, sums.squares - sums.rx * x - sums.ry * y) : sums.squares;
     worst_coverage_ = std::max(worst_coverage_, std::sqrt(left / sums.weights));
-    const float variance = kMovingPart * left / sums.weights / determinant;
+    const float error = kMovingPart * left / sums.weights;
+    error_ += error;
+    camera_noise_ += target.camera_noise;
+    const float variance = error / determinant;
     target.noise = {variance * sums.yy, -variance * sums.xy, variance * sums.xx};
     target.at.x_m += x;
     target.at.y_m += y;
@@ -218,6 +236,8 @@ class PatchCenterFit::Solver {
   MarkerView view_;
   float unevenness_ = 0;      // largest relative color variation within a patch
   float worst_coverage_ = 0;  // largest RMS error of the covered fraction in the current iteration
+  // Sums over the patches: variances of a pixel's covered fraction that move the center, and from the camera's noise.
+  float error_ = 0, camera_noise_ = 0;
   Targets targets_;
 };
 
@@ -263,6 +283,8 @@ void PatchCenterFit::refine(const Frame& frame, Sightings& sightings) {
     const PoseCovariance noise =
         rigid_fit_noise({places.data(), places.size()}, {errors.data(), errors.size()}, robot.pose.theta_rad);
     robot.noise = robot.noise.tt > 0.0f && noise.tt > 0.0f ? of_mean(robot.noise, trust, noise) : noise;
+    robot.lasting_share = fit.lasting_share();
+    robot.lasts_m = kLastsPx / fit.scale_px_per_m();
     // robot.patches[i].patch is the index in the layout.
     for (PatchSighting& patch : robot.patches) {
       const PixelPoint center = fit.center(patch.patch);

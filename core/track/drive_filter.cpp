@@ -15,8 +15,10 @@ using Vector = Eigen::Matrix<double, kN, 1>;
 using Matrix = Eigen::Matrix<double, kN, kN, Eigen::RowMajor>;
 using VectorMap = Eigen::Map<Vector>;
 using MatrixMap = Eigen::Map<Matrix>;
-using ConstVectorMap = Eigen::Map<const Vector>;
 using ConstMatrixMap = Eigen::Map<const Matrix>;
+using LastingMatrix = Eigen::Matrix<double, kN, 3, Eigen::RowMajor>;
+using LastingMap = Eigen::Map<LastingMatrix>;
+using ConstLastingMap = Eigen::Map<const LastingMatrix>;
 
 // One frame at 25 Hz. For longer times (lost frames) one midpoint of a fast turn is too inaccurate.
 constexpr double kMaxStep = 0.04;
@@ -77,20 +79,6 @@ void symmetrize(MatrixMap p) {
   }
 }
 
-// Eq. (6) in Joseph form, which keeps the covariance positive despite rounding. The first Rows states are measured.
-template <int Rows>
-void correct(VectorMap x, MatrixMap p, const Eigen::Matrix<double, Rows, 1>& innovation,
-             const Eigen::Matrix<double, Rows, Rows>& noise) {
-  const Eigen::Matrix<double, Rows, Rows> s = p.template topLeftCorner<Rows, Rows>() + noise;
-  const Eigen::Matrix<double, kN, Rows> gain = p.template leftCols<Rows>() * s.inverse();
-  x += gain * innovation;
-  x(2) = wrap_angle(x(2));
-  Matrix rest = Matrix::Identity();
-  rest.template leftCols<Rows>() -= gain;
-  p = (rest * p * rest.transpose() + gain * noise * gain.transpose()).eval();
-  symmetrize(p);
-}
-
 Eigen::Matrix3d matrix_of(const PoseCovariance& noise) {
   Eigen::Matrix3f m;
   m << noise.xx, noise.xy, noise.xt, noise.xy, noise.yy, noise.yt, noise.xt, noise.yt, noise.tt;
@@ -104,6 +92,12 @@ Eigen::Vector3d pose_innovation(const Pose& sighted, const DriveFilter::State& x
 
 Eigen::Vector2d position_innovation(FieldPoint sighted, const DriveFilter::State& x) {
   return {static_cast<double>(sighted.x_m) - x[0], static_cast<double>(sighted.y_m) - x[1]};
+}
+
+// Covariance of the difference between a sighted pose and its prediction. `with_lasting`: covariance of both's errors.
+Eigen::Matrix3d innovation_covariance(const Eigen::Matrix3d& state, const Eigen::Matrix3d& with_lasting,
+                                      const PoseCovariance& noise, const PoseCovariance& lasting) {
+  return state + with_lasting + with_lasting.transpose() + matrix_of(noise) + matrix_of(lasting);
 }
 
 double from_to(const DriveFilter::State& a, const DriveFilter::State& b, std::size_t i) {
@@ -124,7 +118,21 @@ void DriveFilter::start(const Pose& pose, const Velocity& velocity, double posit
   slides_ = false;
   wheel_mps_ = velocity.v_mps;
   p_.fill(0.0);
+  with_lasting_.fill(0.0);
   for (std::size_t i = 0; i < kStates; ++i) p_[i * kStates + i] = sigma[i] * sigma[i];
+}
+
+void DriveFilter::start(const Pose& pose, const Velocity& velocity, const PoseCovariance& noise,
+                        const PoseCovariance& lasting) {
+  start(pose, velocity, 0.0, 0.0);
+  MatrixMap(p_.data()).topLeftCorner<3, 3>() = matrix_of(noise) + matrix_of(lasting);
+  LastingMap(with_lasting_.data()).topRows<3>() = -matrix_of(lasting);
+}
+
+void DriveFilter::renew_lasting_error(double position_part, double heading_part) {
+  LastingMap with_lasting(with_lasting_.data());
+  with_lasting.leftCols<2>() *= position_part;
+  with_lasting.col(2) *= heading_part;
 }
 
 void DriveFilter::predict(double dt_s, const DriveInput& input, const RobotFilterParameters& parameters) {
@@ -163,12 +171,21 @@ void DriveFilter::predict_contact_state(double dt_s, const RobotFilterParameters
 
 DriveFilter DriveFilter::mixed(const DriveFilter& other, double weight) const {
   DriveFilter out = *this;
-  out.x_ = mixed_state(other, weight);
+  State apart;
+  for (std::size_t i = 0; i < kStates; ++i) {
+    apart[i] = from_to(x_, other.x_, i);
+    out.x_[i] += weight * apart[i];
+  }
+  out.x_[2] = wrap_angle(out.x_[2]);
+  const double spread = weight * (1.0 - weight);
   for (std::size_t i = 0; i < kStates; ++i) {
     for (std::size_t k = 0; k <= i; ++k) {
-      out.p_[i * kStates + k] = out.p_[k * kStates + i] = mixed_covariance(other, weight, i, k);
+      const std::size_t at = i * kStates + k;
+      out.p_[at] = out.p_[k * kStates + i] = p_[at] + weight * (other.p_[at] - p_[at]) + spread * apart[i] * apart[k];
     }
   }
+  for (std::size_t i = 0; i < with_lasting_.size(); ++i)
+    out.with_lasting_[i] += weight * (other.with_lasting_[i] - with_lasting_[i]);
   out.slides_ = out.slides_ || std::abs(out.x_[5]) > kLeastSlide_mps;
   return out;
 }
@@ -252,6 +269,8 @@ void DriveFilter::slide(double dt, const DriveInput& input, const Sliding& slidi
     a(5, 4) = by_velocity(1, 2);
     MatrixMap p(p_.data());
     p = (a * p * a.transpose()).eval();
+    LastingMap with_lasting(with_lasting_.data());
+    with_lasting = (a * with_lasting).eval();
     const double slide = sliding.noise_mps_rts * sliding.noise_mps_rts * dt;
     p(3, 3) += slide;
     if (slides_) p(5, 5) += slide;
@@ -275,7 +294,7 @@ void DriveFilter::step(double dt, const DriveInput& input, const RobotFilterPara
   if (extent == Extent::kAll) {
     // Eq. (9), extended by the velocities: A P A', computed from the few entries of A beside its diagonal.
     const double turn_now = 0.5 * dt * dt * r.half_now * v, turn_input = 0.5 * dt * dt * r.half_input * v;
-    const auto times_a = [&](Matrix& m) {
+    const auto times_a = [&](auto& m) {
       m.row(0) += -dt * v * s * m.row(2) + dt * r.mean_now * c * m.row(3) - turn_now * s * m.row(4);
       m.row(1) += dt * v * c * m.row(2) + dt * r.mean_now * s * m.row(3) + turn_now * c * m.row(4);
       m.row(2) += dt * r.mean_now * m.row(4);
@@ -295,6 +314,9 @@ void DriveFilter::step(double dt, const DriveInput& input, const RobotFilterPara
     p = m;
     add_motion_without_wheels(p, dt, parameters);
     symmetrize(p);
+    LastingMap with_lasting(with_lasting_.data());
+    times_a(with_lasting);
+    with_lasting.row(5).setZero();
   }
 
   x_[0] += dt * v * c;
@@ -338,22 +360,55 @@ void DriveFilter::shift_to(FieldPoint position) {
   x_[1] = static_cast<double>(position.y_m);
 }
 
-double DriveFilter::distance2(const Pose& sighted, const PoseCovariance& noise) const {
+double DriveFilter::distance2(const Pose& sighted, const PoseCovariance& noise, const PoseCovariance& lasting) const {
   const Eigen::Vector3d innovation = pose_innovation(sighted, x_);
-  const Eigen::Matrix3d s = ConstMatrixMap(p_.data()).topLeftCorner<3, 3>() + matrix_of(noise);
+  const Eigen::Matrix3d s = innovation_covariance(ConstMatrixMap(p_.data()).topLeftCorner<3, 3>(),
+                                                  ConstLastingMap(with_lasting_.data()).topRows<3>(), noise, lasting);
   return innovation.dot(s.inverse() * innovation);
 }
 
-double DriveFilter::log_likelihood(const Pose& sighted, const PoseCovariance& noise) const {
+DriveFilter::Innovation DriveFilter::mixed_innovation(const DriveFilter& other, double weight, const Pose& sighted,
+                                                      const PoseCovariance& noise,
+                                                      const PoseCovariance& lasting) const {
   const Eigen::Vector3d innovation = pose_innovation(sighted, x_);
-  const Eigen::Matrix3d s = ConstMatrixMap(p_.data()).topLeftCorner<3, 3>() + matrix_of(noise);
-  return -0.5 * (innovation.dot(s.inverse() * innovation) + std::log(s.determinant()));
+  const Eigen::Vector3d apart(from_to(x_, other.x_, 0), from_to(x_, other.x_, 1), from_to(x_, other.x_, 2));
+  const auto mean = [weight](const auto& a, const auto& b) -> Eigen::Matrix3d { return a + weight * (b - a); };
+  const Eigen::Matrix3d state =
+      mean(ConstMatrixMap(p_.data()).topLeftCorner<3, 3>(), ConstMatrixMap(other.p_.data()).topLeftCorner<3, 3>()) +
+      weight * (1.0 - weight) * apart * apart.transpose();
+  const Eigen::Matrix3d with_lasting = mean(ConstLastingMap(with_lasting_.data()).topRows<3>(),
+                                            ConstLastingMap(other.with_lasting_.data()).topRows<3>());
+  const Eigen::Matrix3d s = innovation_covariance(state, with_lasting, noise, lasting);
+  Eigen::Vector3d from_mean = innovation - weight * apart;
+  from_mean(2) = wrap_angle(from_mean(2));
+  const Eigen::Matrix3d inverse = s.inverse();
+  return {from_mean.dot(inverse * from_mean), 1.0 - inverse.cwiseProduct(matrix_of(noise)).sum() / 3.0};
 }
 
-void DriveFilter::update(const Pose& sighted, const PoseCovariance& noise) {
-  correct<3>(VectorMap(x_.data()), MatrixMap(p_.data()), pose_innovation(sighted, x_), matrix_of(noise));
+double DriveFilter::update(const Pose& sighted, const PoseCovariance& noise, const PoseCovariance& lasting) {
+  VectorMap x(x_.data());
+  MatrixMap p(p_.data());
+  LastingMap with_lasting(with_lasting_.data());
+  const Eigen::Vector3d innovation = pose_innovation(sighted, x_);
+  const Eigen::Matrix3d s = innovation_covariance(p.topLeftCorner<3, 3>(), with_lasting.topRows<3>(), noise, lasting);
+  const Eigen::Matrix3d inverse = s.inverse();
+  const LastingMatrix with_innovation = p.leftCols<3>() + with_lasting;
+  const LastingMatrix gain = with_innovation * inverse;
+  x += gain * innovation;
+  x(2) = wrap_angle(x(2));
+  // Eq. (6) in Joseph form, which keeps the covariance positive despite rounding: with A = I - K H,
+  // P <- A P A' - (A C K' + K C' A') + K (N + B) K' and C <- A C - K B, where C is with_lasting, N the noise and B the
+  // covariance of the lasting error.
+  const LastingMatrix rest = with_lasting - gain * with_lasting.topRows<3>();
+  const Matrix left = p - gain * p.topRows<3>();
+  const LastingMatrix half = 0.5 * gain * (matrix_of(noise) + matrix_of(lasting)) - rest;
+  const Matrix added = half * gain.transpose();
+  p = left - left.leftCols<3>() * gain.transpose() + added + added.transpose();
+  symmetrize(p);
+  with_lasting = rest - gain * matrix_of(lasting);
   slides_ = slides_ || std::abs(x_[5]) > kLeastSlide_mps;
   if (!slides_) wheel_mps_ = x_[3];
+  return -0.5 * (innovation.dot(inverse * innovation) + std::log(s.determinant()));
 }
 
 double DriveFilter::distance2(FieldPoint patch, const RobotFilterParameters& parameters) const {
@@ -370,8 +425,18 @@ void DriveFilter::update(FieldPoint patch, const RobotFilterParameters& paramete
   if (known <= best) return;
   // The measurement noise with which eq. (6) reduces a variance `known` to `best`.
   const double variance = known * best / (known - best);
-  correct<2>(VectorMap(x_.data()), MatrixMap(p_.data()), position_innovation(patch, x_),
-             variance * Eigen::Matrix2d::Identity());
+  VectorMap x(x_.data());
+  MatrixMap p(p_.data());
+  LastingMap with_lasting(with_lasting_.data());
+  const Eigen::Matrix2d s = p.topLeftCorner<2, 2>() + Eigen::Matrix2d(variance * Eigen::Matrix2d::Identity());
+  const Eigen::Matrix<double, kN, 2> with_innovation = p.leftCols<2>();
+  const Eigen::Matrix<double, kN, 2> gain = with_innovation * s.inverse();
+  x += gain * position_innovation(patch, x_);
+  x(2) = wrap_angle(x(2));
+  const Matrix left = p - gain * p.topRows<2>();
+  p = left - left.leftCols<2>() * gain.transpose() + variance * gain * gain.transpose();
+  symmetrize(p);
+  with_lasting -= (gain * with_lasting.topRows<2>()).eval();
 }
 
 Pose DriveFilter::pose_of(const State& x) {

@@ -15,18 +15,28 @@ namespace touchline {
 ///
 /// A robot that turns faster than its tires can follow, or that was pushed, slides: friction of constant size acts
 /// against the motion of the tires over the floor until they grip. Only then is there a velocity to the side.
+///
+/// A sighting has two errors: noise, which is another one in every picture, and one that lasts while the robot stands.
+/// The second one is not estimated, but the covariances of the state with it are kept, so that the mean of many
+/// sightings of a standing robot has this error, and not a smaller one (Schmidt 1966, the "consider" filter).
 class DriveFilter {
  public:
   // x (m), y (m), heading (rad, in (-pi, pi]), v (m/s), w (rad/s), velocity to the left (m/s; 0 while the tires grip).
   static constexpr std::size_t kStates = 6;
   using State = std::array<double, kStates>;
   using Covariance = std::array<double, kStates * kStates>;  // row-major
+  // Of the state's errors and the three lasting errors of a sighted pose; row-major.
+  using LastingCovariance = std::array<double, kStates * 3>;
 
   struct Velocity {
     double v_mps = 0.0, w_radps = 0.0, v_sigma_mps = 0.0, w_sigma_radps = 0.0;
   };
 
+  /// The first sighting. `noise` and `lasting`: covariances of its two errors.
+  void start(const Pose& pose, const Velocity& velocity, const PoseCovariance& noise, const PoseCovariance& lasting);
   void start(const Pose& pose, const Velocity& velocity, double position_sigma_m, double heading_sigma_rad);
+  /// The lasting error is now this part (0 to 1) of the former one, and the rest is new.
+  void renew_lasting_error(double position_part, double heading_part);
   /// Eq. (5) with the model of eq. (8), linearized at the middle of the step, eq. (9). dt_s >= 0; long times are
   /// divided into steps.
   void predict(double dt_s, const DriveInput& input, const RobotFilterParameters& parameters);
@@ -55,12 +65,20 @@ class DriveFilter {
   void shift_to(FieldPoint position);
 
   /// Squared Mahalanobis distance of a sighted pose from the prediction (chi-square with 3 degrees of freedom).
-  /// `noise`: covariance of the sighting's errors; positive definite.
-  [[nodiscard]] double distance2(const Pose& sighted, const PoseCovariance& noise) const;
-  /// Logarithm of the probability density of a sighted pose, without the constant term.
-  [[nodiscard]] double log_likelihood(const Pose& sighted, const PoseCovariance& noise) const;
-  /// Eq. (6); the heading's innovation is wrapped.
-  void update(const Pose& sighted, const PoseCovariance& noise);
+  /// `noise` and `lasting`: covariances of the sighting's errors; `noise` is positive definite.
+  [[nodiscard]] double distance2(const Pose& sighted, const PoseCovariance& noise,
+                                 const PoseCovariance& lasting = {}) const;
+  /// A sighted pose compared with a prediction.
+  struct Innovation {
+    double distance2 = 0.0;        // as distance2()
+    double predicted_share = 0.0;  // part of the innovation's variances that is not the sighting's noise, 0 to 1
+  };
+  /// Of the distribution of both filters, as of mixed().
+  [[nodiscard]] Innovation mixed_innovation(const DriveFilter& other, double weight, const Pose& sighted,
+                                            const PoseCovariance& noise, const PoseCovariance& lasting) const;
+  /// Eq. (6); the heading's innovation is wrapped. Returns the logarithm of the probability density that the sighted
+  /// pose had, without the constant term.
+  double update(const Pose& sighted, const PoseCovariance& noise, const PoseCovariance& lasting = {});
 
   /// The same for the position of a team patch whose robot showed no heading (2 degrees of freedom).
   [[nodiscard]] double distance2(FieldPoint patch, const RobotFilterParameters& parameters) const;
@@ -97,6 +115,7 @@ class DriveFilter {
   double wheel_mps_ = 0.0;  // mean speed of the rims; it follows the command also while the robot slides
   State x_{};
   Covariance p_{};
+  LastingCovariance with_lasting_{};
 };
 
 }  // namespace touchline

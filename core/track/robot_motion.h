@@ -4,6 +4,14 @@
 
 namespace touchline {
 
+/// Covariances of the errors of a sighted pose: noise, which is another one in every picture, and errors that last
+/// while the robot stands. Those become others as it moves: after `lasts_m`, their correlation with the former ones is
+/// 1/e.
+struct SightingNoise {
+  PoseCovariance white, lasting;
+  double lasts_m = 0.0;  // 0: not even until the next picture
+};
+
 /// Two models of the motion of one robot: it follows its commands, or it is in contact with a wall or another robot and
 /// moves on as before, in any direction. Each has a filter and a probability (interacting multiple models: Blom and
 /// Bar-Shalom 1988). Units and parameters as in DriveFilter.
@@ -11,6 +19,11 @@ class RobotMotion {
  public:
   void start(const Pose& pose, const DriveFilter::Velocity& velocity, double position_sigma_m,
              double heading_sigma_rad);
+  /// The first sighting of the robot.
+  void start(const Pose& pose, const DriveFilter::Velocity& velocity, const SightingNoise& noise);
+  /// Changes the lasting errors as those of a robot that moved to where it is sighted. Call it once for each sighting
+  /// with a heading, before innovation() and update().
+  void renew_lasting_error(const Pose& sighted, const SightingNoise& noise);
   void predict(double dt_s, const DriveInput& input, const RobotFilterParameters& parameters);
   /// Predicts only the state; the covariance is unchanged. A contact becomes less probable with time.
   void predict_state(double dt_s, const DriveInput& input, const RobotFilterParameters& parameters);
@@ -18,7 +31,8 @@ class RobotMotion {
   void scale_covariance(double factor);
   void shift_to(FieldPoint position);
 
-  [[nodiscard]] double distance2(const Pose& sighted, const PoseCovariance& noise) const;
+  /// `noise`: without the lasting errors.
+  [[nodiscard]] DriveFilter::Innovation innovation(const Pose& sighted, const PoseCovariance& noise) const;
   /// Also changes the probabilities of the models, and mixes them for the next prediction.
   void update(const Pose& sighted, const PoseCovariance& noise, const RobotFilterParameters& parameters);
   [[nodiscard]] double distance2(FieldPoint patch, const RobotFilterParameters& parameters) const;
@@ -39,6 +53,10 @@ class RobotMotion {
   DriveFilter free_, contact_;
   double contact_probability_ = 0.0;
   double unmixed_s_ = 0.0;  // time predicted since the last update
+  // The lasting errors: their covariance, where the robot was when they were others, and their correlation with those.
+  PoseCovariance lasting_;
+  Pose lasting_since_;
+  double same_position_ = 1.0, same_heading_ = 1.0;
 };
 
 }  // namespace touchline

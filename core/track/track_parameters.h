@@ -12,6 +12,8 @@ namespace touchline {
 struct RobotFilterParameters {
   double position_sigma_m = 0.00008;
   double heading_sigma_rad = 0.0015;
+  double position_jitter_m = 0.00001;
+  double heading_jitter_rad = 0.0002;
   double patch_sigma_m = 0.025;
   double wheel_lag_s = 0.08;
   double tire_grip_mps2 = 7.8;
@@ -39,16 +41,27 @@ struct RobotFilterParameters {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
-    visit.number(self.position_sigma_m, {.name = "position_sigma_m",
-                                         .range = {1e-5, 0.1},
-                                         .unit = "m",
-                                         .help = "Standard deviation of a sighted position, each axis, beside the "
-                                                 "noise that its picture shows"});
-    visit.number(self.heading_sigma_rad, {.name = "heading_sigma_rad",
-                                          .range = {1e-4, 1.0},
-                                          .unit = "rad",
-                                          .help = "Standard deviation of a sighted heading, beside the noise that its "
-                                                  "picture shows"});
+    visit.number(self.position_sigma_m,
+                 {.name = "position_sigma_m",
+                  .range = {1e-5, 0.1},
+                  .unit = "m",
+                  .help = "Standard deviation of a sighted position's error that lasts while the robot stands, each "
+                          "axis, beside what its picture shows"});
+    visit.number(
+        self.heading_sigma_rad,
+        {.name = "heading_sigma_rad", .range = {1e-4, 1.0}, .unit = "rad", .help = "The same of a sighted heading"});
+    visit.number(
+        self.position_jitter_m,
+        {.name = "position_jitter_m",
+         .range = {1e-6, 0.1},
+         .unit = "m",
+         .help = "Standard deviation of a sighted position from picture to picture, each axis, beside what the "
+                 "picture shows; noise.robot_position_m of the venue file adds to it"});
+    visit.number(self.heading_jitter_rad,
+                 {.name = "heading_jitter_rad",
+                  .range = {1e-5, 1.0},
+                  .unit = "rad",
+                  .help = "The same of a sighted heading; noise.robot_heading_rad adds to it"});
     visit.number(self.patch_sigma_m,
                  {.name = "patch_sigma_m",
                   .range = {1e-4, 0.2},

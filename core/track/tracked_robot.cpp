@@ -37,22 +37,54 @@ LifeCycle::Limits limits_of(const TrackParameters& p) {
   return {p.confirm_sightings, p.forget_new_after_s, p.lost_after_s};
 }
 
-// Weight of the newest squared innovation in their mean.
-constexpr double kNewestSurprise = 0.4;
+// Weight of the newest squared innovation per degree of freedom in their mean, and the mean that is a surprise: 1 in
+// 1000 is larger.
+constexpr double kNewestSurprise = 0.4, kSurprise = 3.0;
+
+// A robot moves more calmly than the parameters allow for as long as its innovations are smaller than predicted: gain
+// of the process noise's variance by a sighting, and its least part for a standing robot and for one that drives at 1
+// m/s. With less at speed, the headings of tracks would be worse than those of sightings.
+constexpr double kActivityGain = 0.2, kLeastActivity = 1e-3, kLeastActivityAtSpeed = 0.3;
 
 // A robot that was not seen for longer may be anywhere. Its next sightings must agree with each other.
 constexpr double kLongestImpact_s = 0.05;
 
 PointFilter::Noise point_motion(const RobotFilterParameters& p) { return {0.0, p.free_noise_mps_rts, 0.0}; }
 
+PoseCovariance scaled(const PoseCovariance& c, float by) {
+  return {by * c.xx, by * c.yy, by * c.tt, by * c.xy, by * c.xt, by * c.yt};
+}
+
 // Errors that the picture shows, and those beside them.
-PoseCovariance noise_of(const RobotSighting& sighting, const RobotFilterParameters& p) {
-  PoseCovariance noise = sighting.noise;
-  const auto position = static_cast<float>(p.position_sigma_m * p.position_sigma_m);
-  noise.xx += position;
-  noise.yy += position;
-  noise.tt += static_cast<float>(p.heading_sigma_rad * p.heading_sigma_rad);
+SightingNoise noise_of(const RobotSighting& sighting, const RobotFilterParameters& p) {
+  SightingNoise noise{scaled(sighting.noise, 1.0f - sighting.lasting_share),
+                      scaled(sighting.noise, sighting.lasting_share), static_cast<double>(sighting.lasts_m)};
+  const auto add = [](PoseCovariance& to, double position_m, double heading_rad) {
+    const auto position = static_cast<float>(position_m * position_m);
+    to.xx += position;
+    to.yy += position;
+    to.tt += static_cast<float>(heading_rad * heading_rad);
+  };
+  add(noise.white, p.position_jitter_m, p.heading_jitter_rad);
+  add(noise.lasting, p.position_sigma_m, p.heading_sigma_rad);
   return noise;
+}
+
+PoseCovariance sum_of(const SightingNoise& noise) {
+  const PoseCovariance &a = noise.white, &b = noise.lasting;
+  return {a.xx + b.xx, a.yy + b.yy, a.tt + b.tt, a.xy + b.xy, a.xt + b.xt, a.yt + b.yt};
+}
+
+// Process noise of this part of the parameters' variances.
+RobotFilterParameters with_activity(const RobotFilterParameters& parameters, double activity) {
+  RobotFilterParameters p = parameters;
+  const double factor = std::sqrt(activity);
+  for (double* density : {&p.slide_noise_mps_rts, &p.contact_noise_mps_rts, &p.drive_noise_m_rts, &p.turn_noise_rad_rts,
+                          &p.drive_error_rts, &p.turn_error_rts, &p.veer_error_rts_per_m, &p.slip_m_rts,
+                          &p.spin_rad_rts, &p.free_noise_mps_rts, &p.free_noise_radps_rts}) {
+    *density *= factor;
+  }
+  return p;
 }
 
 double position_sigma(const PoseCovariance& noise) {
@@ -74,7 +106,8 @@ void TrackedRobot::start(const RobotSighting& sighting, Instant now, std::uint32
   if (heading_known_) {
     start_drive(sighting, {0.0, 0.0, p.start_speed_sigma_mps, p.start_turn_sigma_radps}, p);
   } else {
-    point_.start(sighting.pose.position, {0.0, 0.0, p.start_speed_sigma_mps}, position_sigma(noise_of(sighting, p)));
+    point_.start(sighting.pose.position, {0.0, 0.0, p.start_speed_sigma_mps},
+                 position_sigma(sum_of(noise_of(sighting, p))));
   }
   last_position_ = sighting.pose.position;
   confidence_ = sighting.confidence;
@@ -83,10 +116,10 @@ void TrackedRobot::start(const RobotSighting& sighting, Instant now, std::uint32
 
 void TrackedRobot::start_drive(const RobotSighting& sighting, const DriveFilter::Velocity& velocity,
                                const RobotFilterParameters& parameters) {
-  const PoseCovariance noise = noise_of(sighting, parameters);
-  drive_.start(sighting.pose, velocity, position_sigma(noise), heading_sigma(noise));
+  drive_.start(sighting.pose, velocity, noise_of(sighting, parameters));
   heading_known_ = true;
   surprise_ = 0.0;
+  activity_ = 1.0;
 }
 
 const CommandHistory* TrackedRobot::own_commands(const CommandHistory* commands) const {
@@ -110,8 +143,9 @@ void TrackedRobot::predict(Instant from, Instant to, const CommandHistory* comma
     point_.predict(seconds(to - from), point_motion(parameters.robot));
     return;
   }
+  const RobotFilterParameters p = with_activity(parameters.robot, activity_);
   follow_commands(from, to, own_commands(commands),
-                  [&](double dt_s, const DriveInput& input) { drive_.predict(dt_s, input, parameters.robot); });
+                  [&](double dt_s, const DriveInput& input) { drive_.predict(dt_s, input, p); });
 }
 
 void TrackedRobot::look_ahead(Instant from, Instant to, const CommandHistory* commands,
@@ -127,18 +161,27 @@ void TrackedRobot::look_ahead(Instant from, Instant to, const CommandHistory* co
 // A sighting that free motion cannot explain may show that the robot collided since the last one. One that is pushed,
 // moves sideways, which the model excludes: if several sightings surprise, the prediction counts less (fading memory).
 bool TrackedRobot::fuse_pose(const RobotSighting& sighting, Instant now, const RobotFilterParameters& parameters) {
-  const PoseCovariance noise = noise_of(sighting, parameters);
+  const SightingNoise errors = noise_of(sighting, parameters);
+  const PoseCovariance& noise = errors.white;
   RobotMotion drive = drive_;
-  double distance2 = drive.distance2(sighting.pose, noise);
+  drive.renew_lasting_error(sighting.pose, errors);
+  const DriveFilter::Innovation innovation = drive.innovation(sighting.pose, noise);
+  double distance2 = innovation.distance2;
+  // A step along the gradient of the innovation's likelihood by the logarithm of the process noise.
+  const double ratio = distance2 / 3.0, gain = kActivityGain * innovation.predicted_share;
+  const double change = distance2 > parameters.gate_pose ? ratio : 1.0 + gain * (ratio - 1.0);
+  const double speed = static_cast<double>(drive.twist().v_mps);
+  const double least = std::min(1.0, kLeastActivity + kLeastActivityAtSpeed * speed * speed);
+  activity_ = std::clamp(change * activity_, least, 1.0);
   const double newest = std::min(distance2, parameters.gate_pose) / 3.0;
   const double surprise = surprise_ + kNewestSurprise * (newest - surprise_);
-  if (surprise > 1.0) {
+  if (surprise > kSurprise) {
     drive.scale_covariance(surprise);
-    distance2 = drive.distance2(sighting.pose, noise);
+    distance2 = drive.innovation(sighting.pose, noise).distance2;
   }
   if (distance2 > parameters.gate_pose) {
     drive.disturb(std::min(seconds(now - life_.last_seen()), kLongestImpact_s), parameters);
-    distance2 = drive.distance2(sighting.pose, noise);
+    distance2 = drive.innovation(sighting.pose, noise).distance2;
     if (distance2 > parameters.gate_pose) return false;
   }
   drive.update(sighting.pose, noise, parameters);
@@ -156,7 +199,8 @@ bool TrackedRobot::fuse_without_heading(const RobotSighting& sighting, const Rob
   }
   // With the first heading, the position moves from the team patch to the robot's center.
   PointFilter::Noise noise = point_motion(p);
-  noise.position_sigma_m = position_sigma(noise_of(sighting, p)) + (sighting.has_heading ? p.patch_sigma_m : 0.0);
+  noise.position_sigma_m =
+      position_sigma(sum_of(noise_of(sighting, p))) + (sighting.has_heading ? p.patch_sigma_m : 0.0);
   if (point_.distance2(sighting.pose.position, noise) > p.gate_position) return false;
   if (sighting.has_heading) {
     const double c = std::cos(static_cast<double>(sighting.pose.theta_rad));
@@ -196,7 +240,7 @@ void TrackedRobot::restart(const RobotSighting& sighting, Instant now, const Tra
   const RobotFilterParameters& p = parameters.robot;
   const ConsecutiveOutliers::Outlier& first = outliers_.first();
   const double dt = seconds(now - first.when);
-  const PoseCovariance noise = noise_of(sighting, p);
+  const PoseCovariance noise = sum_of(noise_of(sighting, p));
   double vx = 0.0, vy = 0.0, v_sigma = p.start_speed_sigma_mps;
   if (outliers_.count() >= 2 && dt > 0.0) {
     vx = static_cast<double>(sighting.pose.position.x_m - first.pose.position.x_m) / dt;
@@ -227,7 +271,10 @@ void TrackedRobot::shift_to(FieldPoint position) {
   point_.shift_to(position);
 }
 
-void TrackedRobot::missed(Instant now, const TrackParameters& parameters) { life_.missed(now, limits_of(parameters)); }
+void TrackedRobot::missed(Instant now, const TrackParameters& parameters) {
+  activity_ = 1.0;
+  life_.missed(now, limits_of(parameters));
+}
 
 FieldPoint TrackedRobot::position() const { return heading_known_ ? drive_.pose().position : point_.position(); }
 

@@ -67,6 +67,7 @@ class TrackedRobot {
   float confidence_ = 0.0f;    // of the last sighting
   float innovation2_ = -1.0f;  // as in RobotTrack
   double surprise_ = 0.0;      // mean of the last squared innovations per degree of freedom
+  double activity_ = 1.0;      // part of the process noise's variances that the innovations show
   TrackIdentity identity_;
 };
 

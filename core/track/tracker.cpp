@@ -15,8 +15,9 @@ constexpr double kLongestBounce_s = 0.05;
 bool not_negative(double value) { return std::isfinite(value) && value >= 0.0; }
 
 bool usable(const RobotFilterParameters& p) {
-  return is_positive(p.position_sigma_m) && is_positive(p.heading_sigma_rad) && is_positive(p.patch_sigma_m) &&
-         not_negative(p.wheel_lag_s) && not_negative(p.tire_grip_mps2) && not_negative(p.slide_noise_mps_rts) &&
+  return is_positive(p.position_sigma_m) && is_positive(p.heading_sigma_rad) && is_positive(p.position_jitter_m) &&
+         is_positive(p.heading_jitter_rad) && is_positive(p.patch_sigma_m) && not_negative(p.wheel_lag_s) &&
+         not_negative(p.tire_grip_mps2) && not_negative(p.slide_noise_mps_rts) &&
          not_negative(p.contact_noise_mps_rts) && is_positive(p.contacts_per_s) && is_positive(p.contact_lasts_s) &&
          not_negative(p.drive_noise_m_rts) && not_negative(p.turn_noise_rad_rts) && not_negative(p.drive_error_rts) &&
          not_negative(p.turn_error_rts) && not_negative(p.veer_error_rts_per_m) && not_negative(p.slip_m_rts) &&

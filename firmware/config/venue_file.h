@@ -133,23 +133,23 @@ struct NoiseEntry {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
-    visit.number(self.robot_position_m,
-                 {.name = "robot_position_m",
-                  .range = {0.0, 0.1},
-                  .unit = "m",
-                  .help = "Standard deviation of a sighted position, each axis, beside tracking.robot.position_sigma_m "
-                          "and the noise that its picture shows"});
+    visit.number(
+        self.robot_position_m,
+        {.name = "robot_position_m",
+         .range = {0.0, 0.1},
+         .unit = "m",
+         .help = "Standard deviation of a standing robot's sighted position from picture to picture, each axis, "
+                 "beside the noise that its picture shows; adds to tracking.robot.position_jitter_m"});
     visit.number(self.robot_heading_rad,
                  {.name = "robot_heading_rad",
                   .range = {0.0, 1.0},
                   .unit = "rad",
-                  .help = "Standard deviation of a sighted heading, beside tracking.robot.heading_sigma_rad and the "
-                          "noise that its picture shows"});
+                  .help = "The same of its heading; adds to tracking.robot.heading_jitter_rad"});
     visit.number(self.ball_position_m,
                  {.name = "ball_position_m",
                   .range = {0.0, 0.1},
                   .unit = "m",
-                  .help = "The same for the ball, each axis, beside tracking.ball.position_sigma_m"});
+                  .help = "The same of the ball's position; adds to tracking.ball.position_sigma_m"});
   }
 };
 

@@ -43,17 +43,17 @@ TEST_F(ConfigFiles, ColorIdsFollowTheVenueFile) {
 
 // Independent errors: the variances of team and venue file add.
 TEST_F(ConfigFiles, NoiseOfTheVenueAddsToThatOfTheTeam) {
-  const std::vector<std::string> alone = {"tracking.robot.position_sigma_m=0.003",
-                                          "tracking.robot.heading_sigma_rad=0.03",
+  const std::vector<std::string> alone = {"tracking.robot.position_jitter_m=0.003",
+                                          "tracking.robot.heading_jitter_rad=0.03",
                                           "tracking.ball.position_sigma_m=0.005"};
   ASSERT_OK(load(alone));
-  EXPECT_NEAR(configuration_->pipeline.track.robot.position_sigma_m, 0.003, 1e-12);
+  EXPECT_NEAR(configuration_->pipeline.track.robot.position_jitter_m, 0.003, 1e-12);
   std::vector<std::string> both = alone;
   both.insert(both.end(),
               {"noise.robot_position_m=0.004", "noise.robot_heading_rad=0.04", "noise.ball_position_m=0.012"});
   ASSERT_OK(load(both));
-  EXPECT_NEAR(configuration_->pipeline.track.robot.position_sigma_m, 0.005, 1e-12);
-  EXPECT_NEAR(configuration_->pipeline.track.robot.heading_sigma_rad, 0.05, 1e-12);
+  EXPECT_NEAR(configuration_->pipeline.track.robot.position_jitter_m, 0.005, 1e-12);
+  EXPECT_NEAR(configuration_->pipeline.track.robot.heading_jitter_rad, 0.05, 1e-12);
   EXPECT_NEAR(configuration_->pipeline.track.ball.position_sigma_m, 0.013, 1e-12);
 }
 

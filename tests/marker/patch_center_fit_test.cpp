@@ -2,7 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
 #include <numbers>
+#include <vector>
 
 #include "core/geometry/angle.h"
 #include "core/marker/rigid_fit.h"
@@ -120,6 +125,60 @@ class PatchCenter : public ::testing::Test {
   Sightings sightings_;
   PortableRandom dice_{77};
 };
+
+// The same robot in pictures with other noise: the scatter is what the sightings state beside their lasting error.
+TEST_F(PatchCenter, StatesTheNoiseOfTheCamera) {
+  use(paper_layout());
+  constexpr int kPoses = 6, kPictures = 40;
+  float scatter = 0, turn_scatter = 0, stated = 0, turn_stated = 0;
+  for (int n = 0; n < kPoses; ++n) {
+    const Pose truth{{dice_.real(-0.8f, 0.8f), dice_.real(-0.6f, 0.6f)}, dice_.real(-kPi, kPi)};
+    const Photograph picture = photograph(PixelFormat::kRgb24, truth, 1.0f);
+    Frame frame = picture.frame();
+    const std::vector<std::uint8_t> clean(frame.plane[0], frame.plane[0] + plane_bytes(frame, 0));
+    std::vector<std::uint8_t> noisy(clean.size());
+    frame.plane[0] = noisy.data();
+    std::array<std::vector<float>, 3> seen;
+    for (int k = 0; k <= kPictures; ++k) {
+      // The last one has no noise. The sum of four uniform values is nearly normal; its standard deviation is 3.
+      const float reach = k == kPictures ? 0.0f : 3.0f * std::sqrt(3.0f) / 2.0f;
+      for (std::size_t i = 0; i < clean.size(); ++i) {
+        float value = static_cast<float>(clean[i]);
+        if (reach > 0) {
+          for (int part = 0; part < 4; ++part) value += dice_.real(-reach, reach);
+        }
+        noisy[i] = static_cast<std::uint8_t>(std::clamp(value + 0.5f, 0.0f, 255.0f));
+      }
+      sightings_.robots.clear();
+      sightings_.robots.push_back(sighting(truth));
+      centers_.refine(frame, sightings_);
+      const RobotSighting& robot = sightings_.robots[0];
+      if (k == kPictures) {
+        EXPECT_GT(robot.lasting_share, 0.97f) << "rounding is all the noise that there is";
+        continue;
+      }
+      seen[0].push_back(robot.pose.position.x_m);
+      seen[1].push_back(robot.pose.position.y_m);
+      seen[2].push_back(wrap_angle(robot.pose.theta_rad - truth.theta_rad));
+      const float scatters = (1 - robot.lasting_share) / (kPoses * kPictures);
+      stated += scatters * (robot.noise.xx + robot.noise.yy);
+      turn_stated += scatters * robot.noise.tt;
+      EXPECT_GT(robot.lasts_m, 0.001f);
+    }
+    for (std::size_t c = 0; c < 3; ++c) {
+      float mean = 0, squares = 0;
+      for (const float value : seen[c]) mean += value / kPictures;
+      for (const float value : seen[c]) squares += (value - mean) * (value - mean) / (kPictures - 1);
+      (c < 2 ? scatter : turn_scatter) += squares / kPoses;
+    }
+  }
+  std::printf("variances, stated / seen: %.2f and %.2f\n", static_cast<double>(stated / scatter),
+              static_cast<double>(turn_stated / turn_scatter));
+  EXPECT_GT(stated / scatter, 0.4f);
+  EXPECT_LT(stated / scatter, 2.5f);
+  EXPECT_GT(turn_stated / turn_scatter, 0.4f);
+  EXPECT_LT(turn_stated / turn_scatter, 2.5f);
+}
 
 // With shared chroma, color edges have half the resolution.
 TEST_F(PatchCenter, IsAccurateInEveryFormat) {

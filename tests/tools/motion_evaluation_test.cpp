@@ -44,11 +44,12 @@ TEST(MotionEvaluation, TracksOfAGameAreNotWorseThanSightings) {
     EXPECT_GT(robots.tracked.count, 3300U);
     expect_not_worse(robots);
     EXPECT_GT(robots.nees_position, kLeast) << name;
-    EXPECT_LT(robots.nees_position, 1.8) << name;
+    EXPECT_LT(robots.nees_position, kMost) << name;
     // Single sightings of robots that touch have constant errors of up to 2 degrees, which dominate this mean.
     EXPECT_GT(robots.nees_angle, 0.35) << name;
     EXPECT_LT(robots.nees_angle, 1.8) << name;
-    EXPECT_LT(robots.nis, 1.0) << name;
+    EXPECT_GT(robots.nis, 0.4) << name;
+    EXPECT_LT(robots.nis, kMost) << name;
   }
   EXPECT_LT(row(report, "own robots").acted.rms, 0.0025);
   EXPECT_LT(row(report, "opponents").acted.rms, 0.0015);
@@ -92,6 +93,9 @@ TEST(MotionEvaluation, RobotsAtRest) {
   expect_not_worse(rest);
   EXPECT_GT(rest.nees_position, kLeast);
   EXPECT_LT(rest.nees_position, kMost);
+  // Innovations are as large as predicted soon after a robot was placed.
+  EXPECT_GT(rest.nis, 0.4);
+  EXPECT_LT(rest.nis, kMost);
   // Robots without neighbors have smaller errors of the heading than those in a game.
   EXPECT_GT(rest.nees_angle, 0.3);
   EXPECT_LT(rest.nees_angle, kMost);

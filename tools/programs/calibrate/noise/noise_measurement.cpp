@@ -63,8 +63,10 @@ void NoiseMeasurement::add(const Sightings& sightings) {
     // Relative to the first one, so that no angle wraps.
     const double theta = static_cast<double>(robot.pose.theta_rad);
     seen.theta.push_back(seen.theta.empty() ? theta : seen.theta.front() + wrap_angle(theta - seen.theta.front()));
-    seen.position_var.push_back(0.5 * static_cast<double>(robot.noise.xx + robot.noise.yy));
-    seen.heading_var.push_back(static_cast<double>(robot.noise.tt));
+    // Errors that last while a robot stands do not scatter.
+    const float scatters = 1.0f - robot.lasting_share;
+    seen.position_var.push_back(0.5 * static_cast<double>(scatters * (robot.noise.xx + robot.noise.yy)));
+    seen.heading_var.push_back(static_cast<double>(scatters * robot.noise.tt));
   }
   const BallSighting& ball = sightings.ball;
   if (!ball.seen) return;

@@ -16,8 +16,9 @@ namespace touchline::calibrate {
 struct ObjectNoise {
   std::string name;
   std::size_t sightings = 0;
-  double position_m = 0.0, heading_rad = 0.0;              // measured
-  double shown_position_m = 0.0, shown_heading_rad = 0.0;  // that the pictures show, RMS of all sightings
+  double position_m = 0.0, heading_rad = 0.0;  // measured
+  // That the pictures show, RMS of all sightings; of robots without the errors that last while they stand.
+  double shown_position_m = 0.0, shown_heading_rad = 0.0;
 };
 
 struct NoiseReport {

@@ -1,0 +1,177 @@
+// Errors of sightings that last while a robot stands, and the process noise that follows the innovations.
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <random>
+
+#include "core/geometry/angle.h"
+#include "core/track/robot_motion.h"
+#include "core/track/tracker.h"
+#include "tests/track/simulated_robot.h"
+
+namespace touchline {
+namespace {
+
+constexpr double kPeriod_s = 1.0 / 60.0;
+constexpr double kWhite_m = 0.00003, kLasting_m = 0.0001, kWhite_rad = 0.0006, kLasting_rad = 0.003;
+
+SightingNoise noise() { return {sighting_noise(kWhite_m, kWhite_rad), sighting_noise(kLasting_m, kLasting_rad), 0.03}; }
+
+// A robot whose sightings have both errors.
+class SightedRobot {
+ public:
+  explicit SightedRobot(unsigned seed) : random_(seed) { renew(); }
+  // The lasting error becomes another one.
+  void renew() {
+    for (std::size_t i = 0; i < 3; ++i) error_[i] = (i < 2 ? kLasting_m : kLasting_rad) * normal_(random_);
+  }
+  [[nodiscard]] Pose sighted() {
+    return touchline::pose(x + error_[0] + kWhite_m * normal_(random_), y + error_[1] + kWhite_m * normal_(random_),
+                           theta + error_[2] + kWhite_rad * normal_(random_));
+  }
+  double x = 0.1, y = -0.2, theta = 0.7;
+
+ private:
+  std::mt19937 random_;
+  std::normal_distribution<double> normal_;
+  std::array<double, 3> error_{};
+};
+
+// A robot that is known to stand.
+RobotFilterParameters without_motion() {
+  RobotFilterParameters p;
+  p.slip_m_rts = p.spin_rad_rts = p.drive_noise_m_rts = p.turn_noise_rad_rts = 0.0;
+  p.contacts_per_s = 1e-6;
+  return p;
+}
+
+TEST(LastingError, ManySightingsOfAStandingRobotAreNotBetterThanTheirLastingError) {
+  double nees = 0.0, nis = 0.0;
+  constexpr int kRuns = 200, kSightings = 50;
+  for (unsigned run = 0; run < kRuns; ++run) {
+    SightedRobot robot(run);
+    RobotMotion motion;
+    motion.start(robot.sighted(), {0.0, 0.0, 1e-6, 1e-6}, noise());
+    for (int k = 0; k < kSightings; ++k) {
+      motion.predict(kPeriod_s, {true, {}}, without_motion());
+      const Pose seen = robot.sighted();
+      motion.renew_lasting_error(seen, noise());
+      nis += motion.innovation(seen, noise().white).distance2 / 3.0 / (kRuns * kSightings);
+      motion.update(seen, noise().white, without_motion());
+    }
+    EXPECT_GT(motion.sigma(0), 0.98 * kLasting_m);
+    EXPECT_LT(motion.sigma(0), 1.1 * kLasting_m);
+    EXPECT_GT(motion.sigma(2), 0.9 * kLasting_rad);
+    const Pose pose = motion.pose();
+    nees += (std::pow((static_cast<double>(pose.position.x_m) - robot.x) / motion.sigma(0), 2) +
+             std::pow((static_cast<double>(pose.position.y_m) - robot.y) / motion.sigma(1), 2) +
+             std::pow(wrap_angle(static_cast<double>(pose.theta_rad) - robot.theta) / motion.sigma(2), 2)) /
+            (3.0 * kRuns);
+  }
+  std::printf("NEES %.2f NIS %.2f\n", nees, nis);
+  EXPECT_GT(nees, 0.8);
+  EXPECT_LT(nees, 1.2);
+  EXPECT_GT(nis, 0.8);
+  EXPECT_LT(nis, 1.2);
+}
+
+// Elsewhere the error is another one, so the mean of sightings at several places is better.
+TEST(LastingError, BecomesAnotherOneOnTheWay) {
+  SightedRobot robot(5);
+  RobotMotion motion;
+  motion.start(robot.sighted(), {0.0, 0.0, 1e-6, 1e-6}, noise());
+  const double alone = motion.sigma(0);
+  for (int k = 0; k < 20; ++k) {
+    motion.predict(kPeriod_s, {true, {}}, without_motion());
+    // The tracked place moves along.
+    motion.shift_to({static_cast<float>(robot.x += 0.2), static_cast<float>(robot.y)});
+    robot.renew();
+    const Pose seen = robot.sighted();
+    motion.renew_lasting_error(seen, noise());
+    motion.update(seen, noise().white, without_motion());
+  }
+  EXPECT_LT(motion.sigma(0), 0.35 * alone) << "twenty independent errors";
+  EXPECT_GT(motion.sigma(0), 0.15 * alone);
+}
+
+// A part of the robot that is no longer hidden changes the error at once.
+TEST(LastingError, OfAnotherSizeIsAnotherError) {
+  SightedRobot robot(6);
+  SightingNoise large = noise();
+  large.lasting = sighting_noise(20.0 * kLasting_m, 20.0 * kLasting_rad);
+  RobotMotion motion;
+  motion.start(robot.sighted(), {0.0, 0.0, 1e-6, 1e-6}, large);
+  for (int k = 0; k < 3; ++k) {
+    motion.predict(kPeriod_s, {true, {}}, without_motion());
+    const Pose seen = robot.sighted();
+    motion.renew_lasting_error(seen, k == 0 ? large : noise());
+    motion.update(seen, noise().white, without_motion());
+    if (k == 0) {
+      EXPECT_GT(motion.sigma(0), 15.0 * kLasting_m);
+    }
+  }
+  EXPECT_LT(motion.sigma(0), 1.5 * kLasting_m);
+}
+
+// Sightings of a robot by the tracker: it stands for four seconds, then it is pushed.
+struct Pushed {
+  double nis = 0.0;                             // while it stands, after one second
+  double error_m = 0.0, speed_error_mps = 0.0;  // largest, from the second frame of the push on
+};
+
+Pushed stand_and_push(Team team, unsigned seed) {
+  constexpr int kStands = 240, kCounts = 180;
+  constexpr double kSpeed = 0.5;
+  Tracker tracker;
+  TrackParameters parameters;
+  parameters.robot.position_sigma_m = 1e-5;
+  parameters.robot.heading_sigma_rad = 1e-4;
+  EXPECT_TRUE(tracker.configure(parameters).ok());
+  SightedRobot robot(seed);
+  Pushed out;
+  const SightingNoise errors = noise();
+  for (int k = 0; k < kStands + 10; ++k) {
+    if (k >= kStands)
+      robot.x += kSpeed * kPeriod_s * std::cos(robot.theta), robot.y += kSpeed * kPeriod_s * std::sin(robot.theta);
+    RobotSighting sighting = sighting_of(team, 3, robot.sighted());
+    sighting.noise = sighting_noise(std::hypot(kWhite_m, kLasting_m), std::hypot(kWhite_rad, kLasting_rad));
+    sighting.lasting_share = errors.lasting.xx / sighting.noise.xx;
+    sighting.lasts_m = 0.03f;
+    Sightings sightings;
+    sightings.robots.push_back(sighting);
+    Tracks tracks;
+    tracker.update(sightings, at(k * kPeriod_s), at(k * kPeriod_s), tracks);
+    Commands stop;
+    stop.robots.push_back({3, {}, {}});
+    tracker.add_commands(stop, at(k * kPeriod_s));
+    EXPECT_EQ(tracks.robots.size(), 1U);
+    const RobotTrack& track = tracks.robots[0];
+    if (k >= kStands - kCounts && k < kStands) out.nis += static_cast<double>(track.innovation2) / 3.0 / kCounts;
+    if (k <= kStands) continue;
+    out.error_m = std::max(out.error_m, std::hypot(static_cast<double>(track.pose.position.x_m) - robot.x,
+                                                   static_cast<double>(track.pose.position.y_m) - robot.y));
+    out.speed_error_mps = std::max(out.speed_error_mps, std::abs(static_cast<double>(track.twist.v_mps) - kSpeed));
+  }
+  return out;
+}
+
+TEST(Activity, InnovationsOfStandingRobotsAreAsLargeAsPredictedAndAPushIsSeenAtOnce) {
+  for (const Team team : {Team::kOwn, Team::kOpponent}) {
+    double nis = 0.0;
+    constexpr unsigned kRuns = 40;
+    for (unsigned run = 0; run < kRuns; ++run) {
+      const Pushed pushed = stand_and_push(team, 100 + run);
+      nis += pushed.nis / kRuns;
+      EXPECT_LT(pushed.error_m, 0.001) << run;
+      EXPECT_LT(pushed.speed_error_mps, 0.1) << run;
+    }
+    std::printf("NIS %.2f\n", nis);
+    EXPECT_GT(nis, 0.5);
+    EXPECT_LT(nis, 1.3);
+  }
+}
+
+}  // namespace
+}  // namespace touchline

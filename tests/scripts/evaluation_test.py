@@ -12,6 +12,7 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 sys.path.insert(0, str(ROOT / "tools" / "evaluation"))
 import judging  # noqa: E402
 import motion  # noqa: E402
+import real_sets  # noqa: E402
 import table  # noqa: E402
 import truth  # noqa: E402
 
@@ -153,6 +154,20 @@ class Motion(unittest.TestCase):
         empty = self.row([self.game(0.001, 1.0, count=0)], "own robots, 1 frame after an impact, max mm")
         self.assertIsNone(empty["value"])
         self.assertEqual(table.missed_goals(empty), [])
+
+
+class Turns(unittest.TestCase):
+    def test_counts_accepted_pictures_and_keeps_reasons(self):
+        judged = {"robots": [{"verdict": "right", "truth": {}, "report": None}, {"verdict": "wrong", "truth": {}, "report": None}],
+                  "ball": None, "ball_truth": None, "ball_right": None}
+        row, details = real_sets.turns(["a.png", "b.png", "c.png"], lambda name: "no ball" if name == "b.png" else None,
+                                       lambda name: [judged] * (2 if name == "a.png" else 1))
+        self.assertEqual((row["robots"], row["right"], row["wrong"]), (6, 3, 3))
+        self.assertEqual(row["note"], "2 of 3 accepted, refused: b")
+        self.assertEqual(details["b.png"], {"refused": "no ball"})
+        self.assertEqual(details["a.png"]["right"], 2)
+        self.assertEqual(table.missed_goals({**row, "goal": {"wrong": 0}}), ["wrong"])
+        self.assertIn("2 of 3 accepted, refused: b", table.text_of({"set": "s", "case": "each", **row, "goal": {}}, {}))
 
 
 class Program(unittest.TestCase):

@@ -58,6 +58,15 @@ class Programs:
             return False
         return True
 
+    def unclicked_colors(self, venue, team, pictures):
+        """Calibrates colors without clicks; returns the reason why the program refuses, or None if it accepts."""
+        options = [option for p in pictures for option in ("--picture", p)]
+        try:
+            self.run("calibrate", "colors", "--venue", venue, "--team", team, *options, "--yes")
+        except Failed as failure:
+            return " ".join(str(failure).split("touchline-calibrate: ", 1)[-1].split())
+        return None
+
     def replay(self, pictures, venue, team, name, *options):
         """Returns the path of the result and its parsed lines."""
         result = self.out / f"{name}.jsonl"

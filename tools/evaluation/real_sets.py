@@ -49,6 +49,27 @@ def learn(tools, venue, team, pictures):
     return tools.colors("--venue", venue, "--team", team, *options, "--yes")
 
 
+def turns(names, calibrate, judge):
+    """Uses each picture in turn as the only one that the colors are from.
+
+    `calibrate`: of a name, returns the reason of a refusal or None. `judge`: of a name, returns the verdicts in all other
+    pictures. Returns the row of all accepted calibrations, whose note counts them, and the details of each picture.
+    """
+    judged, details = [], {}
+    for name in names:
+        refused = calibrate(name)
+        if refused is None:
+            here = judge(name)
+            judged += here
+            details[name] = judging.add_up(here)
+        else:
+            details[name] = {"refused": refused}
+    accepted = [name for name in names if "refused" not in details[name]]
+    refusals = ", ".join(name.split(".")[0] for name in names if name not in accepted)
+    note = f"{len(accepted)} of {len(names)} accepted" + (f", refused: {refusals}" if refusals else "")
+    return judging.add_up(judged) | {"note": note}, details
+
+
 def with_halves(parts, goal):
     """Returns the row of two halves of judged pictures, and its goal."""
     row = judging.add_up([one for part in parts for one in part])
@@ -111,6 +132,28 @@ class PictureSet:
         case = f"no clicks, {' and '.join(n.split('.')[0] for n in self.learned[:count])}"
         self.report.attempt(self.name, case, IDS, run)
 
+    def each_in_turn(self):
+        """Colors from each picture without a click. A refused one is judged by its advice only, which is in the details."""
+        def run():
+            venue = self.tools.out / f"{self.name}-each-venue.toml"
+
+            def calibrate(name):
+                field_only(self.made, venue)
+                return self.tools.unclicked_colors(venue, self.team, [p for p in self.pictures if p.name == name])
+
+            def judge(name):
+                judged = []
+                for other in self.pictures:
+                    if other.name != name:
+                        _, lines = self.tools.replay(other, venue, self.team, f"{self.name}-each")
+                        judged.append(self.judge(other.name, lines[-1]))
+                return judged
+            row, details = turns([p.name for p in self.pictures], calibrate, judge)
+            self.report.add(self.name, case, row, {"wrong": 0})
+            self.report.details.setdefault("each picture", {})[self.name] = details
+        case = "no clicks, each picture in turn"
+        self.report.attempt(self.name, case, {"wrong": 0}, run)
+
     def clicked(self):
         """Colors from the recipe's clicks."""
         def run():
@@ -153,6 +196,8 @@ class PictureSet:
         self.unclicked(1)
         if len(self.learned) > 1 and not quick:
             self.unclicked(2)
+        if not quick:
+            self.each_in_turn()
         if self.name == "mirosot-triangles":
             self.clicked_once()
             if not quick:

@@ -136,6 +136,18 @@ TEST_F(ClicksOnFootage, AColorInGlareIsNamedAsTheCause) {
   EXPECT_EQ(text.find("apart"), std::string::npos) << text;
 }
 
+// Without a region of interest, specks beyond the border resemble the dark red patches. With them, the same robots are
+// recognized: that is no doubt.
+TEST_F(ClicksOnFootage, ALargerClusterOfAColorIsNoDoubt) {
+  load_picture({"mirosot-triangles", "mirosot-triangles/r0.png", PixelFormat::kRgb24});
+  if (IsSkipped() || HasFatalFailure()) return;
+  VenueDraft whole = venue.value();
+  whole.region_of_interest.clear();
+  const Result<DetectedColors> found = auto_detect_colors(whole, team.value(), {}, pictures);
+  ASSERT_TRUE(found.ok()) << found.text();
+  EXPECT_TRUE(found.value().doubts.empty()) << found.value().doubts.front().text;
+}
+
 INSTANTIATE_TEST_SUITE_P(
     Sets, ClicksOnFootage,
     ::testing::Values(ClickedPicture{"vss-overhead", "vss-overhead.mp4", PixelFormat::kRgb24},

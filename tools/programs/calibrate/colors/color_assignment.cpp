@@ -35,6 +35,16 @@ bool is_within(const AssignmentInput& input, std::size_t patch, const std::vecto
   });
 }
 
+// Whether `other` recognizes every robot of `one` at the same place.
+bool has_robots_of(const Solution& other, const Solution& one) {
+  return std::all_of(one.named.begin(), one.named.end(), [&](const AssignedRobot& robot) {
+    return std::any_of(other.named.begin(), other.named.end(), [&](const AssignedRobot& same) {
+      return same.picture == robot.picture && same.team == robot.team && same.robot == robot.robot &&
+             same.team_patch == robot.team_patch;
+    });
+  });
+}
+
 }  // namespace
 
 double AssignedColor::confidence() const { return patches.empty() ? 0.0 : 1.0 / (1.0 + std::exp(-margin)); }
@@ -43,7 +53,7 @@ Assignment assign_colors(const AssignmentInput& input) {
   const std::vector<PatchLabels> cuts = label_patches(input);
   const Solution best = solve_assignment(input, cuts, {}, true);
   // Margins compare solutions with one cluster per color.
-  const double cost = solve_assignment(input, cuts, {}, false).cost;
+  const Solution single = solve_assignment(input, cuts, {}, false);
   Assignment out;
   out.colors.resize(input.colors.size());
   if (best.label_of.empty()) return out;
@@ -77,10 +87,14 @@ Assignment assign_colors(const AssignmentInput& input) {
       continue;
     }
     const Solution other = solve_assignment(input, cuts, {c, lab}, false);
-    color.margin = std::min(kCertain, other.cost - cost);
+    color.margin = std::min(kCertain, other.cost - single.cost);
     if (other.label_of.empty()) continue;
     color.alternative = alternative_of(input, other, c, lab);
     const std::size_t label = other.label_of[c];
+    // A larger cluster around the same patches gives them no other color.
+    color.same = label != kNone && has_robots_of(other, single) &&
+                 std::all_of(color.patches.begin(), color.patches.end(),
+                             [&](std::size_t p) { return is_within(input, p, other.labels[label].patches); });
     color.alone = label == kNone || std::all_of(other.labels[label].patches.begin(), other.labels[label].patches.end(),
                                                 [&](std::size_t p) { return is_within(input, p, color.patches); });
   }

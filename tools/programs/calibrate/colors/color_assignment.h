@@ -39,6 +39,7 @@ struct AssignedColor {
   double margin = 0;                 // cost difference to the best other assignment of this color, nats
   std::string alternative;           // the color of its patches in that assignment, or ""
   bool alone = false;                // it has no patch at another place in that assignment
+  bool same = false;                 // it has all of its patches and all robots in that assignment, and others too
   [[nodiscard]] double confidence() const;
 };
 

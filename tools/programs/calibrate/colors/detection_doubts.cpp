@@ -60,7 +60,8 @@ class Doubts {
                      name, color.dissimilarity),
            any_click(c)});
       // An unusual paint of the right hue for which there is no other patch is no doubt.
-    } else if (color.margin < kLeastCostMargin && !(color.alone && has_hue_of(wanted.look, color.rgb)) &&
+    } else if (color.margin < kLeastCostMargin && !(color.same && c + 1 != input_.ball) &&
+               !(color.alone && has_hue_of(wanted.look, color.rgb)) &&
                (!color.alternative.empty() || !wanted.look || color.dissimilarity > kLooksRight)) {
       out_.push_back(
           {formatted("%s: could also be %s; %s is taken for %s: click on it if that is right, otherwise on one that is",

@@ -39,6 +39,8 @@ struct TileParameters {
   // By byte: R G B -, B G R -, Y U Y V, U Y V Y; with chroma in planes of its own Y Y U V. Unused bytes have any value.
   std::array<std::uint8_t, 4> background_low{};
   std::array<std::uint8_t, 4> background_extent{255, 255, 255, 255};
+
+  bool operator==(const TileParameters&) const = default;
 };
 
 /// Byte of TileParameters::background_low for each channel: its offset in the first plane, or byte 2 or 3 for chroma in

@@ -1,5 +1,7 @@
 #include "core/color/row_classifier.h"
 
+#include <algorithm>
+
 namespace touchline {
 
 Status RowClassifier::configure(PixelFormat format, std::uint16_t width_px, std::uint16_t height_px,
@@ -31,6 +33,8 @@ void RowClassifier::update_tiles(std::uint16_t tile_row, const LightChange* chan
     }
     tiles[column] = background_.of(level);
   }
+  has_one_light_[tile_row] =
+      std::all_of(tiles, tiles + shading_.columns(), [&](const TileParameters& tile) { return tile == *tiles; });
 }
 
 void RowClassifier::apply_light_change(const LightChange& change, const FieldLight& field, std::uint16_t tile_row) {
@@ -61,8 +65,10 @@ OccupiedWords RowClassifier::classify(const Frame& frame, std::uint16_t v, std::
   const RowPixels row = row_pixels(frame, v);
 
   const std::size_t tile_row = v / kTileHeight, first_tile = shading_.active() ? tile_row * shading_.columns() : 0;
+  const bool has_one_light = shading_.active() && has_one_light_[tile_row];
   const SpanTables tables = {&tables_,           &nibbles_,           &tiles_[first_tile],
-                             !shading_.active(), background_.exist(), background_.begin_at_zero()};
+                             !shading_.active(), background_.exist(), background_.begin_at_zero(),
+                             has_one_light};
   return kernel_(tables, row, begin, end, colors);
 }
 

@@ -60,7 +60,8 @@ class RowClassifier {
   NibbleTables nibbles_;
   Shading shading_;
   BackgroundRanges background_;
-  std::array<TileParameters, kMaxTiles> tiles_{};  // without a light map, the first applies to all columns
+  std::array<TileParameters, kMaxTiles> tiles_{};   // without a light map, the first applies to all columns
+  std::array<bool, kMaxTileRows> has_one_light_{};  // all tiles of the row are equal
 };
 
 }  // namespace touchline

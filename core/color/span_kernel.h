@@ -19,6 +19,7 @@ struct SpanTables {
   bool unshaded = true;
   bool has_background_box = false;    // the tiles have the ranges of a BackgroundBox
   bool background_from_zero = false;  // background_low is 0 in all tiles
+  bool has_one_light = false;         // all tiles of the row are equal
 
   [[nodiscard]] const TileParameters& tile_at(std::uint32_t u) const { return tiles[unshaded ? 0 : u / kTileWidth]; }
 };

@@ -12,8 +12,8 @@ namespace touchline {
 // The gain is constant within a tile, so kernels change tables only between tiles. Tile sizes are even, so pixels that
 // share a chroma sample lie in the same tile.
 constexpr std::uint16_t kTileWidth = 16, kTileHeight = 8;
-constexpr std::size_t kMaxTiles =
-    ((kMaxFrameWidth + kTileWidth - 1) / kTileWidth) * ((kMaxFrameHeight + kTileHeight - 1) / kTileHeight);
+constexpr std::size_t kMaxTileRows = (kMaxFrameHeight + kTileHeight - 1) / kTileHeight;
+constexpr std::size_t kMaxTiles = ((kMaxFrameWidth + kTileWidth - 1) / kTileWidth) * kMaxTileRows;
 
 // Gains are quantized to levels of 1/32 octave (2.2 %, below the noise of a pixel). Level 64 is a gain of 1; the range
 // is 1/4 to 4.

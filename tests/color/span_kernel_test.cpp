@@ -137,6 +137,15 @@ class SpanKernelTest : public ::testing::TestWithParam<std::tuple<PixelFormat, K
     return {tables_.get(), nibbles_.get(), lights_.data(), unshaded, ranges_->exist(), ranges_->begin_at_zero()};
   }
 
+  // A row with a light map whose tiles are equal.
+  [[nodiscard]] SpanTables tables_of_one_light() {
+    equal_lights_.fill(lights_[0]);
+    SpanTables out = tables(false);
+    out.tiles = equal_lights_.data();
+    out.has_one_light = true;
+    return out;
+  }
+
   // Sequences of background pixels between others.
   void paint(OwnedPicture& picture) {
     int stretch = 0;
@@ -188,7 +197,7 @@ class SpanKernelTest : public ::testing::TestWithParam<std::tuple<PixelFormat, K
   std::unique_ptr<ColorTables> tables_ = std::make_unique<ColorTables>();
   std::unique_ptr<NibbleTables> nibbles_ = std::make_unique<NibbleTables>();
   std::unique_ptr<BackgroundRanges> ranges_ = std::make_unique<BackgroundRanges>();
-  std::array<TileParameters, kMaxFrameWidth / kTileWidth> lights_;
+  std::array<TileParameters, kMaxFrameWidth / kTileWidth> lights_, equal_lights_;
   std::array<std::uint8_t, 4099> bytes_{};
   std::array<ColorId, kMaxFrameWidth> expected_{}, found_{};
   std::mt19937 random_{static_cast<std::uint32_t>(format()) + 70};
@@ -209,6 +218,8 @@ TEST_P(SpanKernelTest, AgreesWithThePortableKernelOnRandomSpans) {
         const int begin = pick(random_, 0, frame.width_px), end = pick(random_, begin, frame.width_px);
         ASSERT_NO_FATAL_FAILURE(
             expect_equal(tables(unshaded), row, static_cast<std::uint32_t>(begin), static_cast<std::uint32_t>(end)));
+        ASSERT_NO_FATAL_FAILURE(expect_equal(tables_of_one_light(), row, static_cast<std::uint32_t>(begin),
+                                             static_cast<std::uint32_t>(end)));
       }
     }
   }

@@ -45,11 +45,12 @@ TOUCHLINE_TARGET_INLINE __m256i background_bytes_of(const TwoTiles& tiles) {
 }
 
 // Each layout below has these functions:
-// - candidates: returns zero only if all pixels are in the background box. It takes a block with one light level, or
-//   two tiles that begin at any columns, each with its own level; each tile gives the result of its half.
-// - planes: returns the three channels of a block, with chroma repeated for both pixels of a pair.
+// - candidates: returns zero only if all pixels are in the background box. It takes a block with the level of
+//   background(), or two tiles that begin at any columns, with that of background_of_tiles() or each with its own; each
+//   tile gives the result of its half.
+// - planes: returns the three channels of a block or of two tiles, with chroma repeated for both pixels of a pair.
 // - tile_planes: returns the same for a tile, in both halves.
-// With shared chroma, blocks and tiles begin at even columns.
+// With shared chroma, tiles begin at even columns.
 
 // Patterns for three bytes per pixel, for luma and chroma in four bytes per pair, and for chroma in two bytes per pair.
 inline constexpr std::array kOfThree = {pick_bytes(0, 3, 1), pick_bytes(1, 3, 1), pick_bytes(2, 3, 1)};
@@ -93,10 +94,20 @@ struct Packed24 {
   TOUCHLINE_TARGET_INLINE static Background background(const TileParameters& light) {
     return spread(background_bytes_of(light), {load(&kPeriod[0]), load(&kPeriod[32]), load(&kPeriod[64])});
   }
+  TOUCHLINE_TARGET_INLINE static Background background_of_tiles(const TileParameters& light) {
+    return spread(background_bytes_of(light),
+                  {in_both_halves(&kPeriod[0]), in_both_halves(&kPeriod[16]), in_both_halves(&kPeriod[32])});
+  }
   TOUCHLINE_TARGET_INLINE static __m256i candidates(const RowPixels& row, std::uint32_t u,
                                                     const Background& background) {
     const std::uint8_t* bytes = row.plane[0] + std::size_t{3} * u;
     return beyond(load(bytes), load(bytes + 32), load(bytes + 64), background);
+  }
+  TOUCHLINE_TARGET_INLINE static __m256i candidates(const RowPixels& row, std::uint32_t u, std::uint32_t v,
+                                                    const Background& background) {
+    const std::uint8_t *low = row.plane[0] + std::size_t{3} * u, *high = row.plane[0] + std::size_t{3} * v;
+    return beyond(load_halves(low, high), load_halves(low + 16, high + 16), load_halves(low + 32, high + 32),
+                  background);
   }
   TOUCHLINE_TARGET_INLINE static __m256i candidates(const RowPixels& row, const TwoTiles& tiles) {
     const std::uint8_t *low = row.plane[0] + std::size_t{3} * tiles.u_low,
@@ -114,7 +125,10 @@ struct Packed24 {
   }
 
   TOUCHLINE_TARGET_INLINE static Planes planes(const RowPixels& row, std::uint32_t u) {
-    const std::uint8_t *low = row.plane[0] + std::size_t{3} * u, *high = low + 48;
+    return planes(row, u, u + kTile);
+  }
+  TOUCHLINE_TARGET_INLINE static Planes planes(const RowPixels& row, std::uint32_t u, std::uint32_t v) {
+    const std::uint8_t *low = row.plane[0] + std::size_t{3} * u, *high = row.plane[0] + std::size_t{3} * v;
     return planes(load_halves(low, high), load_halves(low + 16, high + 16), load_halves(low + 32, high + 32));
   }
   TOUCHLINE_TARGET_INLINE static Planes tile_planes(const RowPixels& row, std::uint32_t u) {
@@ -139,6 +153,9 @@ struct PeriodOfFour {
   TOUCHLINE_TARGET_INLINE static Background background(__m256i bytes) {
     return {_mm256_shuffle_epi32(bytes, 0b00000000), _mm256_shuffle_epi32(bytes, 0b01010101)};
   }
+  TOUCHLINE_TARGET_INLINE static Background background_of_tiles(const TileParameters& light) {
+    return background(light);
+  }
 };
 
 // Two bytes per pixel.
@@ -150,6 +167,12 @@ struct Packed16 : PeriodOfFour {
     return _mm256_or_si256(beyond(load(bytes), background.low, background.extent),
                            beyond(load(bytes + 32), background.low, background.extent));
   }
+  TOUCHLINE_TARGET_INLINE static __m256i candidates(const RowPixels& row, std::uint32_t u, std::uint32_t v,
+                                                    const Background& background) {
+    const std::uint8_t *low = row.plane[0] + std::size_t{2} * u, *high = row.plane[0] + std::size_t{2} * v;
+    return _mm256_or_si256(beyond(load_halves(low, high), background.low, background.extent),
+                           beyond(load_halves(low + 16, high + 16), background.low, background.extent));
+  }
   TOUCHLINE_TARGET_INLINE static __m256i candidates(const RowPixels& row, const TwoTiles& tiles) {
     const std::uint8_t *low = row.plane[0] + std::size_t{2} * tiles.u_low,
                        *high = row.plane[0] + std::size_t{2} * tiles.u_high;
@@ -159,7 +182,10 @@ struct Packed16 : PeriodOfFour {
   }
 
   TOUCHLINE_TARGET_INLINE static Planes planes(const RowPixels& row, std::uint32_t u) {
-    const std::uint8_t *low = row.plane[0] + std::size_t{2} * u, *high = low + 32;
+    return planes(row, u, u + kTile);
+  }
+  TOUCHLINE_TARGET_INLINE static Planes planes(const RowPixels& row, std::uint32_t u, std::uint32_t v) {
+    const std::uint8_t *low = row.plane[0] + std::size_t{2} * u, *high = row.plane[0] + std::size_t{2} * v;
     return planes(load_halves(low, high), load_halves(low + 16, high + 16));
   }
   TOUCHLINE_TARGET_INLINE static Planes tile_planes(const RowPixels& row, std::uint32_t u) {
@@ -189,6 +215,10 @@ struct Packed32 : PeriodOfFour {
     const std::uint8_t* bytes = row.plane[0] + std::size_t{4} * u;
     return candidates({load(bytes), load(bytes + 32), load(bytes + 64), load(bytes + 96)}, background);
   }
+  TOUCHLINE_TARGET_INLINE static __m256i candidates(const RowPixels& row, std::uint32_t u, std::uint32_t v,
+                                                    const Background& background) {
+    return candidates(two_tiles(row.plane[0] + std::size_t{4} * u, row.plane[0] + std::size_t{4} * v), background);
+  }
   TOUCHLINE_TARGET_INLINE static __m256i candidates(const RowPixels& row, const TwoTiles& tiles) {
     return candidates(
         two_tiles(row.plane[0] + std::size_t{4} * tiles.u_low, row.plane[0] + std::size_t{4} * tiles.u_high),
@@ -200,8 +230,10 @@ struct Packed32 : PeriodOfFour {
             load_halves(low + 48, high + 48)};
   }
   TOUCHLINE_TARGET_INLINE static Planes planes(const RowPixels& row, std::uint32_t u) {
-    const std::uint8_t* bytes = row.plane[0] + std::size_t{4} * u;
-    return planes(two_tiles(bytes, bytes + 64));
+    return planes(row, u, u + kTile);
+  }
+  TOUCHLINE_TARGET_INLINE static Planes planes(const RowPixels& row, std::uint32_t u, std::uint32_t v) {
+    return planes(two_tiles(row.plane[0] + std::size_t{4} * u, row.plane[0] + std::size_t{4} * v));
   }
   TOUCHLINE_TARGET_INLINE static Planes tile_planes(const RowPixels& row, std::uint32_t u) {
     const std::uint8_t* bytes = row.plane[0] + std::size_t{4} * u;
@@ -227,7 +259,7 @@ template <PixelFormat kFormat>
 struct Planar {
   static constexpr bool kSeparateUv = info_of(kFormat).packing == Packing::kPlanar;
 
-  // U and V interleaved, of a tile and of a block.
+  // U and V interleaved, of a tile, of a block and of two tiles.
   TOUCHLINE_TARGET_INLINE static __m128i tile_chroma(const RowPixels& row, std::uint32_t u) {
     if constexpr (!kSeparateUv) return load_half(row.plane[1] + u);
     return _mm_unpacklo_epi8(_mm_loadl_epi64(reinterpret_cast<const __m128i*>(row.plane[1] + u / 2)),
@@ -238,12 +270,18 @@ struct Planar {
     const __m128i first = load_half(row.plane[1] + u / 2), second = load_half(row.plane[2] + u / 2);
     return halves(_mm_unpacklo_epi8(first, second), _mm_unpackhi_epi8(first, second));
   }
+  TOUCHLINE_TARGET_INLINE static __m256i chroma(const RowPixels& row, std::uint32_t u, std::uint32_t v) {
+    return halves(tile_chroma(row, u), tile_chroma(row, v));
+  }
 
   struct Background {
     __m256i luma_low, luma_extent, chroma_low, chroma_extent;
   };
   TOUCHLINE_TARGET_INLINE static Background background(const TileParameters& light) {
     return background(background_bytes_of(light));
+  }
+  TOUCHLINE_TARGET_INLINE static Background background_of_tiles(const TileParameters& light) {
+    return background(light);
   }
   TOUCHLINE_TARGET_INLINE static Background background(__m256i bytes) {
     return {_mm256_shuffle_epi8(bytes, _mm256_set1_epi8(0)), _mm256_shuffle_epi8(bytes, _mm256_set1_epi8(4)),
@@ -254,10 +292,13 @@ struct Planar {
                                                     const Background& background) {
     return candidates(load(row.plane[0] + u), chroma(row, u), background);
   }
+  TOUCHLINE_TARGET_INLINE static __m256i candidates(const RowPixels& row, std::uint32_t u, std::uint32_t v,
+                                                    const Background& background) {
+    return candidates(load_halves(row.plane[0] + u, row.plane[0] + v), chroma(row, u, v), background);
+  }
   TOUCHLINE_TARGET_INLINE static __m256i candidates(const RowPixels& row, const TwoTiles& tiles) {
     return candidates(load_halves(row.plane[0] + tiles.u_low, row.plane[0] + tiles.u_high),
-                      halves(tile_chroma(row, tiles.u_low), tile_chroma(row, tiles.u_high)),
-                      background(background_bytes_of(tiles)));
+                      chroma(row, tiles.u_low, tiles.u_high), background(background_bytes_of(tiles)));
   }
   TOUCHLINE_TARGET_INLINE static __m256i candidates(__m256i luma, __m256i chroma, const Background& background) {
     return _mm256_or_si256(beyond(luma, background.luma_low, background.luma_extent),
@@ -266,6 +307,9 @@ struct Planar {
 
   TOUCHLINE_TARGET_INLINE static Planes planes(const RowPixels& row, std::uint32_t u) {
     return planes(load(row.plane[0] + u), chroma(row, u));
+  }
+  TOUCHLINE_TARGET_INLINE static Planes planes(const RowPixels& row, std::uint32_t u, std::uint32_t v) {
+    return planes(load_halves(row.plane[0] + u, row.plane[0] + v), chroma(row, u, v));
   }
   TOUCHLINE_TARGET_INLINE static Planes tile_planes(const RowPixels& row, std::uint32_t u) {
     return planes(in_both_halves(row.plane[0] + u), _mm256_broadcastsi128_si256(tile_chroma(row, u)));

@@ -168,6 +168,141 @@ TOUCHLINE_TARGET_INLINE OccupiedWords classify_blocks(const SpanTables& tables, 
   return occupied;
 }
 
+// Rows with a light map whose tiles have one light level, in which regions of interest often leave out columns.
+
+// The tiles of a span. The last one is moved to overlap the one before it. A pass takes up to 64 of them, one bit each.
+struct Tiles {
+  std::uint32_t first, end;  // columns
+  [[nodiscard]] std::uint32_t count() const { return std::min(kMaxTilesPerPass, (end - first + kTile - 1) / kTile); }
+  [[nodiscard]] std::uint32_t column(std::uint32_t i) const { return std::min(first + i * kTile, end - kTile); }
+};
+
+// Takes the lowest tile from `left`, and returns its column.
+TOUCHLINE_TARGET_INLINE std::uint32_t take_lowest(const Tiles& tiles, std::uint64_t& left) {
+  const auto i = static_cast<std::uint32_t>(std::countr_zero(left));
+  left &= left - 1;
+  return tiles.column(i);
+}
+
+// Bit i: tile i of the eight tiles at these columns is background.
+template <class Layout>
+TOUCHLINE_TARGET_INLINE std::uint64_t reject_eight_tiles(const RowPixels& row, const std::array<std::uint32_t, 8>& u,
+                                                         const typename Layout::Background& of_row) {
+  return zero_halves(Layout::candidates(row, u[0], u[4], of_row), Layout::candidates(row, u[1], u[5], of_row),
+                     Layout::candidates(row, u[2], u[6], of_row), Layout::candidates(row, u[3], u[7], of_row));
+}
+
+// Returns the tiles that the background box does not reject. Writes background to all tiles.
+template <class Layout>
+TOUCHLINE_PASS std::uint64_t find_candidates_among(const SpanTables& tables, const RowPixels& row, const Tiles& tiles,
+                                                   ColorId* colors) {
+  const auto of_row = Layout::background_of_tiles(*tables.tiles);
+  const RowPixels pixels = row;
+  const __m256i zero = _mm256_setzero_si256();
+  const std::uint32_t count = tiles.count(), end = tiles.end;
+  std::uint64_t background = 0;
+  std::uint32_t i = 0, u = tiles.first;
+  for (; i + kTilesPerTest <= count && u + kTilesPerTest * kTile <= end;
+       i += kTilesPerTest, u += kTilesPerTest * kTile) {
+    store(colors + u, zero);
+    store(colors + u + kBlock, zero);
+    store(colors + u + std::size_t{2} * kBlock, zero);
+    store(colors + u + std::size_t{3} * kBlock, zero);
+    background |= reject_eight_tiles<Layout>(pixels,
+                                             {u, u + kTile, u + 2 * kTile, u + 3 * kTile, u + 4 * kTile, u + 5 * kTile,
+                                              u + 6 * kTile, u + 7 * kTile},
+                                             of_row)
+                  << i;
+  }
+  if (i < count) {
+    std::array<std::uint32_t, kTilesPerTest> last{};
+    for (std::uint32_t k = 0; k < kTilesPerTest; ++k) {
+      last[k] = tiles.column(i + k);
+      store_half(colors + last[k], _mm_setzero_si128());
+    }
+    background |= reject_eight_tiles<Layout>(pixels, last, of_row) << i;
+  }
+  return ~background;
+}
+
+// Bits 0 and 1: the lower and the upper half contain something.
+TOUCHLINE_TARGET_INLINE std::uint32_t occupied_halves(__m256i value) {
+  const auto zero = static_cast<std::uint32_t>(_mm256_movemask_epi8(_mm256_cmpeq_epi8(value, _mm256_setzero_si256())));
+  return static_cast<std::uint32_t>((zero & 0xffffu) != 0xffffu) | static_cast<std::uint32_t>(zero >> 16u != 0xffffu)
+                                                                       << 1u;
+}
+
+// Returns the tiles that may contain a class, by the high nibbles alone.
+template <class Layout>
+TOUCHLINE_PASS std::uint64_t find_coarse(const SpanTables& tables, const RowPixels& row, const Tiles& tiles,
+                                         std::uint64_t among) {
+  const RowTables of_row = row_tables(tables);
+  const RowPixels pixels = row;
+  std::uint64_t found = 0;
+  while (among != 0) {
+    const std::uint64_t a = among & (~among + 1);
+    const std::uint32_t u = take_lowest(tiles, among);
+    const std::uint64_t b = among & (~among + 1);
+    const std::uint32_t v = among != 0 ? take_lowest(tiles, among) : u;
+    const Channels<OneBlock> channels = channels_of(of_row, Layout::planes(pixels, u, v));
+    OneBlock near = coarse_classes<GroupsInRegister::kOne>(channels, 0);
+    for (std::size_t group = 1; group < of_row.groups; ++group) {
+      near = or_of(near, coarse_classes<GroupsInRegister::kOne>(channels, group));
+    }
+    const std::uint64_t halves = occupied_halves(near.first);
+    found |= a * (halves & 1) | b * (halves >> 1);
+  }
+  return found;
+}
+
+TOUCHLINE_TARGET_INLINE OccupiedWords words_of_tile(std::uint32_t u, OccupiedWords is_colored) {
+  return is_colored << u / kOccupiedWordPixels | is_colored << (u + kTile - 1) / kOccupiedWordPixels;
+}
+// Writes the colors of two tiles.
+TOUCHLINE_TARGET_INLINE OccupiedWords write_tiles(std::uint32_t u, std::uint32_t v, __m256i found, ColorId* colors) {
+  store_half(colors + u, _mm256_castsi256_si128(found));
+  store_half(colors + v, _mm256_extracti128_si256(found, 1));
+  const OccupiedWords halves = occupied_halves(found);
+  return words_of_tile(u, halves & 1) | words_of_tile(v, halves >> 1);
+}
+
+// Classifies the tiles.
+template <class Layout>
+TOUCHLINE_PASS OccupiedWords color_all(const SpanTables& tables, const RowPixels& row, const Tiles& tiles,
+                                       std::uint64_t left, ColorId* colors) {
+  const RowTables of_row = row_tables(tables);
+  const RowPixels pixels = row;
+  OccupiedWords occupied = 0;
+  while (left != 0) {
+    const std::uint32_t a = take_lowest(tiles, left), b = left != 0 ? take_lowest(tiles, left) : a;
+    if (left == 0) {
+      const OneBlock found = colors_of(of_row, channels_of(of_row, Layout::planes(pixels, a, b)));
+      return occupied | write_tiles(a, b, found.first, colors);
+    }
+    const std::uint32_t c = take_lowest(tiles, left), d = left != 0 ? take_lowest(tiles, left) : c;
+    const TwoBlocks found =
+        colors_of(of_row, channels_of(of_row, Layout::planes(pixels, a, b), Layout::planes(pixels, c, d)));
+    occupied |= write_tiles(a, b, found.first, colors) | write_tiles(c, d, found.second, colors);
+  }
+  return occupied;
+}
+
+// The span is at least a tile wide, and all of its tiles have the same tables.
+template <class Layout>
+TOUCHLINE_TARGET_INLINE OccupiedWords classify_tiles(const SpanTables& tables, const RowPixels& row,
+                                                     std::uint32_t begin, std::uint32_t end, ColorId* colors) {
+  OccupiedWords occupied = 0;
+  for (Tiles tiles = {begin, end}; tiles.first < end; tiles.first += kMaxTilesPerPass * kTile) {
+    const std::uint64_t all = ~std::uint64_t{0} >> (kMaxTilesPerPass - tiles.count());
+    // Three passes, each more exact and over fewer tiles. No branch depends on the pixels of one tile.
+    std::uint64_t left = find_candidates_among<Layout>(tables, row, tiles, colors) & all;
+    if (!tables.has_background_box) left = all;
+    if (is_second_pass_worthwhile(left, tiles.count())) left = find_coarse<Layout>(tables, row, tiles, left);
+    if (left != 0) occupied |= color_all<Layout>(tables, row, tiles, left, colors);
+  }
+  return occupied;
+}
+
 template <class Layout>
 TOUCHLINE_PASS OccupiedWords classify_tile(const SpanTables& tables, const RowPixels& row, std::uint32_t u,
                                            ColorId* colors) {
@@ -181,6 +316,7 @@ TOUCHLINE_TARGET_FUNCTION OccupiedWords classify_span(const SpanTables& tables, 
                                                       std::uint32_t begin, std::uint32_t end, ColorId* colors) {
   using Layout = LayoutOf<kFormat>;
   if (end < begin + kTile) return portable_span_kernel(kFormat)(tables, row, begin, end, colors);
+  if (tables.has_one_light) return classify_tiles<Layout>(tables, row, begin, end, colors);
   if (!tables.unshaded) return classify_shaded_span<ShadedLayout<Layout>>(tables, row, begin, end, colors);
   OccupiedWords occupied = 0;
   if (begin % kTile != 0 || end % kTile != 0) occupied = classify_ends<Layout>(tables, row, begin, end, colors);

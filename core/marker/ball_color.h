@@ -4,11 +4,10 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "core/marker/simd4.h"
+
 namespace touchline {
 
-/// Four values in a register: all supported processors have such registers.
-template <class T>
-using Simd4 [[gnu::vector_size(16)]] = T;
 /// R, G, B above black of eight pixels.
 constexpr int kGroupSize = 8;
 using PixelGroup = std::array<std::array<Simd4<float>, 2>, 3>;

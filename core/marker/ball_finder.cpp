@@ -70,13 +70,25 @@ bool looks_like_a_disk(const Region& region) {
          std::max(width, height) <= kMaxAspectRatio * std::min(width, height);
 }
 
+// A pixel on the planes of both teams' patches.
+std::array<FieldPoint, 2> on_both_planes(PixelPoint center, const BallFinder::Scene& now) {
+  const CameraModel& camera = now.finder.camera();
+  const float own_m = now.teams[0].layout.height_m, other_m = now.teams[1].layout.height_m;
+  const FieldPoint own = camera.to_field(center, own_m);
+  return {own, other_m != own_m ? camera.to_field(center, other_m) : own};
+}
+
 // True if the point is on the top of a robot, farther than `inset_m` from its edge.
 bool on_a_robot(PixelPoint center, const BallFinder::Scene& now, const Sightings& sightings, float inset_m) {
+  if (sightings.robots.empty()) return false;
+  const std::array<FieldPoint, 2> at = on_both_planes(center, now);
   return std::any_of(sightings.robots.begin(), sightings.robots.end(), [&](const RobotSighting& robot) {
     if (!robot.has_heading) return false;
     const MarkerLayout& layout = now.teams[index_of(robot.team)].layout;
-    const FieldPoint at = now.finder.camera().to_field(center, layout.height_m);
-    return on_robot(layout, to_robot_frame(robot.pose, at), inset_m);
+    const FieldPoint point = at[index_of(robot.team)];
+    // Beyond both diagonals of the robot's top; slightly more, for rounding.
+    if (distance_m(robot.pose.position, point) > 0.75f * layout.robot_side_m) return false;
+    return on_robot(layout, to_robot_frame(robot.pose, point), inset_m);
   });
 }
 
@@ -203,11 +215,13 @@ float BallFinder::expectation_log_odds(const Scene& now, PixelPoint center) cons
 
 // Robots whose heading is unknown have no outline. Their position is that of the team patch.
 float BallFinder::place_log_odds(const Scene& now, PixelPoint center, const Sightings& seen) const {
+  const auto has_heading = [](const RobotSighting& robot) { return robot.has_heading; };
+  if (std::all_of(seen.robots.begin(), seen.robots.end(), has_heading)) return 0.0f;
+  const std::array<FieldPoint, 2> at = on_both_planes(center, now);
   const bool is_on_robot = std::any_of(seen.robots.begin(), seen.robots.end(), [&](const RobotSighting& robot) {
     if (robot.has_heading) return false;
     const MarkerLayout& layout = now.teams[index_of(robot.team)].layout;
-    const FieldPoint at = now.finder.camera().to_field(center, layout.height_m);
-    return distance_m(at, robot.pose.position) < 0.5f * layout.robot_side_m;
+    return distance_m(at[index_of(robot.team)], robot.pose.position) < 0.5f * layout.robot_side_m;
   });
   return is_on_robot ? kOnRobotOdds : 0.0f;
 }

@@ -50,12 +50,6 @@ float haze_variance(float value, float white, float share) {
   return square(0.5f * share * square(white) / square(value + kStrayLight_levels));
 }
 
-struct Expectation {
-  std::array<float, 3> rgb{};
-  // Relative: independent variances, and standard deviations of what is common to all channels.
-  std::array<float, 3> variance{}, common_sigma{};
-};
-
 // Logarithm of the probability that a standard normal variable exceeds z.
 float log_upper_tail(float z) {
   constexpr float kFarthest = 6.0f;
@@ -65,7 +59,7 @@ float log_upper_tail(float z) {
 // Errors are relative: 2 (a - b) / (a + b), which is nearly log(a / b). Their covariance is diagonal plus that of a
 // factor that is common to all channels; it is inverted with the formula of Sherman and Morrison. A saturated value is
 // a lower bound: its likelihood is the probability of larger values, given the other channels.
-float log_density(const SurfaceColor& surface, const Expectation& expected) {
+float log_density(const SurfaceColor& surface, const ExpectedColor& expected) {
   std::array<float, 3> error{}, variance{};
   float precision = 1, sum = 0, squares = 0, determinant = 1;  // of the common factor, in standard deviations
   for (std::size_t c = 0; c < 3; ++c) {
@@ -168,32 +162,37 @@ LocalLight ColorEvidence::light_on(const SurfaceColor& team_patch, ColorId team_
   return light;
 }
 
-float ColorEvidence::log_likelihood(const SurfaceColor& surface, const LocalLight& light, ColorId color,
-                                    ColorSpace space, bool in_box) const {
+ExpectedColor ColorEvidence::expected_color(const LocalLight& light, ColorId color, ColorSpace space) const {
   const std::array<float, 3>& typical = typical_rgb(color, space);
-  Expectation expected;
+  ExpectedColor expected;
   for (std::size_t c = 0; c < 3; ++c) {
     expected.rgb[c] = light.gain[c] * typical[c];
+    expected.white[c] = light.gain[c] * kWhite;
     expected.variance[c] =
-        light.ratio_variance + light.variance[c] + haze_variance(expected.rgb[c], light.gain[c] * kWhite, kHaze);
+        light.ratio_variance + light.variance[c] + haze_variance(expected.rgb[c], expected.white[c], kHaze);
     expected.common_sigma[c] = std::sqrt(square(kCommonSigma) + light.common_variance[c]);
   }
+  return expected;
+}
+
+float ColorEvidence::log_likelihood(const SurfaceColor& surface, const ExpectedColor& expected, bool in_box) {
   float density = log_density(surface, expected);
   if (in_box) {
     // A share of the lamps' light that brings the patch nearest to what is seen (least squares in linear light).
     float sum = 0, weights = 0;
     for (std::size_t c = 0; c < 3; ++c) {
-      const float white = square(light.gain[c] * kWhite);
+      const float white = square(expected.white[c]);
       const float middle = square(0.5f * (surface.rgb[c] + expected.rgb[c]) + kStrayLight_levels);
       const float weight = white / (square(middle) * (expected.variance[c] + square(kNoise_levels) / middle));
       sum += weight * (square(surface.rgb[c]) - square(expected.rgb[c]));
       weights += weight * white;
     }
     if (const float glare = sum / weights; glare > 0.0f) {
+      ExpectedColor whiter = expected;
       for (std::size_t c = 0; c < 3; ++c) {
-        expected.rgb[c] = std::sqrt(square(expected.rgb[c]) + glare * square(light.gain[c] * kWhite));
+        whiter.rgb[c] = std::sqrt(square(expected.rgb[c]) + glare * square(expected.white[c]));
       }
-      density = std::max(density, log_density(surface, expected) - kGlareIsRare - glare / kMeanGlare);
+      density = std::max(density, log_density(surface, whiter) - kGlareIsRare - glare / kMeanGlare);
     }
   }
   return std::max(density, kFloor);
@@ -246,7 +245,7 @@ float ColorEvidence::log_likelihood_of_order(const BorderOfRobot& a, ColorId col
 }
 
 float ColorEvidence::log_likelihood_of_same(const SurfaceColor& surface, const SurfaceColor& other) {
-  Expectation expected;
+  ExpectedColor expected;
   for (std::size_t c = 0; c < 3; ++c) {
     expected.rgb[c] = other.rgb[c];
     expected.variance[c] = square(kFloorSigma);

@@ -16,6 +16,12 @@ struct LocalLight {
   float ratio_variance = 0;  // of the logarithm of ratios of two paints, relative to that at calibration
 };
 
+/// How a paint looks in a light: R, G, B, and relative errors.
+struct ExpectedColor {
+  std::array<float, 3> rgb{}, white{};              // white: of a white surface
+  std::array<float, 3> variance{}, common_sigma{};  // independent, and of what is common to all channels
+};
+
 /// What is known about the light on a robot before its team patch is looked at.
 struct LightPrior {
   std::array<float, 3> gain{1, 1, 1};
@@ -58,10 +64,11 @@ class ColorEvidence {
   /// Log likelihood of the surface's color, if it is the same surface as `other`, a few centimeters away.
   static float log_likelihood_of_same(const SurfaceColor& surface, const SurfaceColor& other);
 
-  /// Log likelihood of the surface's color, if it is `color` in this light. `in_box`: its region has the color's class;
-  /// then it may be whiter, because it mirrors a lamp. (Without that, any gray surface might be a dark paint.)
-  [[nodiscard]] float log_likelihood(const SurfaceColor& surface, const LocalLight& light, ColorId color,
-                                     ColorSpace space, bool in_box) const;
+  [[nodiscard]] ExpectedColor expected_color(const LocalLight& light, ColorId color, ColorSpace space) const;
+
+  /// Log likelihood of the surface's color, if it is this one. `in_box`: its region has the color's class; then it may
+  /// be whiter, because it mirrors a lamp. (Without that, any gray surface might be a dark paint.)
+  [[nodiscard]] static float log_likelihood(const SurfaceColor& surface, const ExpectedColor& expected, bool in_box);
 
   /// Log likelihood ratio of the border of a patch with saturated pixels: the patch has `color` in this light, or none
   /// of the venue's colors. Only the ratios of channels count.

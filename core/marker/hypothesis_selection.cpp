@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <numeric>
 
 #include "core/geometry/angle.h"
@@ -26,6 +27,20 @@ bool has_same_pose(const Hypothesis& a, const Hypothesis& b) {
 }
 
 }  // namespace
+
+// Whether one of the hypotheses from `first` on, kTogether of them, is in the square around a point.
+bool Selector::is_any_near(std::size_t first, FieldPoint at, float reach_m) const {
+  using Floats [[gnu::vector_size(16)]] = float;
+  Floats x, y;
+  static_assert(sizeof x == kTogether * sizeof(float));
+  std::memcpy(&x, &x_m_[first], sizeof x);
+  std::memcpy(&y, &y_m_[first], sizeof y);
+  x -= at.x_m;
+  y -= at.y_m;
+  const auto near = __builtin_bit_cast(std::array<std::uint64_t, 2>,
+                                       (x <= reach_m) & (x >= -reach_m) & (y <= reach_m) & (y >= -reach_m));
+  return (near[0] | near[1]) != 0;
+}
 
 // Two hypotheses conflict if they have the same team patch, share another patch, have the same name, or overlap.
 void Selector::find_conflicts() {
@@ -52,11 +67,16 @@ void Selector::find_conflicts() {
       with_name.insert(i);
     }
     const FieldPoint at = h.fit.pose.position;
-    for (std::size_t j = 0; j < options_[h.team_patch].begin; ++j) {
-      const FieldPoint other = hypotheses_[j].fit.pose.position;
-      if (std::abs(at.x_m - other.x_m) > far || std::abs(at.y_m - other.y_m) > far) continue;
-      const float side = 0.5f * (robot_side_m_[team] + robot_side_m_[index_of(hypotheses_[j].team)]);
-      if (distance_m(at, other) < kMinRobotDistance * side) conflicts.insert(j);
+    x_m_[i] = at.x_m;
+    y_m_[i] = at.y_m;
+    const std::size_t end = options_[h.team_patch].begin;
+    for (std::size_t first = 0; first < end; first += kTogether) {
+      if (!is_any_near(first, at, far)) continue;
+      for (std::size_t j = first; j < std::min(first + kTogether, end); ++j) {
+        const FieldPoint other = hypotheses_[j].fit.pose.position;
+        const float side = 0.5f * (robot_side_m_[team] + robot_side_m_[index_of(hypotheses_[j].team)]);
+        if (distance_m(at, other) < kMinRobotDistance * side) conflicts.insert(j);
+      }
     }
     conflicts.for_each_below(i, [&](std::size_t j) { conflicts_[j].insert(i); });
   }

@@ -68,7 +68,12 @@ class Selector {
   };
   using Group = FixedVector<std::uint16_t, kMaxTeamPatches>;  // team patches
 
+  // Places that are compared at a time.
+  static constexpr std::size_t kTogether = 4;
+  static_assert(kMaxHypotheses % kTogether == 0);
+
   void find_conflicts();
+  [[nodiscard]] bool is_any_near(std::size_t first, FieldPoint at, float reach_m) const;
   void form_groups(std::size_t team_patches);
   // Nodes of the search trees that may still be visited.
   struct Nodes {
@@ -83,6 +88,7 @@ class Selector {
   std::span<const Hypothesis> hypotheses_;
   std::array<float, 2> robot_side_m_{};
   std::array<Set, kMaxHypotheses> conflicts_;
+  std::array<float, kMaxHypotheses> x_m_{}, y_m_{};  // places; only those before the present one are valid
   // Hypotheses that use a patch or have the name of a robot; state of find_conflicts().
   std::array<Set, kMaxIdentification> with_patch_;
   std::array<std::array<Set, kMaxRobotsPerTeam>, 2> with_name_;

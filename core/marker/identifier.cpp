@@ -122,6 +122,7 @@ void Identifier::look_at_light(const Scene& now, Candidate& candidate) const {
   if (!candidate.has_light) return;
   candidate.light = colors_.light_on(surface, teams_[now.team].team_color, color_space(now.frame.format),
                                      prior_light(now, candidate.views[0].center));
+  now.expected.light = nullptr;
 }
 
 // Log likelihood of the likeliest color of a patch in this pose.
@@ -134,8 +135,7 @@ float Identifier::best_likelihood(const Scene& now, const Candidate& candidate, 
   float best = ColorEvidence::kFloor;
   if (!sample_surface(now.frame, center, step_px(team_colors_[now.team], slot + 1, scale), surface)) return best;
   for (const ColorId color : team_colors_[now.team].slots[slot].colors) {
-    best =
-        std::max(best, colors_.log_likelihood(surface, candidate.light, color, color_space(now.frame.format), false));
+    best = std::max(best, colors_.log_likelihood(surface, now.expected_color(candidate.light, color), false));
   }
   return best;
 }
@@ -218,46 +218,66 @@ void Identifier::share_patches(const Scene& now) {
   }
 }
 
+// What the pixels of a slot show in this pose.
+Identifier::SlotEvidence Identifier::evidence_in_slot(const Scene& now, const Candidate& candidate,
+                                                      const PoseEvidence& pose, std::size_t s) const {
+  const MarkerLayout& layout = teams_[now.team].layout;
+  const TeamColors& colors = team_colors_[now.team];
+  const SlotColors& slot = colors.slots[s];
+  const ColorSpace space = color_space(now.frame.format);
+  const float scale = now.patches.team[now.boxes[candidate.robot].team_patch].patch.scale_px_per_m;
+  SlotEvidence out;
+  out.region = pose.identification[s];
+  const PatchCandidate* const region = out.region == kMissing ? nullptr : &now.patches.identification[out.region];
+  const PixelPoint center = region != nullptr
+                                ? region->center
+                                : camera_.to_pixel(on_field(pose.pose, layout.patches[s + 1]), layout.height_m);
+  SurfaceColor surface;
+  if (!sample_surface(now.frame, center, step_px(colors, s + 1, scale), surface)) {
+    out.likelihood.fill(ColorEvidence::kNoColor);
+    return out;
+  }
+  for (std::size_t i = 0; i < slot.colors.size(); ++i) {
+    const bool in_box = region != nullptr && region->color == slot.colors[i];
+    out.likelihood[i] = colors_.log_likelihood(surface, now.expected_color(candidate.light, slot.colors[i]), in_box);
+    if (in_box && surface.saturated_channels() < 3 && surface.spread < kUneven_levels) out.likelihood[i] += kBoxVote;
+  }
+  BorderColor border;
+  if ((pose.partner != kMissing || is_doubtful({out.likelihood.data(), slot.colors.size()})) &&
+      look_at_border(now, center, surface, s + 1, scale, pose.is_merged, border)) {
+    for (std::size_t i = 0; i < slot.colors.size(); ++i) {
+      out.likelihood[i] += colors_.log_likelihood_of_border(border, candidate.light, slot.colors[i], space);
+    }
+  }
+  if (candidate.has_floor) {
+    out.floor = ColorEvidence::log_likelihood_of_same(surface, candidate.floor) - ColorEvidence::kNoColor;
+  }
+  return out;
+}
+
 // False if the team patch cannot be sampled.
 bool Identifier::evaluate(const Scene& now, Candidate& candidate) const {
   const TeamMarking& team = teams_[now.team];
   const TeamColors& colors = team_colors_[now.team];
   const BoxSighting& box = now.boxes[candidate.robot];
-  const ColorSpace space = color_space(now.frame.format);
-  const float scale = now.patches.team[box.team_patch].patch.scale_px_per_m;
   if (!candidate.has_light) return false;
-  SurfaceColor surface;
+  // Several poses have the same region in a slot.
+  std::array<FixedVector<SlotEvidence, kMaxPoses>, kMaxPatches - 1> known;
   for (PoseEvidence& pose : candidate.poses) {
     pose.floor = pose.costs = 0;
     pose.value.fill(pose.prior);
     for (std::size_t s = 0; s + 1 < team.layout.patches.size(); ++s) {
-      const SlotColors& slot = colors.slots[s];
       const std::uint16_t number = pose.identification[s];
-      const PatchCandidate* const region = number == kMissing ? nullptr : &now.patches.identification[number];
-      const PixelPoint center =
-          region != nullptr ? region->center
-                            : camera_.to_pixel(on_field(pose.pose, team.layout.patches[s + 1]), team.layout.height_m);
-      std::array<float, kMaxRobotsPerTeam> likelihood{};
-      if (sample_surface(now.frame, center, step_px(colors, s + 1, scale), surface)) {
-        for (std::size_t i = 0; i < slot.colors.size(); ++i) {
-          const bool in_box = region != nullptr && region->color == slot.colors[i];
-          likelihood[i] = colors_.log_likelihood(surface, candidate.light, slot.colors[i], space, in_box);
-          if (in_box && surface.saturated_channels() < 3 && surface.spread < kUneven_levels) likelihood[i] += kBoxVote;
-        }
-        BorderColor border;
-        if ((pose.partner != kMissing || is_doubtful({likelihood.data(), slot.colors.size()})) &&
-            look_at_border(now, center, surface, s + 1, scale, pose.is_merged, border)) {
-          for (std::size_t i = 0; i < slot.colors.size(); ++i) {
-            likelihood[i] += colors_.log_likelihood_of_border(border, candidate.light, slot.colors[i], space);
-          }
-        }
-        if (candidate.has_floor) {
-          pose.floor += ColorEvidence::log_likelihood_of_same(surface, candidate.floor) - ColorEvidence::kNoColor;
-        }
-      } else {
-        likelihood.fill(ColorEvidence::kNoColor);
+      const bool may_be_known = number != kMissing && pose.partner == kMissing && !pose.is_merged;
+      const auto* const same = std::find_if(known[s].begin(), known[s].end(),
+                                            [&](const SlotEvidence& other) { return other.region == number; });
+      const SlotEvidence evidence =
+          may_be_known && same != known[s].end() ? *same : evidence_in_slot(now, candidate, pose, s);
+      if (may_be_known && same == known[s].end()) known[s].push_back(evidence);
+      pose.floor += evidence.floor;
+      for (std::size_t r = 0; r < team.robots.size(); ++r) {
+        pose.value[r] += evidence.likelihood[colors.slots[s].of_robot[r]];
       }
-      for (std::size_t r = 0; r < team.robots.size(); ++r) pose.value[r] += likelihood[slot.of_robot[r]];
     }
   }
   // In the right pose, the least of what should be patches looks like floor.
@@ -367,9 +387,10 @@ void Identifier::identify(const Frame& frame, const ExpectedGain& light, const P
                           std::span<const Hypothesis> hypotheses, std::span<const BoxSighting> boxes,
                           std::span<bool> used, Sightings& out) {
   int borders_left = kMaxBorders;
+  ExpectedColors expected;
   for (std::size_t t = 0; t < teams_.size(); ++t) {
     if (!team_colors_[t].usable) continue;
-    const Scene now{frame, light, patches, hypotheses, boxes, out, t, borders_left};
+    const Scene now{frame, light, patches, hypotheses, boxes, out, t, borders_left, colors_, expected};
     candidates_.clear();
     IdEvidences evidence;
     for (std::size_t i = 0; i < out.robots.size(); ++i) {

@@ -101,6 +101,13 @@ class Identifier {
     std::array<SlotColors, kMaxPatches - 1> slots;
     std::array<float, kMaxPatches> radius_m{};  // of the circle inside each patch
   };
+  // Log likelihoods of what the pixels of a slot show.
+  struct SlotEvidence {
+    std::uint16_t region = kMissing;                    // index in the list of patches
+    std::array<float, kMaxRobotsPerTeam> likelihood{};  // by index in SlotColors::colors
+    float floor = 0;                                    // ratio: that it is floor
+  };
+  struct ExpectedColors;
   struct Scene;  // what is known about one team in one frame
 
   void collect_poses(const Scene& now, Candidate& candidate) const;
@@ -125,6 +132,8 @@ class Identifier {
   [[nodiscard]] float doubt_of_team_patch(const Scene& now, const Candidate& candidate, std::size_t slot) const;
   [[nodiscard]] float prior_of(const Scene& now, const Candidate& candidate, const PoseEvidence& pose) const;
   [[nodiscard]] bool is_free(const Scene& now, std::size_t robot, const PoseEvidence& pose) const;
+  [[nodiscard]] SlotEvidence evidence_in_slot(const Scene& now, const Candidate& candidate, const PoseEvidence& pose,
+                                              std::size_t s) const;
   bool evaluate(const Scene& now, Candidate& candidate) const;
   [[nodiscard]] bool has_only_claimed_regions(const Candidate& candidate) const;
   void share_patches(const Scene& now);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <span>
@@ -11,6 +12,13 @@ namespace touchline {
 // A margin above this one needs no exact value: the probability of an error is below the rate of other errors.
 constexpr float kClearMargin = 5.0f;
 
+// The colors of a team's paints in one robot's light.
+struct Identifier::ExpectedColors {
+  const LocalLight* light = nullptr;  // null: none is known
+  std::array<bool, kMaxColors + 1> is_known{};
+  std::array<ExpectedColor, kMaxColors + 1> color;
+};
+
 struct Identifier::Scene {
   const Frame& frame;
   const ExpectedGain& light;
@@ -20,6 +28,21 @@ struct Identifier::Scene {
   const Sightings& seen;
   std::size_t team;
   int& borders_left;  // saturated patches whose border may still be looked at in this frame
+  const ColorEvidence& colors;
+  ExpectedColors& expected;
+
+  /// `on_robot`: a candidate's light. Looking at its team patch forgets the colors.
+  [[nodiscard]] const ExpectedColor& expected_color(const LocalLight& on_robot, ColorId color) const {
+    if (expected.light != &on_robot) {
+      expected.light = &on_robot;
+      expected.is_known.fill(false);
+    }
+    if (!expected.is_known[color]) {
+      expected.color[color] = colors.expected_color(on_robot, color, color_space(frame.format));
+      expected.is_known[color] = true;
+    }
+    return expected.color[color];
+  }
 };
 
 /// Center of a patch of a robot with this pose.

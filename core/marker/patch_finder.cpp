@@ -203,8 +203,9 @@ bool PatchFinder::split_touching(const PatchKind& kind, const Runs& runs, const 
     budget.exceeded = true;
     return false;
   }
-  budget.pairs -= work;
-  for (const RegionPart& part : split(runs, region, shape, count)) {
+  const RegionSplit found = split(runs, region, shape, count);
+  budget.pairs -= work * static_cast<float>(found.passes) / float{kUsualPasses};
+  for (const RegionPart& part : found.parts) {
     PatchCandidate patch = whole;
     patch.center = part.center;
     patch.area_px = part.area_px;
@@ -245,12 +246,14 @@ void PatchFinder::find(const PatchKind& kind, const Runs& runs, const Regions& r
 // Applies eq. (1) from the largest patch to the smallest: removes those that are too close to a larger one, merged with
 // it if they are its fragments.
 void PatchFinder::merge_close(const PatchKind& kind, Sightings& verdicts, ColorPatches& out) const {
+  const float reach = std::max(kK1 * kind.side_m, kHalvesApart * kind.length_m);
   std::size_t kept = 0;
   for (std::size_t i = 0; i < out.size(); ++i) {
     const PatchCandidate patch = out[i];
     bool taken = false, close = false;
     for (std::size_t k = 0; k < kept && !taken; ++k) {
       if (out[k].region == patch.region) continue;  // parts of one region are already separated
+      if (std::abs(out[k].at[kind.plane].x_m - patch.at[kind.plane].x_m) >= reach) continue;
       const float distance = distance_m(out[k].at[kind.plane], patch.at[kind.plane]);
       const bool is_near = distance < kK1 * kind.side_m;
       close = close || is_near;

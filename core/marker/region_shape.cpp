@@ -8,8 +8,8 @@ namespace {
 
 // This number of sampled pixels gives the centers of compact parts to a tenth of a pixel.
 constexpr std::uint32_t kMaxSamples = 2048;
-// Started along the major axis, k-means of two to four compact parts converges in three to six iterations.
-constexpr int kMaxIterations = 10;
+// Started along the major axis, k-means of two to four compact parts converges in three to six passes.
+constexpr int kMaxPasses = 10;
 
 struct Cluster {
   double sum_u = 0, sum_v = 0, count = 0;
@@ -134,8 +134,9 @@ RegionShape shape_of(const Runs& runs, const Region& region) {
           static_cast<float>(0.5 * std::atan2(2 * uv, uu - vv))};
 }
 
-RegionParts split(const Runs& runs, const Region& region, const RegionShape& shape, std::size_t count) {
-  RegionParts parts;
+RegionSplit split(const Runs& runs, const Region& region, const RegionShape& shape, std::size_t count) {
+  RegionSplit out;
+  RegionParts& parts = out.parts;
   count = std::clamp<std::size_t>(count, 2, kMaxParts);
   // Start with centers equally spaced along the major axis, over about two standard deviations to each side.
   const float sigma = std::sqrt(shape.major_px2), c = std::cos(shape.axis_rad), s = std::sin(shape.axis_rad);
@@ -144,7 +145,8 @@ RegionParts split(const Runs& runs, const Region& region, const RegionShape& sha
     parts.push_back({{region.centroid.u_px + along * c, region.centroid.v_px + along * s}, 0.0f});
   }
   const std::uint32_t step = 1 + region.area_px / kMaxSamples;
-  for (int i = 0; i < kMaxIterations; ++i) {
+  while (out.passes < kMaxPasses) {
+    ++out.passes;
     const std::array<Cluster, kMaxParts> clusters = assign(runs, region, parts, step);
     float moved = 0;
     for (std::size_t k = 0; k < parts.size(); ++k) {
@@ -159,7 +161,7 @@ RegionParts split(const Runs& runs, const Region& region, const RegionShape& sha
     }
     if (moved < 0.01f) break;
   }
-  return parts;
+  return out;
 }
 
 }  // namespace touchline

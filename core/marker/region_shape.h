@@ -22,8 +22,17 @@ struct RegionPart {
 };
 using RegionParts = FixedVector<RegionPart, kMaxParts>;
 
+/// A region of touching patches as its parts, and the passes over its pixels that this took.
+struct RegionSplit {
+  RegionParts parts;
+  int passes = 0;
+};
+
+/// Two to four compact parts take at most this many passes.
+constexpr int kUsualPasses = 6;
+
 /// Splits a region of several touching patches into `count` parts (2 to kMaxParts) by k-means clustering of its pixels.
-/// The work is bounded: a fixed maximum of iterations over a bounded sample of the pixels.
-RegionParts split(const Runs& runs, const Region& region, const RegionShape& shape, std::size_t count);
+/// The work is bounded: at most ten passes over a bounded sample of the pixels.
+RegionSplit split(const Runs& runs, const Region& region, const RegionShape& shape, std::size_t count);
 
 }  // namespace touchline

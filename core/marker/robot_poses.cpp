@@ -58,6 +58,7 @@ bool same_pose(const Pose& a, const Pose& b) {
 bool Identifier::is_free(const Scene& now, std::size_t robot, const PoseEvidence& evidence) const {
   const MarkerLayout& layout = teams_[now.team].layout;
   const Pose& pose = evidence.pose;
+  const RobotFrame to_robot(pose);
   for (std::size_t i = 0; i < now.seen.robots.size(); ++i) {
     if (i == robot || now.boxes[i].is_tentative) continue;
     if (now.boxes[i].team_patch == evidence.partner && !now.boxes[i].pose_is_sure) continue;
@@ -67,7 +68,7 @@ bool Identifier::is_free(const Scene& now, std::size_t robot, const PoseEvidence
       if (distance_m(pose.position, other.pose.position) < kMinRobotDistance * side) return false;
     }
     const FieldPoint patch = now.patches.team[now.boxes[i].team_patch].patch.at[now.team];
-    if (on_robot(layout, to_robot_frame(pose, patch), kForeignPatchInset_m)) return false;
+    if (on_robot(layout, to_robot(patch), kForeignPatchInset_m)) return false;
   }
   return true;
 }

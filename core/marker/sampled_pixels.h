@@ -66,29 +66,12 @@ class SampledPixels {
         std::memcpy(&four, &value[c][4 * half], sizeof four);
         above_black[c] = __builtin_convertvector(four, Simd4<float>);
       }
-      if (info_.space != ColorSpace::kRgb) above_black = rgb_of(above_black);
+      if (info_.space != ColorSpace::kRgb) above_black = yuv_to_rgb4(above_black, info_.space);
       _Pragma("GCC unroll 3") for (std::size_t c = 0; c < 3; ++c) out[c][half] = above_black[c];
     }
   }
 
  private:
-  // As to_rgb().
-  [[nodiscard]] std::array<Simd4<float>, 3> rgb_of(const std::array<Simd4<float>, 3>& value) const {
-    const auto number = [](int integer) { return static_cast<float>(integer); };
-    const auto black = [&](std::size_t c) { return number(black_value(info_.space, c)); };
-    const YuvToRgb yuv = yuv_to_rgb(info_.space);
-    const Simd4<float> u = value[1] - black(1), v = value[2] - black(2);
-    const Simd4<float> bright = number(yuv.luma) * (value[0] - black(0));
-    std::array<Simd4<float>, 3> rgb{bright + number(yuv.red_v) * v,
-                                    bright - number(yuv.green_u) * u - number(yuv.green_v) * v,
-                                    bright + number(yuv.blue_u) * u};
-    for (Simd4<float>& channel : rgb) {
-      channel /= float{YuvToRgb::kOne};
-      channel = channel > 0.0f ? channel : Simd4<float>{};
-    }
-    return rgb;
-  }
-
   // A group may begin at any column, or be every second one up to the last.
   static constexpr std::size_t kOffsets = kSampleSide + kGroupSize - 1;
 

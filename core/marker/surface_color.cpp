@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <cstring>
 
 #include "core/light/shading.h"
+#include "core/marker/simd4.h"
 
 namespace touchline {
 namespace {
@@ -34,14 +36,18 @@ constexpr int in_grid(int i) { return i + kGridReach; }
 template <bool kIsRgb>
 Grid similar_samples(const Frame& frame, const Samples& columns, const Samples& rows, int step,
                      const SurfaceColor& surface, float allowed) {
+  constexpr std::size_t kTogether = 4;
   const PixelFormatInfo& info = info_of(frame.format);
-  std::array<std::array<std::size_t, 3>, kGridSize> offset{};
-  for (int column = columns.first; column <= columns.last; ++column) {
-    const auto u = static_cast<std::size_t>(columns.place(column, step));
-    for (std::size_t c = 0; c < 3; ++c) {
-      offset[static_cast<std::size_t>(in_grid(column))][c] = info.channel[c].byte(u);
-    }
+  const auto first_column = static_cast<std::size_t>(in_grid(columns.first)),
+             end_column = static_cast<std::size_t>(in_grid(columns.last)) + 1;
+  // Bytes from the begin of a row, by channel. Samples beyond the last column are the last one again.
+  std::array<std::array<std::uint32_t, kGridSize + kTogether>, 3> offset;
+  for (std::size_t i = first_column; i < end_column + kTogether; ++i) {
+    const auto u =
+        static_cast<std::size_t>(columns.place(static_cast<int>(std::min(i, end_column - 1)) - kGridReach, step));
+    for (std::size_t c = 0; c < 3; ++c) offset[c][i] = static_cast<std::uint32_t>(info.channel[c].byte(u));
   }
+  const std::uint64_t inside = (std::uint64_t{1} << end_column) - (std::uint64_t{1} << first_column);
   Grid mask{};
   for (int row = rows.first; row <= rows.last; ++row) {
     const auto v = static_cast<std::size_t>(rows.place(row, step));
@@ -51,16 +57,24 @@ Grid similar_samples(const Frame& frame, const Samples& columns, const Samples& 
       line[c] = frame.plane[channel.plane] + (v >> channel.shift_v) * frame.stride_bytes[channel.plane];
     }
     std::uint64_t similar = 0;
-    for (int column = columns.first; column <= columns.last; ++column) {
-      const auto i = static_cast<std::size_t>(in_grid(column));
-      std::array<float, 3> rgb{};
-      for (std::size_t c = 0; c < 3; ++c) rgb[c] = static_cast<float>(line[c][offset[i][c]]);
-      if constexpr (!kIsRgb) rgb = to_rgb(rgb, info.space);
-      float distance = 0;
-      for (std::size_t c = 0; c < 3; ++c) distance += (rgb[c] - surface.rgb[c]) * (rgb[c] - surface.rgb[c]);
-      similar |= std::uint64_t{!(distance > allowed)} << i;
+    for (std::size_t i = first_column; i < end_column; i += kTogether) {
+      std::array<Simd4<float>, 3> rgb;
+      // gcc 12 unrolls no loops at -O2.
+      _Pragma("GCC unroll 3") for (std::size_t c = 0; c < 3; ++c) {
+        const std::uint8_t* const pixels = line[c];
+        const std::uint32_t* const at = &offset[c][i];
+        const Simd4<std::int32_t> four{pixels[at[0]], pixels[at[1]], pixels[at[2]], pixels[at[3]]};
+        rgb[c] = __builtin_convertvector(four, Simd4<float>);
+      }
+      if constexpr (!kIsRgb) rgb = yuv_to_rgb4(rgb, info.space);
+      Simd4<float> distance{};
+      _Pragma("GCC unroll 3") for (std::size_t c = 0; c < 3; ++c) {
+        const Simd4<float> difference = rgb[c] - surface.rgb[c];
+        distance += difference * difference;
+      }
+      similar |= std::uint64_t{bits_of(distance <= allowed)} << i;
     }
-    mask[static_cast<std::size_t>(in_grid(row))] = similar;
+    mask[static_cast<std::size_t>(in_grid(row))] = similar & inside;
   }
   return mask;
 }
@@ -170,18 +184,24 @@ bool grow_patch(const Frame& frame, PixelPoint seed, float reach_px, GrownPatch&
   // The pixel in the middle may be noise; the mean around it is the color.
   mask[kGridReach] |= std::uint64_t{1} << static_cast<unsigned>(kGridReach);
   const Grid grown = connected(mask, reach);
+  // The sums are integers below 2^24, so their order does not matter.
   float n = 0, x = 0, y = 0, xx = 0, xy = 0, yy = 0;
   for (std::size_t row = 0; row < kGridSize; ++row) {
-    const float dy = static_cast<float>(row) - static_cast<float>(kGridReach);
+    if (grown[row] == 0) continue;
+    int count = 0, sum = 0, squares = 0;
     for (std::uint64_t bits = grown[row]; bits != 0; bits &= bits - 1) {
-      const float dx = static_cast<float>(std::countr_zero(bits) - kGridReach);
-      n += 1;
-      x += dx;
-      y += dy;
-      xx += dx * dx;
-      xy += dx * dy;
-      yy += dy * dy;
+      const int dx = std::countr_zero(bits) - kGridReach;
+      ++count;
+      sum += dx;
+      squares += dx * dx;
     }
+    const int dy = static_cast<int>(row) - kGridReach;
+    n += static_cast<float>(count);
+    x += static_cast<float>(sum);
+    y += static_cast<float>(dy * count);
+    xx += static_cast<float>(squares);
+    xy += static_cast<float>(dy * sum);
+    yy += static_cast<float>(dy * dy * count);
   }
   if (n < static_cast<float>(kMinSamples)) return false;
   const float scale = static_cast<float>(step), square = scale * scale;

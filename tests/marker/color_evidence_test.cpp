@@ -48,7 +48,7 @@ class PaintedPatches : public ::testing::Test {
     return likelihood(patch, light, paint, box) - best;
   }
   [[nodiscard]] float likelihood(const SurfaceColor& patch, const LocalLight& light, ColorId paint, ColorId box) const {
-    return evidence.log_likelihood(patch, light, paint, ColorSpace::kRgb, paint == box);
+    return ColorEvidence::log_likelihood(patch, evidence.expected_color(light, paint, ColorSpace::kRgb), paint == box);
   }
   [[nodiscard]] LocalLight light(const SurfaceColor& team_patch, ColorId team_paint,
                                  const LightPrior& prior = {}) const {

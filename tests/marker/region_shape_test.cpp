@@ -14,33 +14,20 @@ namespace {
 
 constexpr int kBlobWidth = 60, kBlobHeight = 40;
 
-// A region of overlapping discs, as runs.
+// A region as runs.
 struct Blob {
   std::unique_ptr<Runs> runs = std::make_unique<Runs>();
   Region region;
 };
-Blob blob_of(std::mt19937& random, std::size_t discs) {
-  struct Disc {
-    double u, v, radius;
-  };
-  std::vector<Disc> all;
-  for (std::size_t i = 0; i < discs; ++i) {
-    const auto pick = [&](unsigned low, unsigned high) {
-      return 0.1 * static_cast<double>(low + random() % (high - low + 1));
-    };
-    all.push_back({pick(100, 490), pick(100, 290), pick(40, 100)});
-  }
+template <class IsInside>
+Blob blob_where(const IsInside& is_inside) {
   Blob blob;
   double sum_u = 0, sum_v = 0;
   for (int v = 0; v < kBlobHeight; ++v) {
-    const auto is_inside = [&](int u) {
-      return std::any_of(all.begin(), all.end(),
-                         [&](const Disc& disc) { return std::hypot(u - disc.u, v - disc.v) < disc.radius; });
-    };
     for (int u = 0; u < kBlobWidth; ++u) {
-      if (!is_inside(u)) continue;
+      if (!is_inside(u, v)) continue;
       const int begin = u;
-      for (; is_inside(u); ++u) {
+      for (; is_inside(u, v); ++u) {
         sum_u += u;
         sum_v += v;
         ++blob.region.area_px;
@@ -55,6 +42,38 @@ Blob blob_of(std::mt19937& random, std::size_t discs) {
   blob.region.centroid = {static_cast<float>(sum_u / blob.region.area_px),
                           static_cast<float>(sum_v / blob.region.area_px)};
   return blob;
+}
+
+// 0.1 times an integer of the range.
+double tenths(std::mt19937& random, unsigned low, unsigned high) {
+  return 0.1 * static_cast<double>(low + random() % (high - low + 1));
+}
+
+// Overlapping discs.
+Blob blob_of(std::mt19937& random, std::size_t discs) {
+  struct Disc {
+    double u, v, radius;
+  };
+  std::vector<Disc> all;
+  for (std::size_t i = 0; i < discs; ++i) {
+    const double u = tenths(random, 100, 490), v = tenths(random, 100, 290);
+    all.push_back({u, v, tenths(random, 40, 100)});
+  }
+  return blob_where([&](int u, int v) {
+    return std::any_of(all.begin(), all.end(),
+                       [&](const Disc& disc) { return std::hypot(u - disc.u, v - disc.v) < disc.radius; });
+  });
+}
+
+// Two squares side by side, shifted against each other, turned by any angle.
+Blob touching_squares(std::mt19937& random) {
+  const double side = tenths(random, 50, 140), shift = side * (tenths(random, 0, 10) - 0.5);
+  const double angle = tenths(random, 0, 62), c = std::cos(angle), s = std::sin(angle);
+  const double middle_u = tenths(random, 290, 310), middle_v = tenths(random, 190, 210);
+  return blob_where([&](int u, int v) {
+    const double x = c * (u - middle_u) + s * (v - middle_v), y = c * (v - middle_v) - s * (u - middle_u);
+    return std::abs(x) < side && std::abs(y - (x < 0 ? shift : 0.0) + 0.5 * shift) < 0.5 * side;
+  });
 }
 
 // The same as split(), pixel by pixel.
@@ -104,7 +123,7 @@ TEST(Split, AssignsEveryPixelToItsNearestPart) {
     const std::size_t count = 2 + random() % (kMaxParts - 1);
     const Blob blob = blob_of(random, count);
     const RegionShape shape = shape_of(*blob.runs, blob.region);
-    const RegionParts found = split(*blob.runs, blob.region, shape, count),
+    const RegionParts found = split(*blob.runs, blob.region, shape, count).parts,
                       expected = split_by_pixels(blob, shape, count);
     ASSERT_EQ(found.size(), expected.size());
     for (std::size_t k = 0; k < count; ++k) {
@@ -113,6 +132,22 @@ TEST(Split, AssignsEveryPixelToItsNearestPart) {
       EXPECT_EQ(found[k].center.v_px, expected[k].center.v_px) << n << ", " << count << " parts";
     }
   }
+}
+
+// The budget of the matcher counts pairs of patches that take so many passes.
+TEST(Split, TouchingSquaresTakeTheUsualPasses) {
+  std::mt19937 random(4);
+  int most = 0, all = 0;
+  constexpr int kPairs = 300;
+  for (int n = 0; n < kPairs; ++n) {
+    const Blob blob = touching_squares(random);
+    const int passes = split(*blob.runs, blob.region, shape_of(*blob.runs, blob.region), 2).passes;
+    most = std::max(most, passes);
+    all += passes;
+  }
+  EXPECT_LE(most, 10);
+  EXPECT_LE(all, kUsualPasses * kPairs);
+  EXPECT_GT(all, 2 * kPairs);
 }
 
 }  // namespace

@@ -60,6 +60,7 @@ TOUCHLINE_TARGET_INLINE __m128i tile_colors(const NibbleTables& nibbles, const R
 
 // A pass takes up to 64 tiles of a row, one bit each.
 constexpr std::uint32_t kMaxTilesPerPass = 64, kTilesPerTest = 8;
+constexpr std::uint64_t kEveryEighth = 0x1010101010101010u;
 
 // Returns the tiles that may contain a class of the two groups, by the high nibbles alone.
 template <class Layout>
@@ -75,6 +76,17 @@ TOUCHLINE_PASS std::uint64_t find_coarse_tiles(const SpanTables& tables, const R
     found |= (1 - is_zero(coarse_classes<GroupsInRegister::kTwo>(channels, group).first)) << i;
   }
   return found;
+}
+
+// By the classes of all groups.
+template <class Layout>
+TOUCHLINE_TARGET_INLINE std::uint64_t find_coarse_tiles(const SpanTables& tables, const RowPixels& row,
+                                                        std::uint32_t first, std::uint64_t among) {
+  std::uint64_t near = 0;
+  for (std::size_t group = 0; group < tables.nibbles->groups(); group += 2) {
+    near |= find_coarse_tiles<Layout>(tables, row, first, among, group);
+  }
+  return near;
 }
 
 // Classifies those pixels of the tiles that have no color yet.
@@ -125,14 +137,17 @@ TOUCHLINE_TARGET_INLINE OccupiedWords classify_shaded_tiles(const SpanTables& ta
     const std::uint64_t all = ~std::uint64_t{0} >> (kMaxTilesPerPass - count);
     std::uint64_t left = find_candidate_tiles<Layout>(tables, row, first, count, colors);
     left = tables.has_background_box ? left & all : all;
-    // The coarse test does not pay off for two tiles, or if most tiles are candidates and so contain colors.
+    // The coarse test does not pay off for two tiles, or if most tiles contain colors. If most are candidates, every
+    // eighth one tells whether that is so.
     const auto number = static_cast<std::uint32_t>(std::popcount(left));
-    if (number > 2 && 2 * number <= count) {
-      std::uint64_t near = 0;
-      for (std::size_t group = 0; group < tables.nibbles->groups(); group += 2) {
-        near |= find_coarse_tiles<Layout>(tables, row, first, left, group);
+    if (number > 2) {
+      const std::uint64_t sample = 2 * number <= count ? left : left & kEveryEighth;
+      const std::uint64_t near = find_coarse_tiles<Layout>(tables, row, first, sample);
+      if (sample == left) {
+        left = near;
+      } else if (2 * std::popcount(near) < std::popcount(sample)) {
+        left = near | find_coarse_tiles<Layout>(tables, row, first, left & ~sample);
       }
-      left = near;
     }
     for (std::size_t group = 0; left != 0 && group < tables.nibbles->groups(); group += 2) {
       occupied |= color_tiles<Layout>(tables, row, first, left, group, colors);

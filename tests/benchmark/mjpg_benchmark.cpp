@@ -19,23 +19,42 @@ namespace {
 
 using Jpeg = std::vector<std::uint8_t>;
 
-constexpr int kQuality = 80;  // that of common webcams
+constexpr int kQuality = 80;
+// Webcams limit the size of a picture: most send 14 to 16 kB at 640 x 480.
+constexpr std::size_t kCameraBytes = 15000;
 constexpr std::array kSpaces{ColorSpace::kRgb, ColorSpace::kYuvFullRange};
 
-struct Sampling {
+struct Compression {
   std::string name;
-  int rows;  // that share a chroma sample
+  int rows;                   // that share a chroma sample
+  bool is_of_camera = false;  // of the size that cameras send, instead of kQuality
 };
 
-Jpeg encode(const Frame& frame, int rows_of_chroma) {
-  const auto set_up = [rows_of_chroma](jpeg_compress_struct& jpeg) {
-    jpeg_set_quality(&jpeg, kQuality, TRUE);
+Jpeg encode(const Frame& frame, int rows_of_chroma, int quality) {
+  const auto set_up = [=](jpeg_compress_struct& jpeg) {
+    jpeg_set_quality(&jpeg, quality, TRUE);
     jpeg.comp_info[0].h_samp_factor = 2;
     jpeg.comp_info[0].v_samp_factor = rows_of_chroma;
   };
   return encode_jpeg(frame.width_px, frame.height_px, set_up, [&frame](unsigned v, std::span<std::uint8_t> row) {
     std::copy_n(frame.plane[0] + std::size_t{v} * frame.stride_bytes[0], row.size(), row.begin());
   });
+}
+
+// The best quality at which a picture has at most kCameraBytes, or kQuality.
+int quality_of(const Compression& compression, const Frame& frame) {
+  if (!compression.is_of_camera) return kQuality;
+  int low = 1, high = 100;
+  while (low < high) {
+    const int middle = (low + high + 1) / 2;
+    const bool fits = encode(frame, compression.rows, middle).size() <= kCameraBytes;
+    if (fits) {
+      low = middle;
+    } else {
+      high = middle - 1;
+    }
+  }
+  return low;
 }
 
 /// Decodes JPEGs to planar YUV as the driver does, or to RGB.
@@ -169,21 +188,21 @@ Result<void> add_scans(BenchmarkCase& benchmark, const std::shared_ptr<Jpeg>& jp
   return {};
 }
 
-Result<void> add_picture(BenchmarkCase& benchmark, const Sampling& sampling, const Frame& frame,
+Result<void> add_picture(BenchmarkCase& benchmark, const Compression& compression, const Frame& frame,
                          const ScanParameters& rgb) {
-  const auto jpeg = std::make_shared<Jpeg>(encode(frame, sampling.rows));
+  const auto jpeg = std::make_shared<Jpeg>(encode(frame, compression.rows, quality_of(compression, frame)));
   const ColorGrid grid = defined_colors(frame, rgb);
   return add_scans(benchmark, jpeg, frame, [&](const Frame& decoded) { return in_space_of(decoded, grid, rgb); });
 }
 
-Result<void> add_field(BenchmarkCase& benchmark, const Sampling& sampling) {
+Result<void> add_field(BenchmarkCase& benchmark, const Compression& compression) {
   const FieldScene scene;
   ScanParameters parameters = field_parameters(scene);
   parameters.min_area_px = 2;
-  return add_picture(benchmark, sampling, paint_field(scene).frame(), parameters);
+  return add_picture(benchmark, compression, paint_field(scene).frame(), parameters);
 }
 
-Result<void> add_real_picture(BenchmarkCase& benchmark, const Sampling& sampling, const std::string& shared) {
+Result<void> add_real_picture(BenchmarkCase& benchmark, const Compression& compression, const std::string& shared) {
   TOUCHLINE_TRY_ASSIGN(const hal::Picture picture, hal::read_picture(shared + "/footage/vsss-bar/normal_06.png"));
   Frame frame;
   frame.width_px = static_cast<std::uint16_t>(picture.width_px);
@@ -195,13 +214,13 @@ Result<void> add_real_picture(BenchmarkCase& benchmark, const Sampling& sampling
   TOUCHLINE_TRY(config::load_venue_and_team(
       {{}, footage + "/vsss-bar-normal-venue.toml", footage + "/vsss-bar-normal-team.toml", {}}, *venue));
   TOUCHLINE_TRY(config::resolve({PixelFormat::kRgb24, frame.width_px, frame.height_px, "a picture"}, *venue));
-  return add_picture(benchmark, sampling, frame, venue->pipeline.scan);
+  return add_picture(benchmark, compression, frame, venue->pipeline.scan);
 }
 
 /// The whole step on the pictures of a game, from JPEG to packet.
 class JpegGame {
  public:
-  Result<void> prepare(ColorSpace space, const StepBenchmark& game, const Sampling& sampling) {
+  Result<void> prepare(ColorSpace space, const StepBenchmark& game, const Compression& compression) {
     const std::string mock = TOUCHLINE_BOARDS "/mock";
     const bool is_rgb = space == ColorSpace::kRgb;
     TOUCHLINE_TRY(config::load({mock + "/board.toml",
@@ -212,9 +231,10 @@ class JpegGame {
     if (const Status s = pipeline_->configure(configuration_->pipeline); !s.ok()) {
       return Error{s.code(), "the pipeline refuses its configuration"};
     }
+    const int quality = quality_of(compression, game.frame(0));
     for (std::size_t i = 0; i < game.frames(); ++i) {
       stamps_.push_back(game.frame(i).capture_time);
-      jpegs_.push_back(encode(game.frame(i), sampling.rows));
+      jpegs_.push_back(encode(game.frame(i), compression.rows, quality));
     }
     decoder_ = std::make_unique<Decoder>(space, game.frame(0));
     for (std::size_t i = 0; i < game.frames(); ++i) {
@@ -222,6 +242,11 @@ class JpegGame {
       return Error{ErrorCode::kInconsistent, "a frame does not show all robots"};
     }
     return {};
+  }
+  [[nodiscard]] std::size_t mean_bytes() const {
+    std::size_t sum = 0;
+    for (const Jpeg& jpeg : jpegs_) sum += jpeg.size();
+    return sum / jpegs_.size();
   }
   const StepTrace& step() {
     if (next_ == jpegs_.size()) {
@@ -243,12 +268,13 @@ class JpegGame {
   std::size_t next_ = 0;
 };
 
-Result<void> add_steps(BenchmarkCase& benchmark, const Sampling& sampling) {
+Result<void> add_steps(BenchmarkCase& benchmark, const Compression& compression) {
   StepBenchmark game;
   TOUCHLINE_TRY(game.prepare(TOUCHLINE_BOARDS "/mock/board.toml"));
   for (const ColorSpace space : kSpaces) {
     const auto of_space = std::make_shared<JpegGame>();
-    TOUCHLINE_TRY(of_space->prepare(space, game, sampling));
+    TOUCHLINE_TRY(of_space->prepare(space, game, compression));
+    benchmark.found = "a game in pictures of " + std::to_string(of_space->mean_bytes()) + " bytes on average";
     benchmark.methods.push_back({"step" + suffix(space), [of_space] { static_cast<void>(of_space->step()); }, {}});
   }
   return {};
@@ -264,12 +290,15 @@ Result<void> add_mjpg_cases(BenchmarkCases& cases, const std::string& filter) {
     if (!filled.ok()) return prefixed(name, std::move(filled).error());
     return {};
   };
-  for (const Sampling& sampling : {Sampling{"mjpg 4:2:0", 2}, Sampling{"mjpg 4:2:2", 1}}) {
-    TOUCHLINE_TRY(add(sampling.name + " field 640x480", [&](BenchmarkCase& c) { return add_field(c, sampling); }));
-    TOUCHLINE_TRY(add(sampling.name + " step", [&](BenchmarkCase& c) { return add_steps(c, sampling); }));
+  for (const Compression& compression : {Compression{"mjpg 4:2:0", 2}, Compression{"mjpg 4:2:2", 1},
+                                         Compression{std::string("mjpg 4:2:0") + kCameraSize, 2, true},
+                                         Compression{std::string("mjpg 4:2:2") + kCameraSize, 1, true}}) {
+    const std::string& name = compression.name;
+    TOUCHLINE_TRY(add(name + " field 640x480", [&](BenchmarkCase& c) { return add_field(c, compression); }));
+    TOUCHLINE_TRY(add(name + " step", [&](BenchmarkCase& c) { return add_steps(c, compression); }));
     if (const char* const shared = std::getenv("TOUCHLINE_SHARED"); shared != nullptr) {
       TOUCHLINE_TRY(
-          add(sampling.name + " vsss-bar", [&](BenchmarkCase& c) { return add_real_picture(c, sampling, shared); }));
+          add(name + " vsss-bar", [&](BenchmarkCase& c) { return add_real_picture(c, compression, shared); }));
     }
   }
   return {};

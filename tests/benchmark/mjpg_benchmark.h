@@ -7,8 +7,11 @@
 
 namespace touchline::testing {
 
-/// Adds cases whose names contain `filter` and that process pictures of a USB camera (JPEG of quality 80, 4:2:2 and
-/// 4:2:0), decoded to planar YUV as the driver does, and for comparison to RGB:
+/// In the names of cases with pictures of the size that USB cameras send.
+constexpr const char* kCameraSize = ", 15 kB,";
+
+/// Adds cases whose names contain `filter` and that process pictures of a USB camera (JPEG, 4:2:2 and 4:2:0; of quality
+/// 80, or at most 15 kB), decoded to planar YUV as the driver does, and for comparison to RGB:
 /// - "mjpg ... field 640x480": JPEG to regions of a drawn field;
 /// - "mjpg ... vsss-bar": the same of a real picture, if the environment variable TOUCHLINE_SHARED names its folder;
 /// - "mjpg ... step": JPEG to packet, in the game of StepBenchmark.

@@ -7,6 +7,7 @@
 #include "hal/files/output_file.h"
 #include "tests/benchmark/clutter_step.h"
 #include "tests/benchmark/measurement.h"
+#include "tests/benchmark/mjpg_benchmark.h"
 #include "tests/benchmark/real_pictures.h"
 
 namespace touchline::testing {
@@ -96,7 +97,7 @@ std::vector<Goal> goals_of(const BenchmarkCases& cases) {
   for (const auto& [sampling, limit] : {std::pair{"mjpg 4:2:0", 0.7}, {"mjpg 4:2:2", 0.8}}) {
     for (const auto& [picture, method] :
          {std::pair{" step", "step"}, {" field 640x480", "regions"}, {" vsss-bar", "regions"}}) {
-      const std::string name = std::string(sampling) + picture;
+      const std::string name = std::string(sampling) + kCameraSize + picture;
       add(name + ", " + method + ": planar YUV / RGB",
           time(name, std::string(method) + ", YUV") / time(name, std::string(method) + ", RGB"), limit);
     }

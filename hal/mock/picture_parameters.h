@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "core/parameter.h"
+#include "hal/mock/bayer_pattern.h"
 
 // The part of section [arena] that decides how a scene becomes a picture: lamps, lens and image sensor.
 namespace touchline::hal::mock {
@@ -78,6 +79,8 @@ struct SensorParameters {
   double gamma = 2.2;
   double exposure_s = 0.004;
   double transfer_s = 0.007;
+  double blur_px = 0.0;
+  BayerPattern bayer = BayerPattern::kNone;
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
@@ -94,6 +97,14 @@ struct SensorParameters {
                                    .range = {0.0, 0.5},
                                    .unit = "s",
                                    .help = "Delay from the end of the exposure until the frame is in memory"});
+    visit.number(self.blur_px, {.name = "blur_px",
+                                .range = {0.0, 10.0},
+                                .unit = "px",
+                                .help = "Standard deviation of the lens's blur; 0: sharp"});
+    visit.choice(self.bayer, kBayerPatterns,
+                 {.name = "bayer",
+                  .help = "Color filters of the first two rows and columns; missing colors are interpolated "
+                          "bilinearly; none: each pixel measures all colors"});
   }
 };
 

@@ -46,6 +46,13 @@ Sensor::Sensor(const SensorParameters& parameters, PixelFormat format, std::uint
     const double value = static_cast<double>(i) / kLinearScale;
     tone_[i] = static_cast<std::uint8_t>(std::lround(255.0 * std::pow(value, 1.0 / parameters.gamma)));
   }
+  if (parameters.blur_px > 0.0) blur_.emplace(parameters.blur_px, width_, height_);
+  if (parameters.bayer != BayerPattern::kNone && width_ > 1 && height_ > 1) {
+    bayer_.emplace(parameters.bayer, width_, height_);
+    filtered_.resize(width_);
+    measured_.resize(width_ * height_);
+    interpolated_.resize(3 * width_);
+  }
   set_brightness(1.0);
 }
 
@@ -61,19 +68,25 @@ void Sensor::set_brightness(double brightness) {
 }
 
 void Sensor::expose(std::span<const std::uint16_t> linear, std::span<std::uint8_t> out) {
+  if (blur_) linear = (*blur_)(linear);
+  if (bayer_) measure_mosaic(linear.data());
   for (std::size_t row = 0; row < height_; ++row) {
-    add_noise_and_gamma(&linear[3 * width_ * row]);
+    if (bayer_) {
+      bayer_->interpolate_row(measured_, row, interpolated_);
+      for (std::size_t i = 0; i < row_.size(); ++i)
+        row_[i] = tone_[static_cast<std::size_t>(std::lround(interpolated_[i]))];
+    } else {
+      add_noise_and_gamma(&linear[3 * width_ * row]);
+    }
     write_row(row, out);
   }
 }
 
-void Sensor::add_noise_and_gamma(const std::uint16_t* linear) {
+template <class Out>
+void Sensor::add_noise(const std::uint16_t* linear, std::size_t count, Out out) {
   // Pointers, because builds with sanitizers call functions for each element of a vector: a million per picture.
   const float* const mean = mean_.data();
   const float* const sigma = sigma_.data();
-  const std::uint8_t* const tone = tone_.data();
-  std::uint8_t* const out = row_.data();
-  const std::size_t count = row_.size();
   std::uint64_t bits = 0;
   for (std::size_t i = 0; i < count; ++i) {
     if (i % 4 == 0) bits = random_.bits();
@@ -81,7 +94,24 @@ void Sensor::add_noise_and_gamma(const std::uint16_t* linear) {
     const float noisy =
         mean[value] + sigma[value] * normal_[bits] + 0.5f;  // + 0.5: the conversion to an index truncates
     bits >>= 16U;
-    out[i] = tone[static_cast<std::size_t>(std::clamp(noisy, 0.0f, static_cast<float>(kLinearScale)))];
+    out(i, std::clamp(noisy, 0.0f, static_cast<float>(kLinearScale)));
+  }
+}
+
+void Sensor::add_noise_and_gamma(const std::uint16_t* linear) {
+  const std::uint8_t* const tone = tone_.data();
+  std::uint8_t* const out = row_.data();
+  add_noise(linear, row_.size(), [=](std::size_t i, float noisy) { out[i] = tone[static_cast<std::size_t>(noisy)]; });
+}
+
+void Sensor::measure_mosaic(const std::uint16_t* linear) {
+  for (std::size_t row = 0; row < height_; ++row) {
+    const std::uint16_t* const pixels = linear + 3 * width_ * row;
+    for (std::size_t column = 0; column < width_; ++column) {
+      filtered_[column] = pixels[3 * column + bayer_->color_at(column, row)];
+    }
+    float* const out = &measured_[width_ * row];
+    add_noise(filtered_.data(), width_, [=](std::size_t i, float noisy) { out[i] = std::max(noisy - 0.5f, 0.0f); });
   }
 }
 

@@ -3,17 +3,19 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "core/types.h"
 #include "hal/mock/arena_parameters.h"
+#include "hal/mock/bayer_pattern.h"
 #include "hal/mock/random.h"
 
 namespace touchline::hal::mock {
 
-/// Converts linear light to the camera's pixel values: shot noise, read noise, gamma curve, 8 bits, RGB or YUV
-/// (BT.601).
+/// Converts linear light to the camera's pixel values: blur, Bayer pattern, shot noise, read noise, gamma curve, 8
+/// bits, RGB or YUV (BT.601).
 class Sensor {
  public:
   Sensor(const SensorParameters& parameters, PixelFormat format, std::uint16_t width_px, std::uint16_t height_px,
@@ -27,7 +29,11 @@ class Sensor {
   void expose(std::span<const std::uint16_t> linear, std::span<std::uint8_t> out);
 
  private:
+  // Calls out(i, value) for each of the `linear` values with their noise, 0 to kLinearScale.
+  template <class Out>
+  void add_noise(const std::uint16_t* linear, std::size_t count, Out out);
   void add_noise_and_gamma(const std::uint16_t* linear);
+  void measure_mosaic(const std::uint16_t* linear);
   void write_row(std::size_t row, std::span<std::uint8_t> out);
   void write_rgb_row(std::size_t row, std::span<std::uint8_t> out);
   void write_yuv_row(std::size_t row, std::span<std::uint8_t> out);
@@ -39,10 +45,14 @@ class Sensor {
   PictureLayout layout_;
   Random random_;
   NormalTable normal_;
-  std::vector<float> mean_, sigma_;    // indexed by linear value
-  std::vector<std::uint8_t> tone_;     // indexed by linear value
-  std::vector<std::uint8_t> row_;      // R, G, B of one row
-  std::vector<std::uint16_t> chroma_;  // sums of U and V over the pixels that share a sample
+  std::optional<GaussianBlur> blur_;
+  std::optional<BayerInterpolation> bayer_;
+  std::vector<std::uint16_t> filtered_;         // the color that each pixel of a row measures
+  std::vector<float> measured_, interpolated_;  // one value per pixel of the picture; R, G, B of one row
+  std::vector<float> mean_, sigma_;             // indexed by linear value
+  std::vector<std::uint8_t> tone_;              // indexed by linear value
+  std::vector<std::uint8_t> row_;               // R, G, B of one row
+  std::vector<std::uint16_t> chroma_;           // sums of U and V over the pixels that share a sample
 };
 
 }  // namespace touchline::hal::mock

@@ -3,7 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include "hal/mock/renderer.h"
@@ -132,6 +134,68 @@ TEST(Tone, FullScaleIsWhiteAndNoiseIsClippedAtBlack) {
   parameters.read_noise_electrons = 360.0;  // 10.2 steps
   // The mean of a normal distribution clipped at zero is sigma / sqrt(2 pi).
   EXPECT_NEAR(exposed(parameters, 0.0).mean, 10.2 / std::sqrt(2.0 * 3.14159265), 0.15);
+}
+
+// Without noise, each pixel has its own color exactly and the mean of its neighbors for the others.
+TEST(Bayer, InterpolatesFromTheNearestPixelsOfEachColor) {
+  constexpr std::size_t kSide = 8;
+  SensorParameters parameters = linear_sensor();
+  parameters.read_noise_electrons = 0.0;
+  parameters.full_well_electrons = 1e9;
+  // Where red, the green of red's rows, the green of blue's rows and blue are, by pattern.
+  const std::array<std::pair<BayerPattern, std::array<std::size_t, 2>>, 4> patterns{{{BayerPattern::kRggb, {0, 0}},
+                                                                                     {BayerPattern::kGrbg, {1, 0}},
+                                                                                     {BayerPattern::kGbrg, {0, 1}},
+                                                                                     {BayerPattern::kBggr, {1, 1}}}};
+  std::vector<std::uint16_t> linear(3 * kSide * kSide);
+  for (std::size_t i = 0; i < linear.size(); ++i) linear[i] = static_cast<std::uint16_t>(i * 7919 % 4000);
+  for (const auto& [pattern, red] : patterns) {
+    parameters.bayer = pattern;
+    std::vector<std::uint8_t> out(linear.size());
+    Sensor(parameters, PixelFormat::kRgb24, kSide, kSide, 1).expose(linear, out);
+    for (std::size_t v = 1; v + 1 < kSide; ++v) {
+      for (std::size_t u = 1; u + 1 < kSide; ++u) {
+        for (std::size_t c = 0; c < 3; ++c) {
+          double sum = 0.0, nearest = 9.0, count = 0.0;
+          for (std::size_t y = v - 1; y <= v + 1; ++y) {
+            for (std::size_t x = u - 1; x <= u + 1; ++x) {
+              const std::size_t off_u = (x + red[0]) % 2, off_v = (y + red[1]) % 2;
+              if (off_u + off_v != c) continue;
+              const double du = static_cast<double>(x) - static_cast<double>(u);
+              const double dv = static_cast<double>(y) - static_cast<double>(v), away = du * du + dv * dv;
+              if (away > nearest) continue;
+              if (away < nearest) sum = count = 0.0;
+              nearest = away;
+              sum += linear[3 * (kSide * y + x) + c];
+              count += 1.0;
+            }
+          }
+          EXPECT_NEAR(out[3 * (kSide * v + u) + c], 255.0 * sum / count / kLinearScale, 0.6)
+              << u << ' ' << v << ' ' << c;
+        }
+      }
+    }
+  }
+}
+
+// A Gaussian has the stated standard deviation and keeps the sum of the light.
+TEST(Blur, SpreadsAPoint) {
+  constexpr std::size_t kSide = 33, kMiddle = 16;
+  std::vector<std::uint16_t> point(3 * kSide * kSide);
+  point[3 * (kSide * kMiddle + kMiddle) + 1] = kLinearScale;
+  for (const double sigma : {0.7, 1.5}) {
+    GaussianBlur blur(sigma, kSide, kSide);
+    const auto seen = blur(point);
+    double sum = 0.0, squares = 0.0;
+    for (std::size_t i = 0; i < kSide * kSide; ++i) {
+      EXPECT_EQ(seen[3 * i] + seen[3 * i + 2], 0);
+      const double du = static_cast<double>(i % kSide) - kMiddle;
+      sum += seen[3 * i + 1];
+      squares += du * du * seen[3 * i + 1];
+    }
+    EXPECT_NEAR(sum, kLinearScale, 0.01 * kLinearScale);
+    EXPECT_NEAR(std::sqrt(squares / sum), sigma, 0.02 * sigma);
+  }
 }
 
 }  // namespace

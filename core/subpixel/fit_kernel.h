@@ -44,8 +44,8 @@ struct PatchView {
 /// Sums over pixels that show one surface.
 struct ColorSums {
   int count = 0;
-  std::array<float, 3> light{};
-  float squares = 0;  // sum over all channels
+  std::array<float, 3> light{}, squares{};
+  std::array<float, 3> foreign{};  // squared light of the surroundings that was removed from the pixels on the edge
 };
 
 /// Eight pixels of a row at a patch's edge.
@@ -71,7 +71,7 @@ struct EdgeFitTask {
   const PatchEdge* edge = nullptr;
   const BlurredOutline* outline = nullptr;
   FieldPoint at;                 // center of the outline, along its axes
-  std::array<float, 3> along{};  // its scalar product with the light is a fraction of the patch's own excess
+  std::array<float, 3> along{};  // its scalar product with the light of a completely covered pixel is 1
   float doubted = 0;             // factor by which squared light of the surroundings reduces the weight
   float ramp_m = 0;
   FixedVector<NeighborPatch, kMaxPatches> neighbors;
@@ -158,7 +158,7 @@ const FitKernel& fit_kernel(KernelChoice choice);
 const FitKernel& portable_fit_kernel();
 const FitKernel& avx2_fit_kernel();
 
-// Width of an edge: one pixel, and 1.5 pixels for the blur of lens and Bayer pattern.
+// Width of the ball's edge: one pixel, and 1.5 pixels for the blur of lens and Bayer pattern.
 constexpr float kRampPx = 2.5f;
 
 /// Sampling stride for a square with half side `reach_px`: 1 (every pixel) if `reach_px` is below `all_px`, then 2, 3,

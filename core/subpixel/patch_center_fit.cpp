@@ -6,18 +6,38 @@
 #include "core/geometry/angle.h"
 #include "core/marker/hypothesis.h"
 #include "core/marker/rigid_fit.h"
+#include "core/subpixel/bayer_sampling.h"
 
 namespace touchline {
 namespace {
 
-// On narrower patches, too few pixels are completely covered.
-constexpr float kMinWidthPx = 1.2f * kRampPx;
+// Width of an edge. The values of a ramp of whole pixels along the grid have a sum that does not depend on where the
+// edge lies between two pixels (a partition of unity); 2.5 pixels move such edges by up to 0.05 pixels. Three pixels:
+// one for its area, two for the blur of lens and interpolated colors.
+constexpr float kWideRampPx = 3.0f, kNarrowRampPx = 2.0f;
+// On narrower patches, the narrow ramp is used; on those below the second value, too few pixels are completely covered.
+constexpr float kMinWideWidthPx = 1.2f * kWideRampPx, kMinWidthPx = 1.5f * kNarrowRampPx;
 constexpr int kMinInsidePixels = 4, kMinTopPixels = 4;
 // Minimum difference of light between patch and top; smaller differences are noise.
 constexpr float kMinContrast = 0.01f;
-// Difference between surroundings and top, relative to that between patch and top, at which a pixel's weight is one
-// half.
-constexpr float kHalfWeightSurroundings = 0.3f;
+// Noise of a picture's light, of which a few completely covered pixels show too little: that of rounding to 8 bits
+// where it is dark. It counts like this many pixels.
+constexpr float kLeastNoise = 0.001f, kPriorPixels = 4.0f;
+// In a sum of interpolated pixels, each measured red or blue value counts four times, and each green one twice. The
+// noise of a sum of n pixels is therefore 4 n (2 n) times that of a measured value, and a bilinearly interpolated pixel
+// has 9/16 (5/8) of it.
+constexpr std::array<float, 3> kInterpolatedNoise{7.1f, 3.2f, 7.1f};
+// Part of a color's squared light that is an error because of the other colors, relative to the light of all: where
+// pixels share chroma (YUV, JPEG), a color that a patch hardly changes shows the edges of the others. A picture in
+// which a Bayer pattern is found shares none.
+constexpr float kSharedLeak = 0.01f, kMeasuredLeak = 0.0002f;
+// Variance of what is left of the light of the surroundings, relative to its square.
+constexpr float kSurroundingsError = 0.1f;
+constexpr float kNegligible = 1e-8f;  // squared light
+// Light of the surroundings in a pixel, relative to that of the patch, at which the pixel's weight is one half. Lines,
+// walls and the sides of robots make this light no better known than it is large; other errors are 0.1 of the patch's
+// light.
+constexpr float kHalfWeightSurroundings = 0.1f;
 // A region's centroid rarely has an error of one pixel. A larger correction means that something else was fitted.
 constexpr float kMaxCorrectionPx = 2.0f;
 // RMS error of the covered fraction of edge pixels. Up to the first value the fit is used, beyond the second it is not.
@@ -26,13 +46,10 @@ constexpr float kMaxCorrectionPx = 2.0f;
 constexpr float kGoodCoverage = 0.22f, kWorstCoverage = 0.32f;
 // Part of the variance of a pixel's covered fraction that moves the center: most of it is the blur's shape, whose
 // errors on opposite edges cancel. Measured in the arena (tests/tools/motion_evaluation_test.cpp).
-constexpr float kMovingPart = 0.09f;
+constexpr float kMovingPart = 0.045f;
 // Distance after which the correlation of the fit's errors is 1/e: those of edges against the pixel grid are others
 // half a pixel further, but most of the error depends on the edges' angles. Measured in games of the arena.
 constexpr float kLastsPx = 8.0f;
-// Ratio of a center's variance from the camera's noise to that for pixels with independent noise: the Bayer pattern's
-// interpolation and blur spread it to neighbors.
-constexpr float kNoiseOfNeighbors = 1.2f;
 // The first iteration leaves at most a tenth of its step as error. After a short step the rest is below the noise.
 constexpr int kMaxPatchIterations = 2;
 constexpr float kShortStepPx = 0.05f;
@@ -58,8 +75,13 @@ PoseCovariance of_mean(const PoseCovariance& a, float weight, const PoseCovarian
 class PatchCenterFit::Solver {
  public:
   Solver(const FitKernel& kernel, const Marker& marker, const CameraModel& camera, const Frame& frame, const Pose& pose,
-         std::array<PatchEdge, kMaxPatches>& edges)
-      : kernel_(kernel), layout_(marker.layout), outlines_(marker.outlines), frame_(frame), edges_(edges) {
+         bool is_bayer, std::array<PatchEdge, kMaxPatches>& edges)
+      : kernel_(kernel),
+        layout_(marker.layout),
+        outlines_(marker.outlines),
+        frame_(frame),
+        is_bayer_(is_bayer),
+        edges_(edges) {
     const float c = std::cos(pose.theta_rad), s = std::sin(pose.theta_rad);
     const auto seen_at = [&](float x_m, float y_m) {
       return camera.to_pixel({pose.position.x_m + c * x_m - s * y_m, pose.position.y_m + s * x_m + c * y_m},
@@ -75,10 +97,10 @@ class PatchCenterFit::Solver {
     view_.u_by_y = (left.u_px - right.u_px) / layout_.robot_side_m;
     view_.v_by_y = (left.v_px - right.v_px) / layout_.robot_side_m;
     view_.scale_px_per_m = std::sqrt(std::abs(view_.u_by_x * view_.v_by_y - view_.u_by_y * view_.v_by_x));
-    view_.ramp_m = kRampPx / view_.scale_px_per_m;
+    view_.ramp_m = (narrowest_px() < kMinWideWidthPx ? kNarrowRampPx : kWideRampPx) / view_.scale_px_per_m;
     view_.middle = {0.5f * (front.u_px + back.u_px), 0.5f * (front.v_px + back.v_px)};
     for (const PatchPlace& place : layout_.patches)
-      targets_.push_back({seen_at(place.x_m, place.y_m), {}, {}, 0, 0, {}});
+      targets_.push_back({seen_at(place.x_m, place.y_m), {}, {}, {}, {}, 1.0f, 0, {}});
   }
 
   // Returns the weight of the fit, 0 to 1.
@@ -107,26 +129,26 @@ class PatchCenterFit::Solver {
   }
   // Part of these variances that does not come from the camera's noise, 0 to 1.
   [[nodiscard]] float lasting_share() const {
-    return error_ > 0.0f ? std::max(0.0f, 1.0f - kNoiseOfNeighbors * camera_noise_ / error_) : 0.0f;
+    return error_ > 0.0f ? std::max(0.0f, 1.0f - camera_noise_ / error_) : 0.0f;
   }
   [[nodiscard]] float scale_px_per_m() const { return view_.scale_px_per_m; }
 
  private:
   struct Target {
-    PixelPoint pixel;             // center of the patch according to the pose
-    FieldPoint at;                // offset from there along the outline's axes
-    std::array<float, 3> excess;  // light of the patch minus light of the top
-    float power;                  // squared norm of the excess
-    float camera_noise;           // variance of a pixel's covered fraction from the noise of its light
-    PointCovariance noise;        // of `at`
+    PixelPoint pixel;              // center of the patch according to the pose
+    FieldPoint at;                 // offset from there along the outline's axes
+    std::array<float, 3> excess;   // light of the patch minus light of the top
+    std::array<float, 3> along;    // its scalar product with the excess is 1
+    BayerSampling::Axes sampling;  // variance of `at` from sampling and the colors' noise
+    float repeated;                // how often the fit counts a measured value
+    float camera_noise;            // variance of `at`, each axis, from the noise of its light
+    PointCovariance noise;         // of `at`
   };
   using Targets = FixedVector<Target, kMaxPatches>;
 
   bool converge() {
     if (!(view_.scale_px_per_m > 0.0f) || !std::isfinite(view_.scale_px_per_m)) return false;
-    for (const BlurredOutline& outline : outlines_) {
-      if (outline.width_m() * view_.scale_px_per_m < kMinWidthPx) return false;
-    }
+    if (narrowest_px() < kMinWidthPx) return false;
     if (!find_top()) return false;
     if (!sample_all()) return false;
     const float unevenness = unevenness_;  // at the regions' centroids
@@ -150,7 +172,7 @@ class PatchCenterFit::Solver {
     for (std::size_t k = 0; k < targets_.size(); ++k) {
       ColorSums inside;
       if (!kernel_.sample_patch(frame_, view_, {k, center(k), targets_[k].at}, inside, edges_[k])) return false;
-      if (!find_color(inside, targets_[k])) return false;
+      if (!find_color(inside, k)) return false;
     }
     return true;
   }
@@ -169,18 +191,58 @@ class PatchCenterFit::Solver {
     return true;
   }
 
-  bool find_color(const ColorSums& inside, Target& target) {
+  bool find_color(const ColorSums& inside, std::size_t k) {
     if (inside.count < kMinInsidePixels) return false;
+    Target& target = targets_[k];
     const float count = static_cast<float>(inside.count);
-    for (std::size_t c = 0; c < 3; ++c) target.excess[c] = inside.light[c] / count;
-    target.power = dot(target.excess, target.excess);
-    if (!(target.power > kMinContrast * kMinContrast)) return false;
+    std::array<float, 3> variance;
+    float sum = 0;
+    for (std::size_t c = 0; c < 3; ++c) {
+      target.excess[c] = inside.light[c] / count;
+      variance[c] = std::max(0.0f, inside.squares[c] / count - target.excess[c] * target.excess[c]);
+      sum += variance[c];
+    }
+    const float power = dot(target.excess, target.excess);
+    if (!(power > kMinContrast * kMinContrast)) return false;
     // A patch that does not have one color is covered by something.
-    const float variance = std::max(0.0f, inside.squares / count - target.power);
-    unevenness_ = std::max(unevenness_, std::sqrt(variance / target.power));
-    // `variance` is the sum of three channels, of which the covered fraction is a mean.
-    target.camera_noise = variance / (3 * target.power);
+    unevenness_ = std::max(unevenness_, std::sqrt(sum / power));
+    weigh_channels(k, inside, variance, power);
     return true;
+  }
+
+  void weigh_channels(std::size_t k, const ColorSums& inside, const std::array<float, 3>& variance, float power) {
+    Target& target = targets_[k];
+    const BlurredOutline& outline = outlines_[k];
+    const float c = outline.cos(), s = outline.sin();
+    const float count = static_cast<float>(inside.count), edge = static_cast<float>(kLanes * edges_[k].size() + 1);
+    // Sum of the squared slopes on two opposite edges.
+    const float slopes = 2.0f * (outline.half_length_m() + outline.half_width_m()) / view_.ramp_m;
+    BayerSampling sampling;
+    if (is_bayer_) {
+      sampling = bayer_sampling(outline, {c * view_.u_by_x + s * view_.u_by_y, c * view_.v_by_x + s * view_.v_by_y},
+                                view_.scale_px_per_m);
+    }
+    std::array<float, 3> noise_px2, all_px2;  // of the center: of each color, and with errors that colors share
+    for (std::size_t i = 0; i < 3; ++i) {
+      const float light = target.excess[i] * target.excess[i] + kNegligible;
+      const float own = (count * variance[i] + kPriorPixels * kLeastNoise * kLeastNoise) / (count + kPriorPixels);
+      const float repeated = is_bayer_ ? kInterpolatedNoise[i] : 1.0f;
+      noise_px2[i] = repeated * own / (light * slopes);
+      const float shared = (is_bayer_ ? kMeasuredLeak : kSharedLeak) * power;
+      all_px2[i] =
+          noise_px2[i] + (repeated * kSurroundingsError * inside.foreign[i] / edge + shared) / (light * slopes);
+    }
+    const std::array<float, 3> weights = channel_weights(sampling, all_px2);
+    const BayerSampling::Axes by_sampling = sampling_variance(sampling, weights);
+    float by_noise = 0;
+    target.repeated = is_bayer_ ? 4.0f - 2.0f * weights[1] : 1.0f;
+    for (std::size_t i = 0; i < 3; ++i) {
+      target.along[i] = weights[i] * target.excess[i] / (target.excess[i] * target.excess[i] + kNegligible);
+      by_noise += weights[i] * weights[i] * noise_px2[i];
+    }
+    const float m2_per_px2 = 1.0f / (view_.scale_px_per_m * view_.scale_px_per_m);
+    target.camera_noise = m2_per_px2 * by_noise;
+    target.sampling = {m2_per_px2 * (by_sampling.x + by_noise), m2_per_px2 * (by_sampling.y + by_noise)};
   }
 
   void add_neighbors(std::size_t k, const Targets& targets, EdgeFitTask& task) const {
@@ -193,8 +255,7 @@ class PatchCenterFit::Solver {
       task.neighbors.push_back({&outline, outline.cos() * c + outline.sin() * s, outline.cos() * s - outline.sin() * c,
                                 outline.cos() * x + outline.sin() * y - targets[i].at.x_m,
                                 outline.cos() * y - outline.sin() * x - targets[i].at.y_m,
-                                outline.half_box(view_.ramp_m),
-                                dot(targets[i].excess, targets[k].excess) / targets[k].power});
+                                outline.half_box(view_.ramp_m), dot(targets[i].excess, targets[k].along)});
     }
   }
 
@@ -205,8 +266,8 @@ class PatchCenterFit::Solver {
     task.edge = &edges_[k];
     task.outline = &outlines_[k];
     task.at = target.at;
-    for (std::size_t c = 0; c < 3; ++c) task.along[c] = target.excess[c] / target.power;
-    task.doubted = 1.0f / (target.power * kHalfWeightSurroundings * kHalfWeightSurroundings);
+    task.along = target.along;
+    task.doubted = dot(target.along, target.along) / (kHalfWeightSurroundings * kHalfWeightSurroundings);
     task.ramp_m = view_.ramp_m;
     add_neighbors(k, before, task);
     const CenterEquations sums = kernel_.accumulate_edge(task);
@@ -218,25 +279,32 @@ class PatchCenterFit::Solver {
     // After a short first step, the predicted remaining error equals the error of a second iteration.
     const float left = first ? std::max(0.0f, sums.squares - sums.rx * x - sums.ry * y) : sums.squares;
     worst_coverage_ = std::max(worst_coverage_, std::sqrt(left / sums.weights));
-    const float error = kMovingPart * left / sums.weights;
-    error_ += error;
-    camera_noise_ += target.camera_noise;
-    const float variance = error / determinant;
-    target.noise = {variance * sums.yy, -variance * sums.xy, variance * sums.xx};
+    const float variance = kMovingPart * target.repeated * left / sums.weights / determinant;
+    target.noise = {variance * sums.yy + target.sampling.x, -variance * sums.xy,
+                    variance * sums.xx + target.sampling.y};
+    error_ += target.noise.xx + target.noise.yy;
+    camera_noise_ += 2.0f * target.camera_noise;
     target.at.x_m += x;
     target.at.y_m += y;
     return std::hypot(target.at.x_m, target.at.y_m) * view_.scale_px_per_m <= kMaxCorrectionPx;
+  }
+
+  [[nodiscard]] float narrowest_px() const {
+    float least_m = outlines_[0].width_m();
+    for (const BlurredOutline& outline : outlines_) least_m = std::min(least_m, outline.width_m());
+    return least_m * view_.scale_px_per_m;
   }
 
   const FitKernel& kernel_;
   const MarkerLayout& layout_;
   const FixedVector<BlurredOutline, kMaxPatches>& outlines_;
   const Frame& frame_;
+  bool is_bayer_;
   std::array<PatchEdge, kMaxPatches>& edges_;
   MarkerView view_;
   float unevenness_ = 0;      // largest relative color variation within a patch
   float worst_coverage_ = 0;  // largest RMS error of the covered fraction in the current iteration
-  // Sums over the patches: variances of a pixel's covered fraction that move the center, and from the camera's noise.
+  // Sums over the patches: variances of the center, and the part of the camera's noise.
   float error_ = 0, camera_noise_ = 0;
   Targets targets_;
 };
@@ -245,6 +313,7 @@ void PatchCenterFit::configure(const std::array<MarkerLayout, 2>& layouts, const
                                KernelChoice kernel) {
   kernel_ = &fit_kernel(kernel);
   camera_ = camera;
+  bayer_.reset();
   for (std::size_t team = 0; team < layouts.size(); ++team) {
     markers_[team].layout = layouts[team];
     markers_[team].outlines.clear();
@@ -258,11 +327,12 @@ void PatchCenterFit::set_heights(const std::array<float, 2>& height_m) {
 
 void PatchCenterFit::refine(const Frame& frame, Sightings& sightings) {
   if (frame.width_px < 2) return;
+  bayer_.examine(frame);
   for (RobotSighting& robot : sightings.robots) {
     const Marker& marker = markers_[static_cast<std::size_t>(robot.team)];
     const std::size_t patches = marker.layout.patches.size();
     if (!robot.has_heading || patches < 2 || robot.patches.size() != patches) continue;
-    Solver fit(*kernel_, marker, camera_, frame, robot.pose, edges_);
+    Solver fit(*kernel_, marker, camera_, frame, robot.pose, bayer_.found(), edges_);
     const float trust = fit.run();
     if (trust == 0.0f) continue;
     FixedVector<Correspondence, kMaxPatches> points;

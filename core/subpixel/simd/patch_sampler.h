@@ -43,7 +43,7 @@ inline ColorSums sample_top(const Frame& frame, const MarkerView& robot) {
     count += count_set(inside & is_free);
     TOUCHLINE_UNROLL for (std::size_t c = 0; c < 3; ++c) sum[c] += select(inside & is_free, light[c]);
   }
-  return {count, {horizontal_sum(sum[0]), horizontal_sum(sum[1]), horizontal_sum(sum[2])}, 0.0f};
+  return {count, {horizontal_sum(sum[0]), horizontal_sum(sum[1]), horizontal_sum(sum[2])}, {}, {}};
 }
 
 // Samples the pixels of one patch.
@@ -63,8 +63,12 @@ class PatchSampler {
   bool sample(ColorSums& inside) {
     edge_.clear();
     if (!with_shape(outline_, [&](const auto& shape) { return sample_shape(shape); })) return false;
-    inside = {
-        count_, {horizontal_sum(sum_[0]), horizontal_sum(sum_[1]), horizontal_sum(sum_[2])}, horizontal_sum(squares_)};
+    inside.count = count_;
+    TOUCHLINE_UNROLL for (std::size_t c = 0; c < 3; ++c) {
+      inside.light[c] = horizontal_sum(sum_[c]);
+      inside.squares[c] = horizontal_sum(squares_[c]);
+      inside.foreign[c] = horizontal_sum(foreign_[c]);
+    }
     return true;
   }
 
@@ -134,7 +138,7 @@ class PatchSampler {
       TOUCHLINE_UNROLL for (std::size_t c = 0; c < 3; ++c) {
         const Float8 inner = select(whole, light[c]);
         sum_[c] += inner;
-        squares_ += inner * inner;
+        squares_[c] += inner * inner;
       }
       count_ += count_set(whole);
     }
@@ -159,7 +163,7 @@ class PatchSampler {
 
   // Subtracts the light of the surroundings from the part of each pixel beyond the robot's edge.
   [[gnu::always_inline]] void subtract_surroundings(Float8 from_x, Float8 from_y, LinearRgb8& light,
-                                                    Surroundings& around) const {
+                                                    Surroundings& around) {
     const Float8 c = broadcast(outline_.cos()), s = broadcast(outline_.sin()), half = broadcast(robot_.half_m);
     const Float8 x = broadcast(place_.x_m) + c * from_x - s * from_y;
     const Float8 y = broadcast(place_.y_m) + s * from_x + c * from_y;
@@ -177,9 +181,10 @@ class PatchSampler {
     const LinearRgb8 there = picture_.nearest(u_of(robot_, at_x, at_y), v_of(robot_, at_x, at_y), inside);
     around.counts = around.counts & (inside | ~affected);
     TOUCHLINE_UNROLL for (std::size_t i = 0; i < 3; ++i) {
-      const Float8 foreign = part * (there[i] - top_[i]);
+      const Float8 foreign = part * (there[i] - top_[i]), square = foreign * foreign;
       light[i] -= foreign;
-      around.doubt += foreign * foreign;
+      around.doubt += square;
+      foreign_[i] += select(around.counts, square);
     }
   }
 
@@ -195,7 +200,8 @@ class PatchSampler {
   LinearRgb8 top_;
   bool reaches_beyond_ = false;
   LinearRgb8 sum_{broadcast(0.0f), broadcast(0.0f), broadcast(0.0f)};
-  Float8 squares_ = broadcast(0.0f);
+  LinearRgb8 squares_{broadcast(0.0f), broadcast(0.0f), broadcast(0.0f)};
+  LinearRgb8 foreign_{broadcast(0.0f), broadcast(0.0f), broadcast(0.0f)};
   int count_ = 0;
 };
 
@@ -216,15 +222,21 @@ inline CenterEquations accumulate_edge(const EdgeFitTask& task) {
       Float8 error = broadcast(task.along[0]) * load(pixels.light[0]) +
                      broadcast(task.along[1]) * load(pixels.light[1]) +
                      broadcast(task.along[2]) * load(pixels.light[2]) - coverage.value;
+      Float8 doubt = one + doubted * load(pixels.doubt);
       for (const NeighborPatch& other : task.neighbors) {
         const Float8 its_x = broadcast(other.cos) * x - broadcast(other.sin) * y + broadcast(other.x_m);
         const Float8 its_y = broadcast(other.sin) * x + broadcast(other.cos) * y + broadcast(other.y_m);
         const Integer8 near =
             (abs(its_x) < broadcast(other.half_box.x_m)) & (abs(its_y) < broadcast(other.half_box.y_m));
-        if (any(near)) error -= broadcast(other.light) * coverage_at(*other.outline, its_x, its_y, task.ramp_m).value;
+        if (!any(near)) continue;
+        const Float8 covered = coverage_at(*other.outline, its_x, its_y, task.ramp_m).value;
+        error -= broadcast(other.light) * covered;
+        // Like that of the patch itself, a ramp's error is largest in its middle.
+        const Float8 ramp = broadcast(4.0f * other.light) * covered * (one - covered);
+        doubt += ramp * ramp;
       }
       const Integer8 flat = (coverage.by_x_m == zero) & (coverage.by_y_m == zero);
-      const Float8 weight = select(~flat, load(pixels.counts) / (one + doubted * load(pixels.doubt)));
+      const Float8 weight = select(~flat, load(pixels.counts) / doubt);
       const Float8 by_x = weight * coverage.by_x_m, by_y = weight * coverage.by_y_m;
       xx += by_x * coverage.by_x_m;
       xy += by_x * coverage.by_y_m;

@@ -28,6 +28,7 @@ TimerNoise::TimerNoise(int processor, int priority) {
 
 void TimerNoise::run(Instant due, const std::stop_token& stop) {
   prctl(PR_SET_TIMERSLACK, 1);
+  prctl(PR_SET_NAME, "timer-noise");  // in the list of what took the processor from the loop
   do {
     due_ns_.store(due.time_since_epoch().count(), std::memory_order_relaxed);
     hal::MonotonicClock::wait_for(due);

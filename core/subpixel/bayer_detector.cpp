@@ -1,7 +1,6 @@
 #include "core/subpixel/bayer_detector.h"
 
 #include <algorithm>
-#include <cstdlib>
 
 namespace touchline {
 namespace {
@@ -40,8 +39,8 @@ void BayerDetector::examine(const Frame& frame) {
       std::array<int, 2> sum{};
       for (std::size_t k = 0; k < kSegmentPixels * step; k += 2 * step) {
         const auto difference = [&](const std::uint8_t* p) {
-          const int d = std::abs(2 * *p - *(p - step) - *(p + step));
-          return d > kLargestNoise ? 0 : d;
+          const int d = 2 * *p - *(p - step) - *(p + step);
+          return d > kLargestNoise || d < -kLargestNoise ? 0 : d < 0 ? -d : d;
         };
         sum[0] += difference(at + k);
         sum[1] += difference(at + k + step);

@@ -158,7 +158,7 @@ const FitKernel& fit_kernel(KernelChoice choice);
 const FitKernel& portable_fit_kernel();
 const FitKernel& avx2_fit_kernel();
 
-// Width of the ball's edge: one pixel, and 1.5 pixels for the blur of lens and Bayer pattern.
+// Width of an edge: one pixel, and 1.5 pixels for the blur of lens and Bayer pattern.
 constexpr float kRampPx = 2.5f;
 
 /// Sampling stride for a square with half side `reach_px`: 1 (every pixel) if `reach_px` is below `all_px`, then 2, 3,

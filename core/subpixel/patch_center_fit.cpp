@@ -11,12 +11,9 @@
 namespace touchline {
 namespace {
 
-// Width of an edge. The values of a ramp of whole pixels along the grid have a sum that does not depend on where the
-// edge lies between two pixels (a partition of unity); 2.5 pixels move such edges by up to 0.05 pixels. Three pixels:
-// one for its area, two for the blur of lens and interpolated colors.
-constexpr float kWideRampPx = 3.0f, kNarrowRampPx = 2.0f;
-// On narrower patches, the narrow ramp is used; on those below the second value, too few pixels are completely covered.
-constexpr float kMinWideWidthPx = 1.2f * kWideRampPx, kMinWidthPx = 1.5f * kNarrowRampPx;
+// In narrower patches, too few pixels are completely covered. (A ramp of three pixels would not depend on where an edge
+// lies between two pixels, but where a part of a patch is hidden, its worse shape moves the center.)
+constexpr float kMinWidthPx = 1.2f * kRampPx;
 constexpr int kMinInsidePixels = 4, kMinTopPixels = 4;
 // Minimum difference of light between patch and top; smaller differences are noise.
 constexpr float kMinContrast = 0.01f;
@@ -97,7 +94,7 @@ class PatchCenterFit::Solver {
     view_.u_by_y = (left.u_px - right.u_px) / layout_.robot_side_m;
     view_.v_by_y = (left.v_px - right.v_px) / layout_.robot_side_m;
     view_.scale_px_per_m = std::sqrt(std::abs(view_.u_by_x * view_.v_by_y - view_.u_by_y * view_.v_by_x));
-    view_.ramp_m = (narrowest_px() < kMinWideWidthPx ? kNarrowRampPx : kWideRampPx) / view_.scale_px_per_m;
+    view_.ramp_m = kRampPx / view_.scale_px_per_m;
     view_.middle = {0.5f * (front.u_px + back.u_px), 0.5f * (front.v_px + back.v_px)};
     for (const PatchPlace& place : layout_.patches)
       targets_.push_back({seen_at(place.x_m, place.y_m), {}, {}, {}, {}, 1.0f, 0, {}});

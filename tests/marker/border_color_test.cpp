@@ -95,7 +95,7 @@ TEST_F(SaturatedPatch, IsNamedBesideABrightPatch) {
 // A camera that saturates before it interpolates its mosaic shows less contrast. Both patches look like pink then, but
 // one of them more than the other.
 TEST_F(SaturatedPatch, IsNamedBesideAnotherOneInSpiteOfLowContrast) {
-  const auto of_robot = [this](const Values& linear) {
+  const auto of_robot = [](const Values& linear) {
     BorderOfRobot out;
     out.border = {linear, {0.05f, 0.05f, 0.05f}, {3000, 3000, 3000}};
     out.light.gain = {1.4f, 1.4f, 1.4f};

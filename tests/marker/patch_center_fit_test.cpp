@@ -263,7 +263,7 @@ TEST_F(UnchangedCenter, GraduallyAsTheFitGetsWorse) {
   use(paper_layout());
   int between = 0;
   std::vector<float> moves;
-  for (const float edge_m : {-0.036f, -0.0278f, -0.0276f, -0.0274f, -0.024f}) {
+  for (const float edge_m : {-0.036f, -0.0287f, -0.0283f, -0.028f, -0.024f}) {
     sightings_.robots.clear();
     sightings_.robots.push_back(sighting(near_));
     centers_.refine(covered_from(edge_m).frame(), sightings_);

@@ -32,9 +32,9 @@ def main():
     checks = {
         "alone, interrupts are named": "local_timer" in took(alone),
         "alone, the thread beside the loop is named": "timer-noise" in took(alone),
-        "beside a program, it took the processor": took(beside).get("hog", 0) > 20,
-        "only beside a program": "hog" not in took(alone) and "hog" not in took(parts.get("after a killed run", "")),
-        "the worst frames name it": max(worst_frames(beside, "hog"), default=0) > 2,
+        "beside a program, it took the processor": took(beside).get("sh", 0) > 20,
+        "only beside a program": "sh" not in took(alone) and "sh" not in took(parts.get("after a killed run", "")),
+        "the worst frames name it": max(worst_frames(beside, "sh"), default=0) > 2,
         "without a processor, the report says why":
             "not known: the loop has no processor of its own; set realtime.cpu" in parts.get("without a processor of its own", ""),
         "a killed run leaves an instance": "instance: touchline-latency-" in parts.get("killed", ""),

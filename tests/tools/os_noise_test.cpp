@@ -308,8 +308,10 @@ TEST_F(TraceFolder, RemovesWhatAKilledRunLeft) {
   ASSERT_EQ(waitpid(ended, nullptr, 0), ended);
   make_instance(instance(ended));
   write(instance(ended) + "/current_tracer", "osnoise\n");
+  write("osnoise/options", "NO_OSNOISE_WORKLOAD\n");  // by the killed run
   ASSERT_TRUE(start().ok());
   EXPECT_EQ(read(instance(ended) + "/current_tracer"), "nop");
+  EXPECT_EQ(read("osnoise/options"), "OSNOISE_WORKLOAD");
 }
 
 TEST_F(TraceFolder, AFailureInTheMiddleLeavesNothingBehind) {

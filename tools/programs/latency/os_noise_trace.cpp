@@ -74,13 +74,16 @@ void remove_instance(const std::string& instance) {
   ::rmdir(instance.c_str());
 }
 
-// The tracers share their settings, so only one program can use them. Removes what a killed run left behind.
-Result<void> check_unused(const std::string& folder) {
+// The tracers share their settings, so only one program can use them. Removes what a killed run left behind, and
+// returns whether there was something.
+Result<bool> check_unused(const std::string& folder) {
   std::vector<std::string> instances{folder};
   std::error_code ignored;
+  bool was_left_over = false;
   for (const auto& entry : std::filesystem::directory_iterator(folder + "/instances", ignored)) {
     if (is_left_over(entry.path().filename())) {
       remove_instance(entry.path());
+      was_left_over = true;
     } else {
       instances.push_back(entry.path());
     }
@@ -92,7 +95,7 @@ Result<void> check_unused(const std::string& folder) {
                      tracer.value().c_str());
     }
   }
-  return {};
+  return was_left_over;
 }
 
 // The loop keeps its processor to itself as far as possible.
@@ -142,11 +145,10 @@ Result<void> OsNoiseTrace::configure(int processor, int thread) {
     return failure(ErrorCode::kUnsupported, "%s: the tracer's own thread cannot be switched off; Linux 6.2 can",
                    options_file.c_str());
   }
-  TOUCHLINE_TRY(check_unused(folder_));
-  if (has_word(options.value(), on)) {
-    TOUCHLINE_TRY(write_text(options_file, off));
-    restored_.emplace_back(options_file, on);
-  }
+  TOUCHLINE_TRY_ASSIGN(const bool was_left_over, check_unused(folder_));
+  const bool is_on = has_word(options.value(), on);
+  if (is_on) TOUCHLINE_TRY(write_text(options_file, off));
+  if (is_on || was_left_over) restored_.emplace_back(options_file, on);
   if (::mkdir(instance_.c_str(), 0700) != 0 && errno != EEXIST) return system_failure(instance_);
   const std::string here = "CPU == " + std::to_string(processor), id = std::to_string(thread);
   for (const char* event : {"thread_noise", "irq_noise", "softirq_noise", "nmi_noise"}) {

@@ -41,7 +41,7 @@ bool any(Simd4<std::int32_t> mask) {
 }
 
 // Bit i: lane i of the comparison is true.
-std::uint32_t bits_of(const std::array<Simd4<std::int32_t>, 2>& is_true) {
+std::uint32_t bits_of_eight(const std::array<Simd4<std::int32_t>, 2>& is_true) {
   using Four = Simd4<std::int32_t>;
   const Four bits = (is_true[0] & Four{1, 2, 4, 8}) | (is_true[1] & Four{16, 32, 64, 128});
   const auto halves = __builtin_bit_cast(std::array<std::uint64_t, 2>, bits);
@@ -109,7 +109,7 @@ std::uint32_t BallColor::is_ball(const PixelGroup& rgb) const {
     const Simd4<float> allowed = kPixelNoise_levels + tolerance_ * along;
     is_like[half] &= (along > least_along_) & (across2 < allowed * allowed);
   }
-  return bits_of(is_like);
+  return bits_of_eight(is_like);
 }
 
 std::uint32_t BallColor::is_colorful(const PixelGroup& rgb) const {
@@ -121,7 +121,7 @@ std::uint32_t BallColor::is_colorful(const PixelGroup& rgb) const {
     const Simd4<float> dx = x - floor_chroma_[0], dy = y - floor_chroma_[1], dz = z - floor_chroma_[2];
     is_strong[half] = (x * x + y * y + z * z > least_chroma2_) & (dx * dx + dy * dy + dz * dz > least_chroma2_);
   }
-  return bits_of(is_strong);
+  return bits_of_eight(is_strong);
 }
 
 }  // namespace touchline

@@ -20,16 +20,34 @@ using hal::MjpgDecoder;
 
 constexpr const char* kCutOff = "Corrupt JPEG data: premature end of data segment";
 
-// Random blocks, so that neighboring samples differ.
-std::vector<std::uint8_t> noise_jpeg(const JpegStyle& style) {
+// Contents of the 8 x 8 blocks: noise, so that neighboring samples differ; or blocks of one color, some of them full
+// black, white or saturated, among which every fifth is noise.
+enum class Blocks { kNoise, kMostlyFlat };
+
+std::vector<std::uint8_t> random_jpeg(const JpegStyle& style, Blocks blocks, int quality) {
   std::mt19937 random(5);
-  const auto set_up = [&style](jpeg_compress_struct& jpeg) {
-    jpeg_set_quality(&jpeg, 90, TRUE);
+  const auto set_up = [&](jpeg_compress_struct& jpeg) {
+    jpeg_set_quality(&jpeg, quality, TRUE);
     jpeg.comp_info[0].h_samp_factor = style.horizontal;
     jpeg.comp_info[0].v_samp_factor = style.vertical;
   };
-  return encode_jpeg(style.width, style.height, set_up, [&random](unsigned, std::span<std::uint8_t> row) {
-    for (std::uint8_t& byte : row) byte = static_cast<std::uint8_t>(random());
+  std::vector<Channels> color_of;
+  return encode_jpeg(style.width, style.height, set_up, [&](unsigned v, std::span<std::uint8_t> row) {
+    for (unsigned u = 0; u < style.width; ++u) {
+      const std::size_t block = u / 32;  // as large as the block of a sample that belongs to four pixels
+      if (u % 32 == 0 && v % 32 == 0) {
+        if (u == 0) color_of.clear();
+        Channels color{};
+        for (std::uint8_t& value : color) {
+          value = static_cast<std::uint8_t>(std::clamp(static_cast<int>(random() % 512) - 128, 0, 255));
+        }
+        color_of.push_back(color);
+      }
+      const bool is_noise = blocks == Blocks::kNoise || (v / 32 + block) % 5 == 0;
+      for (std::size_t c = 0; c < 3; ++c) {
+        row[3 * std::size_t{u} + c] = is_noise ? static_cast<std::uint8_t>(random()) : color_of[block][c];
+      }
+    }
   });
 }
 
@@ -83,6 +101,26 @@ class MjpgDecoderTest : public ::testing::Test {
     }
     expect_nothing_beyond_the_picture();
   }
+  void expect_samples_of_the_file(const JpegStyle& style, const std::vector<std::uint8_t>& jpeg) {
+    begin(style);
+    ASSERT_OK(decoder_.decode(jpeg, picture_.data()));
+    const std::vector<Channels> expected = yuv_of_jpeg(jpeg);
+    ASSERT_EQ(expected.size(), std::size_t{style.width} * style.height);
+    for (unsigned v = 0; v < style.height; ++v) {
+      for (unsigned u = 0; u < style.width; ++u) {
+        const std::size_t row = std::size_t{v} * style.width;
+        const Channels first = expected[row + u / 2 * 2],
+                       second = expected[row + std::min(style.width - 1, u / 2 * 2 + 1)];
+        const Channels found = pixel_at(frame_, u, v);
+        ASSERT_EQ(found[0], expected[row + u][0]) << u << ", " << v;
+        for (std::size_t c = 1; c < 3; ++c) {
+          ASSERT_EQ(found[c], (first[c] + second[c] + 1) / 2)
+              << u << ", " << v << ", " << style.horizontal << style.vertical;
+        }
+      }
+    }
+    expect_nothing_beyond_the_picture();
+  }
   void expect_damage(const std::vector<std::uint8_t>& jpeg, const std::string& reason) {
     expect_error(decoder_.decode(jpeg, picture_.data()), ErrorCode::kCorruptFrame, reason);
   }
@@ -114,23 +152,10 @@ TEST_F(MjpgDecoderTest, SamplesAreThoseOfTheFile) {
   for (const auto& [width, height] : {std::pair{157u, 101u}, {160u, 96u}, {16u, 16u}, {33u, 17u}, {1000u, 50u}}) {
     for (const auto& [horizontal, vertical] : {std::pair{2, 1}, {2, 2}, {1, 1}, {1, 2}, {4, 1}, {4, 2}, {2, 4}}) {
       const JpegStyle style{.width = width, .height = height, .horizontal = horizontal, .vertical = vertical};
-      begin(style);
-      const std::vector<std::uint8_t> jpeg = noise_jpeg(style);
-      ASSERT_OK(decoder_.decode(jpeg, picture_.data()));
-      const std::vector<Channels> expected = yuv_of_jpeg(jpeg);
-      ASSERT_EQ(expected.size(), std::size_t{width} * height);
-      for (unsigned v = 0; v < height; ++v) {
-        for (unsigned u = 0; u < width; ++u) {
-          const Channels first = expected[v * width + u / 2 * 2],
-                         second = expected[v * width + std::min(width - 1, u / 2 * 2 + 1)];
-          const Channels found = pixel_at(frame_, u, v);
-          ASSERT_EQ(found[0], expected[v * width + u][0]) << u << ", " << v;
-          for (std::size_t c = 1; c < 3; ++c) {
-            ASSERT_EQ(found[c], (first[c] + second[c] + 1) / 2) << u << ", " << v << ", " << horizontal << vertical;
-          }
-        }
+      expect_samples_of_the_file(style, random_jpeg(style, Blocks::kNoise, 90));
+      for (const int quality : {3, 25, 60, 95}) {
+        expect_samples_of_the_file(style, random_jpeg(style, Blocks::kMostlyFlat, quality));
       }
-      expect_nothing_beyond_the_picture();
     }
   }
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <csetjmp>
 #include <cstddef>
 #include <cstdio>
@@ -13,6 +14,13 @@
 #include <jpeglib.h>
 
 #include <jerror.h>
+
+// Where the library's package lacks this header of internal declarations, all blocks take the library's inverse DCT.
+#if __has_include(<jpegint.h>)
+extern "C" {
+#include <jpegint.h>
+}
+#endif
 
 namespace touchline::hal {
 namespace {
@@ -28,6 +36,31 @@ constexpr std::size_t rounded_up(std::size_t bytes) { return (bytes + kAlignment
 constexpr std::size_t kMaxRowsAtOnce = std::size_t{MAX_SAMP_FACTOR} * DCTSIZE;
 constexpr std::uint8_t kNoChroma = 128;
 constexpr PixelFormat kDecodedFormat = PixelFormat::kYuvj422p;
+
+#if __has_include(<jpegint.h>)
+constexpr std::uint64_t kOneInEachByte = 0x0101010101010101u;
+
+// Whether a block has one value: all coefficients are 0 except the first.
+bool is_flat(const JCOEF* block) {
+  static_assert(sizeof(JCOEF) == 2);
+  const auto word = [block](std::size_t i) {  // four coefficients
+    std::uint64_t bits = 0;
+    std::memcpy(&bits, block + 4 * i, sizeof(bits));
+    return bits;
+  };
+  constexpr std::array<std::uint16_t, 4> kFirst{0xffff, 0, 0, 0};
+  std::uint64_t rest = word(0) & ~std::bit_cast<std::uint64_t>(kFirst);
+#pragma GCC unroll 16
+  for (std::size_t i = 1; i < DCTSIZE2 / 4; ++i) rest |= word(i);
+  return rest == 0;
+}
+
+// The value of a flat block: an eighth of the coefficient, rounded as by the exact inverse DCT.
+std::uint8_t value_of_flat(int coefficient) {
+  constexpr int kMiddle = 128;
+  return static_cast<std::uint8_t>(std::clamp(((coefficient + 4) >> 3) + kMiddle, 0, MAXJSAMPLE));
+}
+#endif
 
 }  // namespace
 
@@ -72,6 +105,9 @@ struct MjpgDecoder::Library {
   std::vector<std::byte> block;
   std::byte* begin = nullptr;
   std::size_t size = 0, front = 0, back = 0;
+#if __has_include(<jpegint.h>)
+  std::array<inverse_DCT_method_ptr, kMaxPlanes> inverse_dct{};  // the library's, by component
+#endif
   bool has_ended = false;  // the data ended before the EOI marker
   std::array<Component, kMaxPlanes> component;
   // Rows of U and V that are resampled, and one for what is decoded below the last row of the picture.
@@ -117,6 +153,7 @@ struct MjpgDecoder::Library {
   }
   void install_error_handlers();
   void install_memory_manager();
+  void install_flat_blocks();
 
   [[nodiscard]] std::size_t row_bytes_of_library() const { return rounded_up(width_px); }
   [[nodiscard]] std::uint8_t* unused_row() { return spare_rows.data(); }
@@ -187,6 +224,26 @@ void MjpgDecoder::Library::install_memory_manager() {
                                   JDIMENSION) -> jvirt_sarray_ptr { of(any).fail("needs the whole picture at once"); };
   memory.request_virt_barray = [](j_common_ptr any, int, boolean, JDIMENSION, JDIMENSION,
                                   JDIMENSION) -> jvirt_barray_ptr { of(any).fail("needs the whole picture at once"); };
+}
+
+/// Writes blocks with one value here: in the pictures of cameras, most blocks are such, and the library takes as long
+/// for them as for others. Call it after jpeg_start_decompress(), which chooses the library's functions.
+void MjpgDecoder::Library::install_flat_blocks() {
+#if __has_include(<jpegint.h>)
+  for (std::size_t c = 0; c < static_cast<std::size_t>(jpeg.num_components); ++c) {
+    inverse_dct[c] = jpeg.idct->inverse_DCT[c];
+    jpeg.idct->inverse_DCT[c] = [](j_decompress_ptr any, jpeg_component_info* info, JCOEFPTR coefficients,
+                                   JSAMPARRAY rows, JDIMENSION column) {
+      if (!is_flat(coefficients)) {
+        of(any).inverse_dct[static_cast<std::size_t>(info->component_index)](any, info, coefficients, rows, column);
+        return;
+      }
+      const std::uint64_t values = kOneInEachByte * value_of_flat(coefficients[0] * info->quant_table->quantval[0]);
+#pragma GCC unroll 8
+      for (std::size_t v = 0; v < DCTSIZE; ++v) std::memcpy(rows[v] + column, &values, sizeof(values));
+    };
+  }
+#endif
 }
 
 void MjpgDecoder::Library::read_header(std::span<const std::uint8_t> bytes) {
@@ -281,6 +338,7 @@ Result<void> MjpgDecoder::decode(std::span<const std::uint8_t> bytes, std::uint8
   jpeg.dct_method = JDCT_ISLOW;  // the exact DCT; as fast as the others with vector instructions
   jpeg.do_fancy_upsampling = FALSE;
   jpeg_start_decompress(&jpeg);
+  library.install_flat_blocks();
   library.decode_rows(static_cast<std::size_t>(jpeg.num_components));
   jpeg_finish_decompress(&jpeg);
   return {};

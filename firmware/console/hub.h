@@ -161,6 +161,7 @@ class Hub {
   void obey(const SetupOrder& order);
   Result<void> use(const SetupOrder& order);
   void update_setup_wish(Instant now);
+  void end_try(const char* reason);
   Result<void> leave_setup(const Client& client);
   [[nodiscard]] ConsoleInput input_now() const;
   /// Whether the setup program will answer; else `answer` has the error.

@@ -6,6 +6,11 @@
 
 // The hub's part of the setup.
 namespace touchline::console {
+namespace {
+
+constexpr char kLoadingFiles[] = "other files are being loaded";
+
+}  // namespace
 
 std::string setup_hello_text(const Scene& scene) {
   const config::Configuration& configuration = *scene.configuration;
@@ -53,7 +58,7 @@ void Hub::begin_session(Scene scene, const std::string& error) {
   pictures_.restart();
   feed_.set_frame_period(period_of_rate(scene_.camera.rate_hz));
   driving_.set_robots(own_robots(scene_));
-  is_trying_ = false;
+  end_try("the loop has started anew");
   const bool is_saved = !scene_.is_draft && scene_.is_calibrated && error.empty();
   // Robots that stood because of a draft start when a person says so.
   if (is_saved && std::exchange(is_held_, false)) driving_.stop();
@@ -76,18 +81,33 @@ void Hub::obey(const SetupOrder& order) {
     links_.print("console: setup: " + used.text());
     return;
   }
-  const bool is_possible = scene_.is_draft && scene_.is_calibrated;
-  is_trying_ = order.kind == Kind::kTry && is_possible && !driving_.is_stopped();
-  const bool is_refused = order.kind == Kind::kTry && !is_trying_;
-  const char* const reason = is_possible ? "robots are stopped: press Start first" : "no calibrated draft is in use";
-  setup_.answer(order, is_refused ? reason : "", scene_.is_calibrated);
+  const char* reason = "";
+  if (order.kind == Kind::kTry) {
+    if (order_) {
+      reason = kLoadingFiles;
+    } else if (!scene_.is_draft || !scene_.is_calibrated) {
+      reason = "no calibrated draft is in use";
+    } else if (driving_.is_stopped()) {
+      reason = "robots are stopped: press Start first";
+    }
+    is_trying_ = *reason == '\0';
+  } else {
+    is_trying_ = false;
+  }
+  setup_.answer(order, reason, scene_.is_calibrated);
+}
+
+void Hub::end_try(const char* reason) {
+  if (!std::exchange(is_trying_, false)) return;
+  // Of no request: the page must not go on saying that robots play.
+  if (setup_.is_running()) setup_.answer({SetupOrder::Kind::kTry, 0, {}}, reason, scene_.is_calibrated);
 }
 
 Result<void> Hub::use(const SetupOrder& order) {
   if (!links_.use_files) return failure(ErrorCode::kUnsupported, "this program cannot use other files");
-  if (order_) return failure(ErrorCode::kBusy, "other files are being loaded");
+  if (order_) return failure(ErrorCode::kBusy, "%s", kLoadingFiles);
   if (order.kind == SetupOrder::Kind::kUseDraft) is_held_ = true;
-  is_trying_ = false;
+  end_try("the files have changed");
   // Robots stand already while the files are being read.
   update_setup_wish(hal::MonotonicClock::read());
   pass_on();
@@ -107,12 +127,7 @@ Result<void> Hub::leave_setup(const Client& client) {
 }
 
 void Hub::update_setup_wish(Instant now) {
-  if (is_trying_ && (!setup_.is_running() || driving_.is_stopped())) {
-    is_trying_ = false;
-    // Of no request: the page must not go on saying that robots play.
-    if (setup_.is_running())
-      setup_.answer({SetupOrder::Kind::kTry, 0, {}}, "a stop ended the try", scene_.is_calibrated);
-  }
+  if (!setup_.is_running() || driving_.is_stopped()) end_try("a stop ended the try");
   const bool may_move = setup_.is_running() && scene_.is_draft && !order_ && (is_trying_ || driving_.is_driving(now));
   const SetupWish wish = !is_held_ ? SetupWish::kNone : may_move ? SetupWish::kPermit : SetupWish::kStand;
   if (std::exchange(wish_, wish) != wish) links_.input.put(input_now());

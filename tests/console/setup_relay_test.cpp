@@ -330,10 +330,35 @@ TEST_F(SetupRelayTest, WithADraftRobotsStandExceptOneThatIsDrivenAndATry) {
   peer->send(R"({"type":"try","request":8,"on":true})");
   EXPECT_EQ(peer->read_type("tried").text["ok"], true);
   EXPECT_TRUE(eventually([&] { return input().setup == SetupWish::kPermit; }));
+  peer->send(R"({"type":"use","request":9,"source":"draft","board":"/draft/board.toml"})");
+  const json changed = peer->read_type("tried").text;
+  EXPECT_EQ(changed["to"], 0);
+  EXPECT_EQ(changed["error"], "the files have changed");
+  EXPECT_EQ(peer->read_type("used").text["ok"], true);
+  EXPECT_TRUE(eventually([&] { return input().setup == SetupWish::kStand; })) << "other files end a try";
+
+  peer->send(R"({"type":"try","request":10,"on":true})");
+  EXPECT_EQ(peer->read_type("tried").text["ok"], true);
+  EXPECT_TRUE(eventually([&] { return input().setup == SetupWish::kPermit; }));
   peer->leave();
   EXPECT_TRUE(eventually([&] { return input().setup == SetupWish::kStand; })) << "nobody watches over the draft";
   EXPECT_EQ(ask(driver, "use_saved", {}, 9)["ok"], true);
   EXPECT_TRUE(eventually([&] { return input().setup == SetupWish::kNone && input().stop; })) << "until Start";
+}
+
+TEST_F(SetupRelayTest, ATryWhileFilesAreBeingLoadedIsRefused) {
+  std::atomic<bool> loads{false};
+  use_files = [&](const config::FilePaths& /*files*/) -> Result<FilesUse> {
+    loads = true;
+    return FilesUse::kInNextSession;
+  };
+  start_both();
+  peer->send(R"({"type":"use","request":4,"source":"draft","board":"/draft/board.toml"})");
+  EXPECT_TRUE(eventually([&] { return loads.load(); }));
+  peer->send(R"({"type":"try","request":5,"on":true})");
+  const json tried = peer->read_type("tried").text;
+  EXPECT_EQ(tried["ok"], false);
+  EXPECT_EQ(tried["error"], "other files are being loaded");
 }
 
 TEST_F(SetupRelayTest, ADraftThatTheRunningSessionAdoptsIsAnsweredAtOnce) {

@@ -252,6 +252,43 @@ class SetupOfACalibratedBoard : public ScriptedFirmware {
   }
 };
 
+// A session that begins ends a try: "Try it" right after a change must not be forgotten.
+TEST_F(SetupOfACalibratedBoard, TriesTheDraftWhenItsFilesAreLoaded) {
+  start_program();
+  expect_ok("begin");
+  loads_ = false;
+  expect_ok("confirm", {{"step", "robots"}});
+  expect_ok("use", {{"source", "draft"}});
+  serve_until([&] { return used_.size() == 2; });
+  expect_ok("use", {{"source", "draft"}});  // is stale before it was loaded
+  expect_ok("try", {{"on", true}});
+  EXPECT_TRUE(state_["trying"]);
+  EXPECT_TRUE(tries_.empty()) << "the firmware would end it with the next session";
+  answer_use();
+  serve_until([&] { return used_.size() == 3; });
+  expect_ok("differences");
+  EXPECT_TRUE(tries_.empty()) << "the newest files are still being loaded";
+  answer_use();
+  serve_until([&] { return !tries_.empty(); });
+  EXPECT_EQ(tries_.back()["on"], true);
+  send_bytes(framed({{"type", "tried"}, {"to", tries_.back()["request"]}, {"ok", true}}));
+  expect_ok("differences");
+  EXPECT_TRUE(state_["trying"]);
+  send_bytes(framed({{"type", "tried"}, {"to", 0}, {"ok", false}, {"error", "the files have changed"}}));
+  serve_until([&] { return state_["trying"] == false; });
+}
+
+TEST_F(SetupOfACalibratedBoard, DoesNotTryFilesThatCannotBeLoaded) {
+  start_program();
+  expect_ok("begin");
+  loads_ = false;
+  expect_ok("use", {{"source", "draft"}});
+  expect_ok("try", {{"on", true}});
+  answer_use("venue.toml: colors: is missing");
+  serve_until([&] { return state_["trying"] == false; });
+  EXPECT_TRUE(tries_.empty());
+}
+
 // A tick says that a person has compared and driven: not that the colors of the files differ.
 TEST_F(SetupOfACalibratedBoard, TicksRobotsAndRadioOnlyWhenAPersonHasConfirmedThem) {
   const auto level = [&](const char* step) { return state_["steps"][step]["quality"]["level"]; };

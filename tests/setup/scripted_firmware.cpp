@@ -155,8 +155,15 @@ void ScriptedFirmware::handle(const Message& message) {
   }
   if (type == "use") {
     used_.push_back(message.content);
-    send_bytes(framed({{"type", "used"}, {"to", message.content["request"]}, {"ok", true}}));
+    if (loads_) answer_use();
   }
+  if (type == "try") tries_.push_back(message.content);
+}
+
+void ScriptedFirmware::answer_use(const std::string& error) {
+  nlohmann::json answer{{"type", "used"}, {"to", used_.back()["request"]}, {"ok", error.empty()}};
+  if (!error.empty()) answer["error"] = error;
+  send_bytes(framed(answer));
 }
 
 void ScriptedFirmware::serve_until(const std::function<bool()>& is_enough) {

@@ -50,18 +50,21 @@ class ScriptedFirmware : public touchline::testing::ProgramFolder {
   /// Handles messages until `is_enough`.
   void serve_until(const std::function<bool()>& is_enough);
   Message receive();
+  void answer_use(const std::string& error = "");
   void send_bytes(const std::string& bytes) const;
 
   [[nodiscard]] std::string saved(const std::string& name) const { return path("etc/" + name); }
   /// The picture of the state's step; a failure if it did not arrive.
   const Message& picture(const nlohmann::json& id);
 
-  nlohmann::json state_, live_;       // the newest
-  std::vector<Message> pictures_;     // for the page
-  std::vector<nlohmann::json> used_;  // "use" messages
-  std::vector<hal::Picture> camera_;  // pictures that the camera delivers in turn
-  std::string camera_error_;          // instead of a picture
-  bool delivers_ = true;              // false: never answers "frames"
+  nlohmann::json state_, live_;        // the newest
+  std::vector<Message> pictures_;      // for the page
+  std::vector<nlohmann::json> used_;   // "use" messages
+  std::vector<nlohmann::json> tries_;  // "try" messages, which the test answers
+  std::vector<hal::Picture> camera_;   // pictures that the camera delivers in turn
+  std::string camera_error_;           // instead of a picture
+  bool delivers_ = true;               // false: never answers "frames"
+  bool loads_ = true;                  // false: the test answers "use" with answer_use()
   std::size_t delivered_ = 0;
 
  private:

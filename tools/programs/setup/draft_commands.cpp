@@ -171,7 +171,9 @@ Answer SetupProgram::use_files(const Arguments& arguments) {
 
 Answer SetupProgram::try_draft(const Arguments& arguments) {
   TOUCHLINE_TRY_ASSIGN(trying_, arguments.flag("on", false));
-  send({{"type", "try"}, {"request", ++use_request_}, {"on", trying_}});
+  // A session that begins ends a try: the draft's newest files come first.
+  try_waits_ = trying_ && use_runs_;
+  if (!try_waits_) ask_to_try();
   send_state();
   return nlohmann::json(nullptr);
 }

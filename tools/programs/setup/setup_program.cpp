@@ -81,7 +81,7 @@ void SetupProgram::accept() {
   if (!descriptor.is_open()) return;
   firmware_.close();
   firmware_ = MessageLink(std::move(descriptor));
-  use_runs_ = use_is_stale_ = false;
+  use_runs_ = use_is_stale_ = trying_ = try_waits_ = false;
   // A restarted firmware runs with the saved files and knows nothing of a frame that was asked for.
   if (running_ && running_->waits_for_frame) request_frames();
   if (draft_.is_open() && uses_draft_) use(true);
@@ -114,7 +114,7 @@ void SetupProgram::handle(const Message& message) {
   if (type == "setup") handle_command(message.content);
   if (type == "frame") handle_frame(message);
   if (type == "tried") {
-    // Also without a request: a stop has ended the try.
+    // Also without a request: a stop, or files that changed, ended the try.
     trying_ = message.content.contains("ok") && message.content.at("ok") == true && trying_;
     send_state();
   }
@@ -124,6 +124,10 @@ void SetupProgram::handle(const Message& message) {
     preview_["error"] = error.ok() ? error.value() : "";
     use_runs_ = false;
     if (use_is_stale_) use(uses_draft_);
+    if (!use_runs_ && std::exchange(try_waits_, false)) {
+      trying_ = trying_ && preview_["ok"] == true;
+      if (trying_) ask_to_try();
+    }
     send_state();
   }
   if (type == "watch" && draft_.is_open() && message.content.contains("client")) {
@@ -222,6 +226,8 @@ void SetupProgram::use(bool draft) {
   }
   send(content);
 }
+
+void SetupProgram::ask_to_try() { send({{"type", "try"}, {"request", ++use_request_}, {"on", trying_}}); }
 
 void SetupProgram::answer_camera(const Result<CameraFrame>& frame) {
   if (frame.ok() && draft_.is_open()) {

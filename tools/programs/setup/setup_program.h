@@ -73,6 +73,7 @@ class SetupProgram {
   void send_state();
   void send_picture(std::uint32_t id, const ShownPicture& picture, const nlohmann::json& client);
   void use(bool draft);
+  void ask_to_try();
   [[nodiscard]] int wait_ms() const;
 
   // Jobs (setup_jobs.cpp).
@@ -132,6 +133,7 @@ class SetupProgram {
   std::uint32_t next_picture_ = 1;
   std::vector<std::string> import_;
   bool trying_ = false;
+  bool try_waits_ = false;  // for the firmware to load the draft's files
   // Who waits for the camera's measures, and the newest ones: not part of the draft, because they change all the time.
   std::vector<Asker> measure_camera_;
   nlohmann::json camera_;

@@ -17,6 +17,25 @@
 namespace touchline::calibrate {
 namespace {
 
+// What a camera with a color matrix delivers, with the glare of a lamp (linear, as a part of white) around a place.
+void mix_colors(hal::Picture& photo, std::pair<double, double> place, double glare) {
+  constexpr double kGamma = 2.2, kMatrix = 1.5, kReach_px = 16;
+  for (std::size_t i = 0; i < photo.rgb8.size() / 3; ++i) {
+    const auto u = static_cast<double>(i % kWidth), v = static_cast<double>(i / kWidth);
+    const double added = std::hypot(u - place.first, v - place.second) < kReach_px ? glare : 0;
+    std::array<double, 3> light{};
+    double mean = 0;
+    for (std::size_t c = 0; c < 3; ++c) {
+      light[c] = std::pow(photo.rgb8[3 * i + c] / 255.0, kGamma);
+      mean += light[c] / 3;
+    }
+    for (std::size_t c = 0; c < 3; ++c) {
+      const double mixed = std::clamp(mean + kMatrix * (light[c] - mean) + added, 0.0, 1.0);
+      photo.rgb8[3 * i + c] = static_cast<std::uint8_t>(std::lround(255 * std::pow(mixed, 1 / kGamma)));
+    }
+  }
+}
+
 class AutoDetect : public ::testing::Test {
  protected:
   AutoDetect() {
@@ -149,6 +168,29 @@ TEST_F(AutoDetect, PatchesInOtherLightAreNoBackground) {
   };
   EXPECT_TRUE(is_unclear(places[0]));
   EXPECT_FALSE(is_unclear(places[1]));
+}
+
+// A camera's color matrix makes channels of saturated paints negative, and it delivers them as black. The glare of a
+// lamp on a robot's top raises all channels before that, so that it adds nothing to some of them.
+TEST_F(AutoDetect, RecognizesARobotInGlareWhosePaintsHaveBlackChannels) {
+  add_picture("b", 2, [](hal::Picture& photo) { mix_colors(photo, {}, 0); });
+  add_picture("a", 1, [this](hal::Picture& photo) { mix_colors(photo, truth_["a"][1].second, 0.26); });
+  ASSERT_EQ(truth_["a"][1].first, "red");
+  const Result<DetectedColors> found = auto_detect_colors(venue_, team_, {}, pictures_);
+  ASSERT_TRUE(found.ok()) << found.text();
+  const AssignmentInput& input = found.value().input;
+  const auto red =
+      static_cast<std::size_t>(std::find(team_.names.begin(), team_.names.end(), "red") - team_.names.begin());
+  const Assignment& assignment = found.value().assignment;
+  EXPECT_LE(*std::min_element(assignment.colors[red].rgb.begin(), assignment.colors[red].rgb.end()), 2.0);
+  EXPECT_TRUE(
+      std::any_of(assignment.colors[red].patches.begin(), assignment.colors[red].patches.end(), [&](std::size_t p) {
+        const auto& [u, v] = truth_["a"][1].second;
+        const PixelPoint& at = input.patches[p].center;
+        return found.value().images[input.picture[p]] == "a" &&
+               std::hypot(static_cast<double>(at.u_px) - u, static_cast<double>(at.v_px) - v) < 4;
+      }));
+  EXPECT_EQ(assignment.robots, 20U);
 }
 
 TEST_F(AutoDetect, ColorsWithUnknownNamesNeedAClick) {

@@ -98,8 +98,9 @@ std::optional<PixelPoint> ball_of(const DetectedColors& found) {
   return found.input.patches[color.patches.front()].center;
 }
 
-// In 12 it lies on a painted cross, in 24 beside a robot whose red patch glares like an orange one. In 14 and in the
-// dark picture it is as red as the red patches: no ball is better than a wrong one.
+// In 12 it lies on a painted cross, in 24 beside a robot whose red patch glares like an orange one. In 08 it covers a
+// line, whose edge has its hue, in 14 it glows on the floor in its shadow: its lit part shows its color. In the dark
+// picture it is as red as the red patches: no ball is better than a wrong one.
 TEST_F(ClicksOnFootage, NoPatchOfARobotIsTakenForTheBall) {
   struct Ball {
     const char *set, *picture;
@@ -108,7 +109,8 @@ TEST_F(ClicksOnFootage, NoPatchOfARobotIsTakenForTheBall) {
   };
   for (const Ball& ball : {Ball{"vsss-bar-normal", "vsss-bar/normal_12.png", {437.4F, 117.2F}, true},
                            Ball{"vsss-bar-normal", "vsss-bar/normal_24.png", {223.7F, 255.0F}, true},
-                           Ball{"vsss-bar-normal", "vsss-bar/normal_14.png", {400.8F, 100.8F}, false},
+                           Ball{"vsss-bar-normal", "vsss-bar/normal_08.png", {256.5F, 210.2F}, true},
+                           Ball{"vsss-bar-normal", "vsss-bar/normal_14.png", {400.8F, 100.8F}, true},
                            Ball{"vsss-bar-dark", "vsss-bar/dark_16.png", {408.4F, 66.8F}, false}}) {
     pictures.clear();
     load_picture({ball.set, ball.picture, PixelFormat::kRgb24});
@@ -120,20 +122,43 @@ TEST_F(ClicksOnFootage, NoPatchOfARobotIsTakenForTheBall) {
     if (!seen) continue;
     EXPECT_NEAR(seen->u_px, ball.at.u_px, 5.0F) << ball.picture;
     EXPECT_NEAR(seen->v_px, ball.at.v_px, 5.0F) << ball.picture;
+    EXPECT_TRUE(!ball.is_certain || found.value().assignment.colors[found.value().input.ball - 1U].rgb[0] > 180)
+        << ball.picture;
+  }
+}
+
+// In 12 a robot stands in the reflection of a lamp, in which its yellow is white. In 24 the lamp adds nothing to the
+// blue channel of a red patch, which the camera delivers as black.
+TEST_F(ClicksOnFootage, RobotsInGlareAreRecognized) {
+  for (const char* const picture : {"vsss-bar/normal_12.png", "vsss-bar/normal_24.png"}) {
+    pictures.clear();
+    load_picture({"vsss-bar-normal", picture, PixelFormat::kRgb24});
+    if (IsSkipped() || HasFatalFailure()) return;
+    const Result<DetectedColors> found = auto_detect_colors(venue.value(), team.value(), {}, pictures);
+    ASSERT_TRUE(found.ok()) << found.text();
+    EXPECT_EQ(found.value().assignment.robots, 6U) << picture;
+    EXPECT_TRUE(found.value().doubts.empty()) << picture << ": " << found.value().doubts.front().text;
   }
 }
 
 // Own 2 stands apart, in the reflection of a lamp. Its magenta, learned there, would be wrong elsewhere.
 TEST_F(ClicksOnFootage, AColorInGlareIsNamedAsTheCause) {
-  load_picture({"vsss-bar-normal", "vsss-bar/normal_04.png", PixelFormat::kRgb24});
-  if (IsSkipped() || HasFatalFailure()) return;
-  const Result<DetectedColors> found = auto_detect_colors(venue.value(), team.value(), {}, pictures);
-  ASSERT_TRUE(found.ok()) << found.text();
-  ASSERT_EQ(found.value().doubts.size(), 1U);
-  const std::string& text = found.value().doubts[0].text;
-  EXPECT_EQ(text.rfind("magenta: only robot own 2 shows it, at 305,35", 0), 0U) << text;
-  EXPECT_NE(text.find("in glare or shade"), std::string::npos) << text;
-  EXPECT_EQ(text.find("apart"), std::string::npos) << text;
+  struct Glare {
+    const char *picture, *place;
+  };
+  for (const Glare& glare : {Glare{"vsss-bar/normal_04.png", "305,35"}, Glare{"vsss-bar/normal_10.png", "275,32"},
+                             Glare{"vsss-bar/normal_20.png", "389,27"}, Glare{"vsss-bar/normal_22.png", "314,29"}}) {
+    pictures.clear();
+    load_picture({"vsss-bar-normal", glare.picture, PixelFormat::kRgb24});
+    if (IsSkipped() || HasFatalFailure()) return;
+    const Result<DetectedColors> found = auto_detect_colors(venue.value(), team.value(), {}, pictures);
+    ASSERT_TRUE(found.ok()) << found.text();
+    ASSERT_EQ(found.value().doubts.size(), 1U) << glare.picture;
+    const std::string& text = found.value().doubts[0].text;
+    EXPECT_EQ(text.rfind(std::string("magenta: only robot own 2 shows it, at ") + glare.place, 0), 0U) << text;
+    EXPECT_NE(text.find("in glare or shade"), std::string::npos) << text;
+    EXPECT_EQ(text.find("apart"), std::string::npos) << text;
+  }
 }
 
 // Without a region of interest, specks beyond the border resemble the dark red patches. With them, the same robots are

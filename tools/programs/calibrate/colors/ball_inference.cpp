@@ -12,6 +12,8 @@ namespace {
 constexpr double kBallPaint = 14.0, kMostUnlikeBall = 50.0;
 // Least part of the ball's disk that must look like it, and greatest elongation of that part.
 constexpr double kLeastPart = 0.18, kMostElongated = 1.7;
+// Least brightness of the ball's pixels relative to its lit part, which is this quantile.
+constexpr double kLitQuantile = 0.9, kLeastLit = 0.5;
 // Part of the disk that usually looks like the ball, the cost if nothing does, and the cost if everything in a ring
 // around the ball (in radii) differs from the floor.
 constexpr double kUsualPart = 0.5, kUncovered = 4.0, kRingBegin = 1.4, kRingEnd = 2.0, kSurrounded = 8.0;
@@ -104,6 +106,7 @@ class BallInference {
     const int u0 = static_cast<int>(std::lround(candidate.center.u_px)),
               v0 = static_cast<int>(std::lround(candidate.center.v_px));
     GrownPatch ball;
+    std::vector<int> brightness;  // per pixel
     for (int v = v0 - reach; v <= v0 + reach; ++v) {
       for (int u = u0 - reach; u <= u0 + reach; ++u) {
         if (!image.contains(u, v) || (u - u0) * (u - u0) + (v - v0) * (v - v0) > reach * reach ||
@@ -115,13 +118,46 @@ class BallInference {
         const bool nearest = std::none_of(
             assignment_.colors.begin(), assignment_.colors.end(),
             [&](const AssignedColor& c) { return !c.patches.empty() && dissimilarity(lab, lab_of(c.rgb)) < own; });
-        if (nearest && own < kMostUnlikeBall) ball.pixels.push_back(image.index(u, v));
+        if (!nearest || own >= kMostUnlikeBall) continue;
+        ball.pixels.push_back(image.index(u, v));
+        brightness.push_back(*std::max_element(rgb.begin(), rgb.end()));
       }
     }
+    keep_lit(ball.pixels, brightness);
+    keep_disk(ball.pixels, image, std::sqrt(area / std::numbers::pi));
     if (static_cast<double>(ball.pixels.size()) < kLeastPart * area) return {};
     FoundPatch out = patch_of(image, candidate.center, candidate.radius_px, std::move(ball));
     out.sampled = true;
     return out.elongation < kMostElongated ? out : FoundPatch{};
+  }
+
+  // Leaves out the glow of a ball on the floor in its shadow, which has its hue, and its rim, if a part is lit.
+  static void keep_lit(std::vector<std::size_t>& pixels, const std::vector<int>& brightness) {
+    if (pixels.empty()) return;
+    std::vector<int> sorted = brightness;
+    const auto lit =
+        sorted.begin() + static_cast<std::ptrdiff_t>(kLitQuantile * static_cast<double>(sorted.size() - 1));
+    std::nth_element(sorted.begin(), lit, sorted.end());
+    const double least = kLeastLit * *lit;
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < pixels.size(); ++i) {
+      if (brightness[i] >= least) pixels[kept++] = pixels[i];
+    }
+    pixels.resize(kept);
+  }
+
+  // Leaves out what is no part of a disk of this radius around the pixels' mean, such as the edge of a line beside it.
+  static void keep_disk(std::vector<std::size_t>& pixels, const ChannelImage& image, double radius) {
+    if (pixels.empty()) return;
+    const auto width = static_cast<std::size_t>(image.width_px);
+    const auto at = [width](std::size_t pixel) {
+      const std::size_t row = pixel / width, column = pixel % width;
+      return std::complex<double>(static_cast<double>(column), static_cast<double>(row));
+    };
+    std::complex<double> mean = 0;
+    for (const std::size_t pixel : pixels) mean += at(pixel) / static_cast<double>(pixels.size());
+    const auto outside = [&](std::size_t pixel) { return std::abs(at(pixel) - mean) > radius; };
+    pixels.erase(std::remove_if(pixels.begin(), pixels.end(), outside), pixels.end());
   }
 
   // A ball covers its disk, and around it lies the floor; around a patch of a robot lie others.

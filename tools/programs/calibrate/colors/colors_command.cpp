@@ -167,6 +167,14 @@ Result<void> ColorsCommand::check_result(const ColorFitInput& input, const std::
   TOUCHLINE_TRY_ASSIGN(const SelfCheck check, self_check(unaccepted, team, input.pictures, robots, folder));
   std::printf("%spictures of the self-check are in %s\n", check.text().c_str(), folder.c_str());
   if (!check.passed() && !accept) {
+    if (const std::string absent = check.absent(); !absent.empty()) {
+      return failure(
+          ErrorCode::kInconsistent,
+          "all robots that were found are recognized, but no picture shows %s: %s is unchanged, the new colors are "
+          "in %s. Show a further picture (--picture) with what is missing; or, if it stands in one, in glare or "
+          "shade, click on its patches (--click COLOR,U,V); or write the colors as they are (--accept)",
+          absent.c_str(), venue.c_str(), unaccepted.c_str());
+    }
     return failure(ErrorCode::kInconsistent,
                    "not everything was recognized: %s is unchanged, the new colors are in %s. Show a further picture "
                    "(--picture) in which what is missing stands elsewhere, apart from all others; or click on its "

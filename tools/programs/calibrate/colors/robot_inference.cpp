@@ -17,9 +17,12 @@ constexpr double kGamma = 2.2;
 constexpr double kSeenSigma = 0.25, kNamedSigma = 0.6, kMostResiduals = 4.0;
 // Sensor noise and black level in linear light, which hide the ratios of dark channels.
 constexpr double kNoiseFloor = 0.01;
+// Greatest value of a channel at the camera's black.
+constexpr double kBlack = 2.0;
 // Factors and glare that are tried. Robots in shade have a third of the light; glare is at most a third of white.
 constexpr double kGains[] = {0.25, 0.35, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0, 1.15, 1.35, 1.6, 2.0};
 constexpr double kGlares[] = {0, 0.01, 0.02, 0.04, 0.07, 0.1, 0.14, 0.18, 0.24, 0.3};
+// Of the glare on a robot, and of its difference on one of the patches.
 constexpr double kGainSigma = 0.6, kGlareScale = 0.1;
 // Greatest change by the light on a robot, as logarithm of its factor and as glare, at which a color can be learned
 // from this robot alone.
@@ -40,6 +43,14 @@ Linear linear(const Rgb& rgb) {
 struct Look {
   Linear color{};
   double sigma = 0;  // 0: unknown
+  // A camera's color matrix makes channels of saturated paints negative; what it delivers is black, to which glare adds
+  // nothing visible at first.
+  std::array<bool, 3> at_black{};
+};
+
+// The light on a robot.
+struct RobotLight {
+  double gain = 1, glare = 0;
 };
 
 // Negative log-likelihood of a color in this light, with the glare that explains it best: glare differs from patch to
@@ -48,27 +59,45 @@ struct Fit {
   double cost = 1e9, glare = 0;
 };
 
-Fit fit_of(const Look& look, const Linear& seen, double gain, double white) {
-  Fit best;
-  for (const double glare : kGlares) {
+// Negative log-likelihood of a color for each of kGlares.
+using GlareCosts = std::array<double, std::size(kGlares)>;
+
+GlareCosts costs_of(const Look& look, const Linear& seen, double gain, double white) {
+  GlareCosts out{};
+  for (std::size_t g = 0; g < out.size(); ++g) {
     double sum = 0;
     for (std::size_t c = 0; c < 3; ++c) {
-      const double expected = std::min(white, gain * look.color[c] + glare);
-      const double residual = std::log((seen[c] + kNoiseFloor) / (expected + kNoiseFloor)) / look.sigma;
+      const double expected = std::min(white, gain * look.color[c] + kGlares[g]);
+      double residual = std::log((seen[c] + kNoiseFloor) / (expected + kNoiseFloor)) / look.sigma;
+      if (look.at_black[c]) residual = std::max(0.0, residual);
       sum += std::min(residual * residual, kMostResiduals * kMostResiduals);
     }
     // A wide distribution is low everywhere.
-    const double cost = sum / 2 + 3 * std::log(look.sigma / kSeenSigma) + glare / kGlareScale;
-    if (cost < best.cost) best = {cost, glare};
+    out[g] = sum / 2 + 3 * std::log(look.sigma / kSeenSigma);
+  }
+  return out;
+}
+
+// One lamp shines on all patches of a robot: their glare differs little.
+Fit fit_of(const GlareCosts& costs, double robot_glare) {
+  Fit best;
+  for (std::size_t g = 0; g < costs.size(); ++g) {
+    const double cost = costs[g] + std::abs(kGlares[g] - robot_glare) / kGlareScale;
+    if (cost < best.cost) best = {cost, kGlares[g]};
   }
   return best;
+}
+
+Fit fit_of(const Look& look, const Linear& seen, const RobotLight& light, double white) {
+  return fit_of(costs_of(look, seen, light.gain, white), light.glare);
 }
 
 // A robot at one place with its samples, the team patch first.
 struct Standing {
   std::size_t team = 0, robot = 0, patch = 0;
   std::vector<PlaceSample> samples;
-  double cost = 0, margin = 0, gain = 1;
+  double cost = 0, margin = 0;
+  RobotLight light{};
   bool in_odd_light = false;  // and the only robot with one of its colors
 };
 
@@ -106,11 +135,12 @@ class Inference {
     const Rgb gain = light_gain(input_, assignment_);
     for (std::size_t c = 0; c < input_.colors.size(); ++c) {
       if (!assignment_.colors[c].patches.empty()) {
-        looks_[c] = {linear(assignment_.colors[c].rgb), kSeenSigma};
+        looks_[c] = {linear(assignment_.colors[c].rgb), kSeenSigma, {}};
+        for (std::size_t k = 0; k < 3; ++k) looks_[c].at_black[k] = assignment_.colors[c].rgb[k] <= kBlack;
       } else if (input_.colors[c].look) {
         Rgb rgb = *input_.colors[c].look;
         for (std::size_t k = 0; k < 3; ++k) rgb[k] = std::min(255.0, rgb[k] * gain[k]);
-        looks_[c] = {linear(rgb), kNamedSigma};
+        looks_[c] = {linear(rgb), kNamedSigma, {}};
       }
     }
   }
@@ -210,36 +240,45 @@ class Inference {
       if (!is_known_elsewhere(colors[k], standing.samples[k])) only_here.insert(colors[k]);
     }
     if (only_here.size() > 1) return false;
-    standing.cost = 1e9;
-    for (const double gain : kGains) {
-      double cost = std::pow(std::log(gain) / kGainSigma, 2) / 2;
-      for (std::size_t k = 0; k < colors.size(); ++k)
-        cost += fit_of(looks_[colors[k]], seen(standing.samples[k]), gain, white_).cost;
-      if (cost >= standing.cost) continue;
-      standing.cost = cost;
-      standing.gain = gain;
-    }
+    fit_light(colors, standing);
     if (2 * standing.cost > kMostMeanSquare * 3 * static_cast<double>(colors.size())) return false;
     standing.in_odd_light = !only_here.empty() && is_odd(colors, standing, *only_here.begin());
     for (std::size_t k = 0; k < colors.size(); ++k) {
       const Linear color = seen(standing.samples[k]);
-      const double own = fit_of(looks_[colors[k]], color, standing.gain, white_).cost;
+      const double own = fit_of(looks_[colors[k]], color, standing.light, white_).cost;
       for (std::size_t c = 0; c < looks_.size(); ++c) {
         if (c == colors[k] || looks_[c].sigma <= 0 || looks_[c].sigma > kSeenSigma || c + 1 == input_.ball) continue;
         // Nothing is learned from a robot in odd light, so that its colors need not be certain.
         const double margin = standing.in_odd_light ? -kLeastMargin : kLeastColorMargin;
-        if (fit_of(looks_[c], color, standing.gain, white_).cost < own + margin) return false;
+        if (fit_of(looks_[c], color, standing.light, white_).cost < own + margin) return false;
       }
     }
     return true;
   }
 
+  // Finds the light that explains the robot's samples best.
+  void fit_light(const std::vector<std::size_t>& colors, Standing& standing) const {
+    standing.cost = 1e9;
+    for (const double gain : kGains) {
+      std::vector<GlareCosts> costs;
+      for (std::size_t k = 0; k < colors.size(); ++k)
+        costs.push_back(costs_of(looks_[colors[k]], seen(standing.samples[k]), gain, white_));
+      for (const double glare : kGlares) {
+        double cost = std::pow(std::log(gain) / kGainSigma, 2) / 2 + glare / kGlareScale;
+        for (const GlareCosts& of_patch : costs) cost += fit_of(of_patch, glare).cost;
+        if (cost >= standing.cost) continue;
+        standing.cost = cost;
+        standing.light = {gain, glare};
+      }
+    }
+  }
+
   // Whether the light on the robot differs from that on others, as its patches of other colors than `color` show. A
   // color that only this robot shows would be learned wrong.
   [[nodiscard]] bool is_odd(const std::vector<std::size_t>& colors, const Standing& standing, std::size_t color) const {
-    if (std::abs(std::log(standing.gain)) > kUsualGain) return true;
+    if (std::abs(std::log(standing.light.gain)) > kUsualGain) return true;
     for (std::size_t k = 0; k < colors.size(); ++k) {
-      const Fit fit = fit_of(looks_[colors[k]], seen(standing.samples[k]), standing.gain, white_);
+      const Fit fit = fit_of(looks_[colors[k]], seen(standing.samples[k]), standing.light, white_);
       if (colors[k] != color && fit.glare > kUsualGlare) return true;
     }
     return false;

@@ -201,11 +201,15 @@ int SelfCheck::recognized() const {
   return count;
 }
 
-bool SelfCheck::passed() const {
-  return missing().empty() && std::all_of(pictures.begin(), pictures.end(), [&](const CheckedPicture& p) {
-           return p.explained.size() == p.visible && p.missing.empty() && (p.ball || !wants_ball);
-         });
+std::string SelfCheck::absent() const { return all_visible_explained() ? joined_robots(missing()) : ""; }
+
+bool SelfCheck::all_visible_explained() const {
+  return std::all_of(pictures.begin(), pictures.end(), [&](const CheckedPicture& p) {
+    return p.explained.size() == p.visible && p.missing.empty() && (p.ball || !wants_ball);
+  });
 }
+
+bool SelfCheck::passed() const { return missing().empty() && all_visible_explained(); }
 
 std::string SelfCheck::text() const {
   std::string text;

@@ -41,6 +41,9 @@ struct SelfCheck {
 
   /// Robots of the team file that were explained in no picture.
   [[nodiscard]] std::vector<std::string> missing() const;
+  /// The missing robots as text if nothing else is missing: they stand in none of the pictures, or cannot be seen
+  /// there. Otherwise empty.
+  [[nodiscard]] std::string absent() const;
   /// Robots with an id and balls in all pictures, minus contradictions to the calibration.
   [[nodiscard]] int recognized() const;
   /// Whether every visible robot was explained, every robot of the team file in at least one picture, and the ball was
@@ -48,6 +51,9 @@ struct SelfCheck {
   [[nodiscard]] bool passed() const;
   /// One line per picture and one for all of them.
   [[nodiscard]] std::string text() const;
+
+ private:
+  [[nodiscard]] bool all_visible_explained() const;
 };
 
 /// Runs the pipeline with these files on each picture by itself, and draws what it sees into `folder` (if it is not

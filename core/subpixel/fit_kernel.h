@@ -32,6 +32,7 @@ struct MarkerView {
   PixelPoint middle;                                     // center of the robot
   float u_by_x = 0, u_by_y = 0, v_by_x = 0, v_by_y = 0;  // pixels per meter of the robot's frame
   std::array<float, 3> top{};                            // light of its top
+  float beside_px = 0;  // distance from its edge of a second sample of the surroundings, outside a patch's blur
 };
 
 /// A patch of this robot.

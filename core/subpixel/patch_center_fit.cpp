@@ -47,6 +47,9 @@ constexpr float kMovingPart = 0.045f;
 // Distance after which the correlation of the fit's errors is 1/e: those of edges against the pixel grid are others
 // half a pixel further, but most of the error depends on the edges' angles. Measured in games of the arena.
 constexpr float kLastsPx = 8.0f;
+// Distance from the robot's edge at which its surroundings are sampled a second time: a line beside it may be narrow
+// and seen only there. Interpolation carries the light of patches farther.
+constexpr float kBesidePx = 1.0f, kBesideBayerPx = 2.0f;
 // The first iteration leaves at most a tenth of its step as error. After a short step the rest is below the noise.
 constexpr int kMaxPatchIterations = 2;
 constexpr float kShortStepPx = 0.05f;
@@ -95,6 +98,7 @@ class PatchCenterFit::Solver {
     view_.v_by_y = (left.v_px - right.v_px) / layout_.robot_side_m;
     view_.scale_px_per_m = std::sqrt(std::abs(view_.u_by_x * view_.v_by_y - view_.u_by_y * view_.v_by_x));
     view_.ramp_m = kRampPx / view_.scale_px_per_m;
+    view_.beside_px = is_bayer ? kBesideBayerPx : kBesidePx;
     view_.middle = {0.5f * (front.u_px + back.u_px), 0.5f * (front.v_px + back.v_px)};
     for (const PatchPlace& place : layout_.patches)
       targets_.push_back({seen_at(place.x_m, place.y_m), {}, {}, {}, {}, 1.0f, 0, {}});

@@ -161,7 +161,8 @@ class PatchSampler {
     Integer8 counts;
   };
 
-  // Subtracts the light of the surroundings from the part of each pixel beyond the robot's edge.
+  // Subtracts the light of the surroundings from the part of each pixel beyond the robot's edge. A pixel is doubted for
+  // the brighter one of two places: between them, a line may begin or end.
   [[gnu::always_inline]] void subtract_surroundings(Float8 from_x, Float8 from_y, LinearRgb8& light,
                                                     Surroundings& around) {
     const Float8 c = broadcast(outline_.cos()), s = broadcast(outline_.sin()), half = broadcast(robot_.half_m);
@@ -172,20 +173,33 @@ class PatchSampler {
     const Float8 part = broadcast(1.0f) - EdgeRamp(beyond_x, per_m).value * EdgeRamp(beyond_y, per_m).value;
     const Integer8 affected = part > broadcast(0.0f);
     if (!any(affected & around.counts)) return;
-    const Float8 clear = broadcast(robot_.half_m + kBeyondRobotPx / robot_.scale_px_per_m);
-    const Integer8 sideways = beyond_x >= beyond_y;
+    const LinearRgb8 beside = foreign_light(x, y, robot_.beside_px, part, around);
+    const LinearRgb8 beyond = foreign_light(x, y, kBeyondRobotPx, part, around);
+    Float8 of_beside = broadcast(0.0f), of_beyond = broadcast(0.0f);
+    TOUCHLINE_UNROLL for (std::size_t i = 0; i < 3; ++i) {
+      const Float8 near = beside[i] * beside[i], far = beyond[i] * beyond[i];
+      light[i] -= beyond[i];
+      of_beside += near;
+      of_beyond += far;
+      foreign_[i] += select(around.counts, max(near, far));
+    }
+    around.doubt += max(of_beside, of_beyond);
+  }
+
+  // Light that the surroundings `apart_px` from the robot's edge add to points that lie beyond it by `part`. Points
+  // whose surroundings are outside of the picture do not count any more.
+  [[gnu::always_inline]] LinearRgb8 foreign_light(Float8 x, Float8 y, float apart_px, Float8 part,
+                                                  Surroundings& around) const {
+    const Float8 half = broadcast(robot_.half_m), clear = half + broadcast(apart_px / robot_.scale_px_per_m);
+    const Integer8 sideways = abs(x) >= abs(y);
     const Float8 far_x = select(sideways, max(abs(x), clear), min(abs(x), half));
     const Float8 far_y = select(sideways, min(abs(y), half), max(abs(y), clear));
     const Float8 at_x = with_sign(far_x, sign_bit(x)), at_y = with_sign(far_y, sign_bit(y));
     Integer8 inside;
-    const LinearRgb8 there = picture_.nearest(u_of(robot_, at_x, at_y), v_of(robot_, at_x, at_y), inside);
-    around.counts = around.counts & (inside | ~affected);
-    TOUCHLINE_UNROLL for (std::size_t i = 0; i < 3; ++i) {
-      const Float8 foreign = part * (there[i] - top_[i]), square = foreign * foreign;
-      light[i] -= foreign;
-      around.doubt += square;
-      foreign_[i] += select(around.counts, square);
-    }
+    LinearRgb8 there = picture_.nearest(u_of(robot_, at_x, at_y), v_of(robot_, at_x, at_y), inside);
+    around.counts = around.counts & (inside | ~(part > broadcast(0.0f)));
+    TOUCHLINE_UNROLL for (std::size_t i = 0; i < 3; ++i) there[i] = part * (there[i] - top_[i]);
+    return there;
   }
 
   static constexpr float kFarPx = 1e4f;

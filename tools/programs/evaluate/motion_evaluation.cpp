@@ -92,7 +92,7 @@ class MotionEvaluation {
         ball_placed_ = frame.capture_time;
       }
       add_robots(frame);
-      if (!ball_placed_ || seconds(frame.capture_time - *ball_placed_) > kPlaced_s) add_ball(frame);
+      if (!was_placed(frame)) add_ball(frame);
       if (k > 0) add_impacts(k);
     }
   }
@@ -160,6 +160,11 @@ class MotionEvaluation {
     if (track.innovation2 >= 0.0f) row.nis.push_back(static_cast<double>(track.innovation2) / 3.0);
   }
 
+  // True if the ball was placed elsewhere shortly before, as after a goal.
+  [[nodiscard]] bool was_placed(const GameFrame& frame) const {
+    return ball_placed_ && seconds(frame.capture_time - *ball_placed_) <= kPlaced_s;
+  }
+
   void add_ball(const GameFrame& frame) {
     if (!frame.ball.seen) return;
     add_ball(balls_[0], frame);
@@ -202,13 +207,23 @@ class MotionEvaluation {
     return changed;
   }
 
+  // True if an object was placed elsewhere between two frames.
+  template <class Of>
+  bool has_jump(std::size_t frame, Of of) const {
+    const Instant end = game_.frames()[frame].capture_time;
+    for (Instant t = game_.frames()[frame - 1].capture_time; t < end; t += kStep) {
+      if (speed_between(of(truth_.at(t)), of(truth_.at(t + kStep)), kStep) > kJump_mps) return true;
+    }
+    return false;
+  }
+
   // Follows every impact before frame k for some frames without another one.
   void add_impacts(std::size_t k) {
     for (std::size_t i = 0; i < now_.robots.size(); ++i) {
       const auto of = [i](const Snapshot& s) { return s.robots[i]; };
       if (!has_impact(k, of)) continue;
       for (std::size_t after = 0; after < kFramesAfterImpact && k + after < game_.frames().size(); ++after) {
-        if (after > 0 && has_impact(k + after, of)) break;
+        if (after > 0 && (has_impact(k + after, of) || has_jump(k + after, of))) break;
         const GameFrame& frame = game_.frames()[k + after];
         if (!truth_.covers(frame.capture_time, kMargin)) break;
         const Placement at = of(truth_.at(frame.capture_time)), then = of(truth_.at(frame.capture_time + kMargin));
@@ -222,9 +237,9 @@ class MotionEvaluation {
       }
     }
     const auto of = [](const Snapshot& s) { return s.ball; };
-    if (!has_impact(k, of)) return;
+    if (was_placed(game_.frames()[k]) || !has_impact(k, of)) return;
     for (std::size_t after = 0; after < kFramesAfterImpact && k + after < game_.frames().size(); ++after) {
-      if (after > 0 && has_impact(k + after, of)) break;
+      if (after > 0 && (has_impact(k + after, of) || has_jump(k + after, of))) break;
       const GameFrame& frame = game_.frames()[k + after];
       if (!truth_.covers(frame.capture_time, kMargin)) break;
       const BallTrack& track = frame.tracks.ball;

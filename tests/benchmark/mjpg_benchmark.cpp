@@ -138,7 +138,7 @@ ScanParameters in_space_of(const Frame& frame, const ColorGrid& grid, const Scan
   parameters.format = frame.format;
   parameters.background = typical[kBackground];
   if (color_space(frame.format) == ColorSpace::kRgb) return parameters;
-  constexpr std::array<int, 3> kReach{32, 13, 13};  // about what touchline-calibrate allows
+  constexpr std::array<int, 3> kReach{32, 20, 20};  // strong compression moves the chroma of a patch's edge by 20
   parameters.boxes.clear();
   for (ColorId color = 1; color <= kMaxColors; ++color) {
     if (!typical[color]) continue;

@@ -34,6 +34,15 @@ Expectations expected_of(ColorSpace space, const TypicalBackground& background) 
   return expected;
 }
 
+Expectations expected_of_pale(ColorSpace space, const TypicalBackground& background) {
+  constexpr int kUnevenness = 16;  // of chroma, by light and noise
+  Expectations expected{};
+  for (std::size_t c = 0; c < 3; ++c) {
+    expected[c] = {background ? (*background)[c] : black_value(space, c), c == 0 ? 0 : kUnevenness};
+  }
+  return expected;
+}
+
 struct Candidate {
   ValueRange range;
   std::uint64_t weight = 0;
@@ -93,10 +102,8 @@ void for_each_range(const ColorBoxes& boxes, const Expectation& expected, std::s
   }
 }
 
-}  // namespace
-
-BackgroundBox find_background_box(const ColorBoxes& boxes, ColorSpace space, const TypicalBackground& background) {
-  const Expectations expected = expected_of(space, background);
+// The box of the greatest weight.
+BackgroundBox best_box(const ColorBoxes& boxes, const Expectations& expected) {
   BackgroundBox best;
   std::uint64_t most = 0;
   for_each_range(boxes, expected[0], 0, [&](const Candidate& first, const ColorBoxes& met_first) {
@@ -111,6 +118,16 @@ BackgroundBox find_background_box(const ColorBoxes& boxes, ColorSpace space, con
     });
   });
   return best;
+}
+
+}  // namespace
+
+BackgroundBox find_background_box(const ColorBoxes& boxes, ColorSpace space, const TypicalBackground& background) {
+  return best_box(boxes, expected_of(space, background));
+}
+
+BackgroundBox find_pale_box(const ColorBoxes& boxes, ColorSpace space, const TypicalBackground& background) {
+  return best_box(boxes, expected_of_pale(space, background));
 }
 
 // Returns the first value below `end` for which a monotonic condition holds, or `end`.
@@ -142,24 +159,46 @@ ValueRange before_correction(ValueRange corrected_range, std::uint8_t level, std
   return {static_cast<std::uint8_t>(low), static_cast<std::uint8_t>(end - 1)};
 }
 
-void BackgroundRanges::build(PixelFormat format, const ColorBoxes& boxes, std::uint8_t box_shift_limit,
-                             const TypicalBackground& background) {
+static ColorBoxes widened_by(std::uint8_t levels, const ColorBoxes& boxes) {
   ColorBoxes widened = boxes;
   for (ColorBox& box : widened) {
     for (std::size_t c = 0; c < 3; ++c) {
-      box.low[c] = static_cast<std::uint8_t>(std::max(0, box.low[c] - box_shift_limit));
-      box.high[c] = static_cast<std::uint8_t>(std::min(255, box.high[c] + box_shift_limit));
+      box.low[c] = static_cast<std::uint8_t>(std::max(0, box.low[c] - levels));
+      box.high[c] = static_cast<std::uint8_t>(std::min(255, box.high[c] + levels));
     }
   }
+  return widened;
+}
+
+bool is_pale_box_valid(const ColorBoxes& moved, const ColorBoxes& boxes) {
+  if (moved.size() != boxes.size()) return false;
+  const ColorBoxes widest = widened_by(kPaleShiftLimit, boxes);
+  for (std::size_t i = 0; i < moved.size(); ++i) {
+    for (std::size_t c = 0; c < 3; ++c) {
+      if (moved[i].low[c] < widest[i].low[c] || moved[i].high[c] > widest[i].high[c]) return false;
+    }
+  }
+  return true;
+}
+
+void BackgroundRanges::build(PixelFormat format, const ColorBoxes& boxes, std::uint8_t box_shift_limit,
+                             const TypicalBackground& background) {
+  const ColorBoxes widened = widened_by(box_shift_limit, boxes);
   format_ = format;
   const BackgroundBox dark = find_background_box(widened, color_space(format));
   const BackgroundBox usual = background ? find_background_box(widened, color_space(format), background) : dark;
   const std::array<std::uint8_t, 3>& low = usual.exists ? usual.low : dark.low;
   begin_at_zero_ = low == std::array<std::uint8_t, 3>{} && dark.low == low;
   exist_ = dark.exists;
+  has_pale_ = exist_ && is_yuv(color_space(format));
   if (!exist_) return;
   dark_ = ranges_of(dark);
   usual_ = usual.exists ? ranges_of(usual) : dark_;
+  if (!has_pale_) return;
+  const BackgroundBox pale =
+      find_pale_box(widened_by(std::min(box_shift_limit, kPaleShiftLimit), boxes), color_space(format), background);
+  has_pale_ = pale.exists;
+  pale_ = ranges_of(pale);
 }
 
 BackgroundRanges::Ranges BackgroundRanges::ranges_of(const BackgroundBox& box) const {
@@ -177,19 +216,36 @@ TileParameters BackgroundRanges::of(const std::array<std::uint8_t, 3>& level) co
   const auto is_empty = [&](std::size_t c) { return usual_[c][level[c]].low > usual_[c][level[c]].high; };
   const Ranges& ranges = is_empty(0) || is_empty(1) || is_empty(2) ? dark_ : usual_;
   TileParameters tile;
+  for (std::size_t c = 0; c < 3; ++c) tile.level[c] = level[c];
+  set_background({ranges[0][level[0]], ranges[1][level[1]], ranges[2][level[2]]}, tile);
+  return tile;
+}
+
+bool BackgroundRanges::find_pale(std::span<const TileParameters> tiles, TileParameters& pale) const {
+  if (!has_pale_) return false;
+  std::array<ValueRange, 3> all{{{0, 255}, {0, 255}, {0, 255}}};
+  for (const TileParameters& tile : tiles) {
+    for (std::size_t c = 0; c < 3; ++c) {
+      const ValueRange range = pale_[c][tile.level[c]];
+      all[c] = {std::max(all[c].low, range.low), std::min(all[c].high, range.high)};
+    }
+  }
+  for (const ValueRange& range : all) {
+    if (range.low > range.high) return false;
+  }
+  set_background(all, pale);
+  return true;
+}
+
+void BackgroundRanges::set_background(const std::array<ValueRange, 3>& ranges, TileParameters& tile) const {
   const std::array<std::uint8_t, 3> at = background_bytes(format_);
   const auto set = [&](std::size_t byte, ValueRange range) {
     tile.background_low[byte] = range.low;
     tile.background_extent[byte] = static_cast<std::uint8_t>(range.high - range.low);
   };
-  for (std::size_t c = 0; c < 3; ++c) {
-    tile.level[c] = level[c];
-    set(at[c], ranges[c][level[c]]);
-  }
-  const ValueRange luma = ranges[0][level[0]];
-  if (info_of(format_).planes > 1) set(1, luma);
-  if (info_of(format_).packing == Packing::kPacked422) set(at[0] + 2u, luma);
-  return tile;
+  for (std::size_t c = 0; c < 3; ++c) set(at[c], ranges[c]);
+  if (info_of(format_).planes > 1) set(1, ranges[0]);
+  if (info_of(format_).packing == Packing::kPacked422) set(at[0] + 2u, ranges[0]);
 }
 
 }  // namespace touchline

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <span>
 
 #include "core/color/color_tables.h"
 #include "core/light/shading.h"
@@ -23,6 +24,16 @@ struct BackgroundBox {
   bool exists = false;  // false: the value that it must contain lies in a color box
 };
 BackgroundBox find_background_box(const ColorBoxes& boxes, ColorSpace space, const TypicalBackground& background = {});
+
+/// For YUV: the box for values with the chroma of the typical background, or without chroma if that is unknown, and any
+/// brightness. It finds what surrounds a field, and lines. It contains the same value as find_background_box().
+BackgroundBox find_pale_box(const ColorBoxes& boxes, ColorSpace space, const TypicalBackground& background = {});
+
+/// The pale box of BackgroundRanges leaves less room to color boxes that move than the other one: with as much, boxes
+/// on both sides of grey leave nothing between them.
+constexpr std::uint8_t kPaleShiftLimit = 4;
+/// Whether no box has moved farther than that from `boxes`, to which it belongs by its place in the list.
+bool is_pale_box_valid(const ColorBoxes& moved, const ColorBoxes& boxes);
 
 /// An interval of values, bounds inclusive. Empty: low is above high.
 struct ValueRange {
@@ -62,6 +73,9 @@ class BackgroundRanges {
   void build(PixelFormat format, const ColorBoxes& boxes, std::uint8_t box_shift_limit,
              const TypicalBackground& background = {});
   [[nodiscard]] TileParameters of(const std::array<std::uint8_t, 3>& level) const;
+  /// The values that the pale box, found for color boxes that move by up to kPaleShiftLimit, contains at each of these
+  /// light levels, as background of `pale`; its levels are undefined. False: there are none, or the format is RGB.
+  [[nodiscard]] bool find_pale(std::span<const TileParameters> tiles, TileParameters& pale) const;
   [[nodiscard]] bool exist() const { return exist_; }
   /// Whether all ranges begin at 0. This holds in RGB if the typical background is unknown or dark.
   [[nodiscard]] bool begin_at_zero() const { return begin_at_zero_; }
@@ -70,10 +84,12 @@ class BackgroundRanges {
   // By channel and level.
   using Ranges = std::array<std::array<ValueRange, kLightLevels>, 3>;
   [[nodiscard]] Ranges ranges_of(const BackgroundBox& box) const;
+  void set_background(const std::array<ValueRange, 3>& ranges, TileParameters& tile) const;
 
   PixelFormat format_ = PixelFormat::kRgb24;
-  bool exist_ = false, begin_at_zero_ = false;
+  bool exist_ = false, begin_at_zero_ = false, has_pale_ = false;
   Ranges usual_{}, dark_{};  // dark_: for levels at which usual_ is empty; contains black at all levels
+  Ranges pale_{};
 };
 
 }  // namespace touchline

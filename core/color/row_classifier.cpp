@@ -14,7 +14,10 @@ Status RowClassifier::configure(PixelFormat format, std::uint16_t width_px, std:
   width_px_ = width_px;
   height_px_ = height_px;
   background_.build(format, boxes, box_shift_limit, background);
+  boxes_ = boxes;
+  is_pale_valid_ = true;
   tiles_[0] = background_.of({kNeutralLevel, kNeutralLevel, kNeutralLevel});
+  has_pale_[0] = background_.find_pale({tiles_.data(), 1}, pale_[0]);
   for (std::uint16_t row = 0; shading_.active() && row < shading_.rows(); ++row) update_tiles(row, nullptr, nullptr);
   nibbles_.build(tables_, boxes.size());
   choice_ = kernel;
@@ -35,6 +38,7 @@ void RowClassifier::update_tiles(std::uint16_t tile_row, const LightChange* chan
   }
   has_one_light_[tile_row] =
       std::all_of(tiles, tiles + shading_.columns(), [&](const TileParameters& tile) { return tile == *tiles; });
+  has_pale_[tile_row] = background_.find_pale({tiles, shading_.columns()}, pale_[tile_row]);
 }
 
 void RowClassifier::apply_light_change(const LightChange& change, const FieldLight& field, std::uint16_t tile_row) {
@@ -43,6 +47,8 @@ void RowClassifier::apply_light_change(const LightChange& change, const FieldLig
 }
 
 void RowClassifier::rebuild_tables(const ColorBoxes& boxes, std::size_t channel, std::uint8_t level) {
+  // Tables of other levels may keep such a box after this one has moved back.
+  if (!is_pale_box_valid(boxes, boxes_)) is_pale_valid_ = false;
   tables_.rebuild(boxes, channel, level);
   nibbles_.rebuild(tables_, boxes.size(), channel, level);
 }
@@ -64,11 +70,16 @@ OccupiedWords RowClassifier::classify(const Frame& frame, std::uint16_t v, std::
                                       ColorId* colors) const {
   const RowPixels row = row_pixels(frame, v);
 
-  const std::size_t tile_row = v / kTileHeight, first_tile = shading_.active() ? tile_row * shading_.columns() : 0;
+  const std::size_t tile_row = shading_.active() ? v / kTileHeight : 0, first_tile = tile_row * shading_.columns();
   const bool has_one_light = shading_.active() && has_one_light_[tile_row];
-  const SpanTables tables = {&tables_,           &nibbles_,           &tiles_[first_tile],
-                             !shading_.active(), background_.exist(), background_.begin_at_zero(),
-                             has_one_light};
+  const SpanTables tables = {&tables_,
+                             &nibbles_,
+                             &tiles_[first_tile],
+                             !shading_.active(),
+                             background_.exist(),
+                             background_.begin_at_zero(),
+                             has_one_light,
+                             is_pale_valid_ && has_pale_[tile_row] ? &pale_[tile_row] : nullptr};
   return kernel_(tables, row, begin, end, colors);
 }
 

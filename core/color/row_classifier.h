@@ -62,6 +62,10 @@ class RowClassifier {
   BackgroundRanges background_;
   std::array<TileParameters, kMaxTiles> tiles_{};   // without a light map, the first applies to all columns
   std::array<bool, kMaxTileRows> has_one_light_{};  // all tiles of the row are equal
+  ColorBoxes boxes_;                                // as configured
+  bool is_pale_valid_ = false;                      // no box has moved farther than the pale box allows
+  std::array<bool, kMaxTileRows> has_pale_{};       // without a light map, the first of both applies to all rows
+  std::array<TileParameters, kMaxTileRows> pale_{};
 };
 
 }  // namespace touchline

@@ -20,6 +20,8 @@ struct SpanTables {
   bool has_background_box = false;    // the tiles have the ranges of a BackgroundBox
   bool background_from_zero = false;  // background_low is 0 in all tiles
   bool has_one_light = false;         // all tiles of the row are equal
+  // A second background range, of all tiles of the row (BackgroundRanges::find_pale). Null: none, or not worth a test.
+  const TileParameters* pale = nullptr;
 
   [[nodiscard]] const TileParameters& tile_at(std::uint32_t u) const { return tiles[unshaded ? 0 : u / kTileWidth]; }
 };

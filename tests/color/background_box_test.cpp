@@ -108,6 +108,82 @@ TEST(BeforeCorrection, GivesTheValuesThatAreCorrectedIntoTheRange) {
   }
 }
 
+// A green and a brown leave little between them if they may move far: then no box contains both the floor and the grey
+// carpet around it. The pale box gives them less room.
+TEST(BackgroundRanges, ThePaleBoxContainsFloorCarpetAndLines) {
+  ColorBoxes boxes;
+  boxes.push_back({1, {81, 61, 29}, {140, 135, 118}});
+  boxes.push_back({2, {38, 92, 143}, {124, 129, 179}});
+  boxes.push_back({3, {113, 140, 98}, {201, 202, 151}});
+  const Channels floor = {59, 127, 127}, carpet = {98, 124, 131}, line = {200, 126, 128};
+  const auto ranges = std::make_unique<BackgroundRanges>();
+  ranges->build(PixelFormat::kYuvj422p, boxes, 10, floor);
+  const TileParameters light = ranges->of({kNeutralLevel, kNeutralLevel, kNeutralLevel});
+  TileParameters pale;
+  ASSERT_TRUE(ranges->find_pale({&light, 1}, pale));
+  const auto is_in = [](const TileParameters& tile, const Channels& value) {
+    const auto at = background_bytes(PixelFormat::kYuvj422p);
+    for (std::size_t c = 0; c < 3; ++c) {
+      const auto above = static_cast<std::uint8_t>(value[c] - tile.background_low[at[c]]);
+      if (above > tile.background_extent[at[c]]) return false;
+    }
+    return true;
+  };
+  EXPECT_TRUE(is_in(light, floor));
+  EXPECT_FALSE(is_in(light, carpet));
+  for (const Channels& value : {floor, carpet, line}) EXPECT_TRUE(is_in(pale, value)) << int{value[0]};
+  ranges->build(PixelFormat::kRgb24, boxes, 10);
+  EXPECT_FALSE(ranges->find_pale({&light, 1}, pale)) << "grey is no box in RGB";
+}
+
+// No value in the pale range has a class at any of its light levels, for any shift of the boxes for which it is valid.
+TEST(BackgroundRanges, ThePaleRangeContainsOnlyBackground) {
+  std::mt19937 random(6);
+  const auto tables = std::make_unique<ColorTables>();
+  const auto ranges = std::make_unique<BackgroundRanges>();
+  int found = 0;
+  for (const PixelFormat format : kAllFormats) {
+    for (int round = 0; round < 40; ++round) {
+      ColorBoxes boxes = random_boxes(random, 9);
+      for (ColorBox& box : boxes) {
+        const std::size_t c = 1 + random() % 2;
+        box.low[c] = std::max<std::uint8_t>(box.low[c], 150);
+        box.high[c] = std::max(box.low[c], box.high[c]);
+      }
+      const ColorBoxes configured = boxes;
+      ranges->build(format, boxes, 10, round % 2 == 0 ? TypicalBackground{} : TypicalBackground{{60, 128, 128}});
+      for (ColorBox& box : boxes) {
+        for (std::uint8_t& low : box.low) low = static_cast<std::uint8_t>(std::max(0, low - pick(random, 0, 4)));
+        for (std::uint8_t& high : box.high) high = static_cast<std::uint8_t>(std::min(255, high + pick(random, 0, 4)));
+      }
+      ASSERT_TRUE(is_pale_box_valid(boxes, configured));
+      ASSERT_TRUE(tables->build(boxes, color_space(format)).ok());
+      std::array<TileParameters, 3> tiles;
+      for (TileParameters& tile : tiles) {
+        Channels level;
+        for (std::uint8_t& of_channel : level) of_channel = static_cast<std::uint8_t>(pick(random, 50, 80));
+        tile = ranges->of(level);
+      }
+      TileParameters pale;
+      if (!ranges->find_pale(tiles, pale)) continue;
+      ++found;
+      const auto at = background_bytes(format);
+      for (int i = 0; i < 200; ++i) {
+        Channels value;
+        for (std::size_t c = 0; c < 3; ++c) {
+          const int extent = pale.background_extent[at[c]];
+          const int above = i < 8 ? (i >> c & 1) * extent : pick(random, 0, extent);
+          value[c] = static_cast<std::uint8_t>(pale.background_low[at[c]] + above);
+        }
+        for (const TileParameters& tile : tiles) {
+          ASSERT_EQ(tables->mask(value, {tile.level[0], tile.level[1], tile.level[2]}), 0u) << name_of(format);
+        }
+      }
+    }
+  }
+  EXPECT_GT(found, 50);
+}
+
 // No value in the ranges has a class, at any light level and for any permitted shift of the boxes.
 TEST(BackgroundRanges, ContainOnlyBackground) {
   std::mt19937 random(4);

@@ -57,6 +57,36 @@ class RowClassifierTest : public ::testing::TestWithParam<std::tuple<PixelFormat
   std::mt19937 random_{static_cast<std::uint32_t>(format())};
 };
 
+// A box moves, as adaptation does, until it contains what the pale box contained.
+TEST_P(RowClassifierTest, FindsTheColorsOfABoxThatMovedToGrey) {
+  constexpr std::uint8_t kShiftLimit = 10;
+  ColorBoxes boxes;
+  boxes.push_back({1, {40, 100, 135}, {220, 150, 200}});
+  OwnedPicture picture(format(), 80, 16, 0);
+  picture.fill([] { return std::uint8_t{129}; });
+  const Frame frame = picture.frame();
+  LightMap light;
+  light.columns = 2;
+  light.rows = 1;
+  for (auto& plane : light.illumination) {
+    plane[0] = 0.9f;
+    plane[1] = 1.1f;
+  }
+  ASSERT_TRUE(classifier_
+                  ->configure(format(), frame.width_px, frame.height_px, boxes, light, std::get<1>(GetParam()),
+                              kShiftLimit, TypicalBackground{{100, 128, 128}})
+                  .ok());
+  expect_defined_colors(picture, boxes, 0, frame.width_px);
+  for (const int shift : {4, 10, 6}) {
+    ColorBoxes moved = boxes;
+    moved[0].low[2] = static_cast<std::uint8_t>(moved[0].low[2] - shift);
+    for (std::size_t channel = 0; channel < 3; ++channel) {
+      for (std::uint8_t level = 0; level < kLightLevels; ++level) classifier_->rebuild_tables(moved, channel, level);
+    }
+    expect_defined_colors(picture, moved, 0, frame.width_px);
+  }
+}
+
 TEST_P(RowClassifierTest, AgreesWithTheBoxesOnEveryPixel) {
   for (int round = 0; round < 400; ++round) {
     OwnedPicture picture(format(), pick(random_, 1, 80), pick(random_, 1, 20), pick(random_, 0, 7));

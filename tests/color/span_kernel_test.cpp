@@ -131,11 +131,15 @@ class SpanKernelTest : public ::testing::TestWithParam<std::tuple<PixelFormat, K
       for (std::uint8_t& of_channel : level) of_channel = static_cast<std::uint8_t>(pick(random_, 40, 90));
       tile = &tile != lights_.data() && pick(random_, 0, 2) == 0 ? *(&tile - 1) : ranges_->of(level);
     }
+    has_pale_ = ranges_->find_pale(lights_, pale_);
   }
 
   [[nodiscard]] SpanTables tables(bool unshaded) const {
-    return {tables_.get(), nibbles_.get(), lights_.data(), unshaded, ranges_->exist(), ranges_->begin_at_zero()};
+    return {tables_.get(),    nibbles_.get(),           lights_.data(), unshaded,
+            ranges_->exist(), ranges_->begin_at_zero(), false,          unshaded ? nullptr : pale()};
   }
+  // The second range of a row with a light map. Null if it does not exist.
+  [[nodiscard]] const TileParameters* pale() const { return has_pale_ ? &pale_ : nullptr; }
 
   // A row with a light map whose tiles are equal.
   [[nodiscard]] SpanTables tables_of_one_light() {
@@ -198,6 +202,8 @@ class SpanKernelTest : public ::testing::TestWithParam<std::tuple<PixelFormat, K
   std::unique_ptr<NibbleTables> nibbles_ = std::make_unique<NibbleTables>();
   std::unique_ptr<BackgroundRanges> ranges_ = std::make_unique<BackgroundRanges>();
   std::array<TileParameters, kMaxFrameWidth / kTileWidth> lights_, equal_lights_;
+  TileParameters pale_;
+  bool has_pale_ = false;
   std::array<std::uint8_t, 4099> bytes_{};
   std::array<ColorId, kMaxFrameWidth> expected_{}, found_{};
   std::mt19937 random_{static_cast<std::uint32_t>(format()) + 70};

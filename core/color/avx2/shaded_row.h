@@ -127,6 +127,25 @@ TOUCHLINE_PASS std::uint64_t find_candidate_tiles(const SpanTables& tables, cons
   return ~background;
 }
 
+// Removes the tiles that lie in the pale range. Takes them in pairs, one in each half of a register.
+template <class Layout>
+TOUCHLINE_PASS std::uint64_t without_pale_tiles(const TileParameters& pale, const RowPixels& row, std::uint32_t first,
+                                                std::uint64_t among) {
+  const auto of_row = Layout::background_of_tiles(pale);
+  const RowPixels pixels = row;
+  std::uint64_t left = 0;
+  while (among != 0) {
+    const auto i = static_cast<std::uint32_t>(std::countr_zero(among));
+    among &= among - 1;
+    const auto j = among != 0 ? static_cast<std::uint32_t>(std::countr_zero(among)) : i;
+    among &= among - 1;
+    const __m256i beyond = Layout::candidates(pixels, first + i * kTile, first + j * kTile, of_row);
+    left |= (1 - is_zero(_mm256_castsi256_si128(beyond))) << i | (1 - is_zero(_mm256_extracti128_si256(beyond, 1)))
+                                                                     << j;
+  }
+  return left;
+}
+
 // Classifies whole tiles, if there are any.
 template <class Layout>
 TOUCHLINE_TARGET_INLINE OccupiedWords classify_shaded_tiles(const SpanTables& tables, const RowPixels& row,
@@ -137,6 +156,7 @@ TOUCHLINE_TARGET_INLINE OccupiedWords classify_shaded_tiles(const SpanTables& ta
     const std::uint64_t all = ~std::uint64_t{0} >> (kMaxTilesPerPass - count);
     std::uint64_t left = find_candidate_tiles<Layout>(tables, row, first, count, colors);
     left = tables.has_background_box ? left & all : all;
+    if (tables.pale != nullptr && left != 0) left = without_pale_tiles<Layout>(*tables.pale, row, first, left);
     // The coarse test does not pay off for two tiles, or if most tiles contain colors. If most are candidates, every
     // eighth one tells whether that is so.
     const auto number = static_cast<std::uint32_t>(std::popcount(left));

@@ -138,6 +138,7 @@ bool sample_border(const Frame& frame, PixelPoint center, const std::array<bool,
     const BorderRay ray{center, {sign * half.u_px, sign * half.v_px}, inner_px, reach_px, k % kPairs};
     if (follow_ray(frame, ray, saturated, pixels, background)) ++rays;
   }
+  out.rays = rays;
   if (rays < least_rays) return false;
   std::array<Rgb, kPairs> of_pair{};
   out.excess = fit_color(pixels, of_pair);

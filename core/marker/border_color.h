@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 
 #include "core/types.h"
 
@@ -13,6 +14,7 @@ struct BorderColor {
   std::array<float, 3> excess{};
   std::array<float, 3> error{};       // standard deviation of the excess' logarithm
   std::array<float, 3> background{};  // what surrounds the patch: square of the value above black
+  std::size_t rays = 0;               // that have their border in front of darker surroundings
 };
 
 /// Half of the rays, and those to the free sides of a square that is merged with something else at its two other sides,

@@ -93,16 +93,17 @@ int Identifier::step_px(const TeamColors& colors, std::size_t patch, float scale
   return std::max(1, static_cast<int>(kSampledRadius * colors.radius_m[patch] * scale_px_per_m));
 }
 
-// Looks at the border of a patch with a saturated channel.
+// Looks at the border of a patch with a saturated channel. With a pose, two of its sides are enough if they are
+// visible.
 bool Identifier::look_at_border(const Scene& now, PixelPoint center, const SurfaceColor& surface, std::size_t patch,
-                                float scale_px_per_m, bool is_merged, BorderColor& out) const {
+                                float scale_px_per_m, const PoseEvidence* pose, BorderColor& out) const {
   if (surface.saturated_channels() == 0 || now.borders_left == 0) return false;
   --now.borders_left;
   const PatchPlace& place = teams_[now.team].layout.patches[patch];
   const float inner_px = kBorderFrom * team_colors_[now.team].radius_m[patch] * scale_px_per_m;
   const float reach_px = 0.5f * std::hypot(place.length_m, place.width_m) * scale_px_per_m + kBorderBlur_px;
-  return sample_border(now.frame, center, surface.saturated, inner_px, reach_px, out,
-                       is_merged ? kRaysOfTwoSides : kLeastBorderRays);
+  if (!sample_border(now.frame, center, surface.saturated, inner_px, reach_px, out, kRaysOfTwoSides)) return false;
+  return out.rays >= kLeastBorderRays || (pose != nullptr && (pose->is_merged || has_visible_corner(now, *pose)));
 }
 
 LightPrior Identifier::prior_light(const Scene& now, PixelPoint at) {
@@ -244,11 +245,12 @@ Identifier::SlotEvidence Identifier::evidence_in_slot(const Scene& now, const Ca
   }
   BorderColor border;
   if ((pose.partner != kMissing || is_doubtful({out.likelihood.data(), slot.colors.size()})) &&
-      look_at_border(now, center, surface, s + 1, scale, pose.is_merged, border)) {
+      look_at_border(now, center, surface, s + 1, scale, &pose, border)) {
     for (std::size_t i = 0; i < slot.colors.size(); ++i) {
       out.likelihood[i] += colors_.log_likelihood_of_border(border, candidate.light, slot.colors[i], space);
     }
   }
+  out.depends_on_pose = border.rays >= kRaysOfTwoSides && border.rays < kLeastBorderRays;
   if (candidate.has_floor) {
     out.floor = ColorEvidence::log_likelihood_of_same(surface, candidate.floor) - ColorEvidence::kNoColor;
   }
@@ -273,7 +275,7 @@ bool Identifier::evaluate(const Scene& now, Candidate& candidate) const {
                                             [&](const SlotEvidence& other) { return other.region == number; });
       const SlotEvidence evidence =
           may_be_known && same != known[s].end() ? *same : evidence_in_slot(now, candidate, pose, s);
-      if (may_be_known && same == known[s].end()) known[s].push_back(evidence);
+      if (may_be_known && same == known[s].end() && !evidence.depends_on_pose) known[s].push_back(evidence);
       pose.floor += evidence.floor;
       for (std::size_t r = 0; r < team.robots.size(); ++r) {
         pose.value[r] += evidence.likelihood[colors.slots[s].of_robot[r]];

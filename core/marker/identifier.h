@@ -106,6 +106,7 @@ class Identifier {
     std::uint16_t region = kMissing;                    // index in the list of patches
     std::array<float, kMaxRobotsPerTeam> likelihood{};  // by index in SlotColors::colors
     float floor = 0;                                    // ratio: that it is floor
+    bool depends_on_pose = false;                       // not only on the region
   };
   struct ExpectedColors;
   struct Scene;  // what is known about one team in one frame
@@ -154,7 +155,7 @@ class Identifier {
                                         const AssignedIds& assigned) const;
   static bool has_same_part(const PoseEvidence& a, const PoseEvidence& b);
   bool look_at_border(const Scene& now, PixelPoint center, const SurfaceColor& surface, std::size_t patch,
-                      float scale_px_per_m, bool is_merged, BorderColor& out) const;
+                      float scale_px_per_m, const PoseEvidence* pose, BorderColor& out) const;
   [[nodiscard]] int step_px(const TeamColors& colors, std::size_t patch, float scale_px_per_m) const;
 
   ColorEvidence colors_;

@@ -23,7 +23,7 @@ bool Identifier::border_of(const Scene& now, const Candidate& candidate, const P
   SurfaceColor surface;
   out.light = candidate.light;
   return sample_surface(now.frame, center, step_px(team_colors_[now.team], slot + 1, scale), surface) &&
-         look_at_border(now, center, surface, slot + 1, scale, pose.is_merged, out.border);
+         look_at_border(now, center, surface, slot + 1, scale, &pose, out.border);
 }
 
 // Log likelihood by which two robots have these names rather than each other's, beyond their evidence: their saturated

@@ -302,7 +302,7 @@ float Identifier::doubt_of_team_patch(const Scene& now, const Candidate& candida
   SurfaceColor surface;
   BorderColor border;
   if (!sample_surface(now.frame, candidate.views[0].center, step_px(team_colors_[now.team], 0, scale), surface) ||
-      !look_at_border(now, candidate.views[0].center, surface, 0, scale, false, border)) {
+      !look_at_border(now, candidate.views[0].center, surface, 0, scale, nullptr, border)) {
     return 0.0f;
   }
   const auto likelihood = [&](ColorId color) {

@@ -98,6 +98,30 @@ TEST_F(IdsFromPixels, FindThePatchThatIsMergedWithALine) {
   }
 }
 
+// The region of the patch is in its box, but nothing of its pixels is left below saturation. A line covers two of its
+// sides; its other two are visible, which is enough for a patch, but not for any saturated surface.
+TEST_F(IdsFromPixels, AreKnownOfASaturatedRegionThatIsMergedWithALine) {
+  use(teams_with(paper_teams().teams[0].layout, 3));
+  const ColorId color = parameters.teams[0].robots[2].colors[0];
+  repainted[color] = {165, 132, 140};
+  covered = {200, 200, 200};
+  is_blurred = true;
+  set_known_colors();
+  const PatchPlace& place = parameters.teams[0].layout.patches[1];
+  for (const float heading : {-1.9f, 0.3f}) {
+    boxes->clear();
+    shown->clear();
+    const Placed robot{Team::kOwn, 2, {{0.0f, 0.1f}, heading}};
+    const Placed line{Team::kOwn, 2, {on_field(robot.pose, place.x_m, place.y_m), heading + 0.25f * 3.1415927f}};
+    paint(robot);
+    shown->paint_part(line, {-0.06f, -0.3f}, {0.0f, 0.3f}, kGrey);
+    shown->paint_patch(robot, 1, color);
+    const Comparison result = compare({robot}, look({2, 2, 2}), parameters);
+    EXPECT_EQ(result.right, 1u) << heading;
+    EXPECT_LT(result.heading_rad, 0.1f) << heading;
+  }
+}
+
 // A line that goes on where a patch would end.
 TEST_F(IdsFromPixels, AreNotThoseOfALine) {
   use(teams_with(paper_teams().teams[0].layout, 3));

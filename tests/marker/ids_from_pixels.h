@@ -2,7 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
+#include <cmath>
 #include <cstddef>
+#include <map>
 #include <memory>
 
 #include "tests/color/owned_picture.h"
@@ -46,13 +50,34 @@ class IdsFromPixels : public ::testing::Test {
     shown->paint(robot);
     boxes->paint_patch(robot, 0, parameters.teams[static_cast<std::size_t>(robot.team)].team_color);
   }
+  // Colors in `repainted` are seen, and known, in another shade.
+  void set_known_colors() {
+    TypicalColors typical = typical_colors(color_space(format));
+    for (const auto& [color, rgb] : repainted) typical[color] = pixel_value(rgb, color_space(format));
+    boxes->set_typical_colors(typical);
+  }
   // Patches painted grey have the color `covered`.
   const Sightings& look(const Rgb& light = {1, 1, 1}, int noise = 3) {
+    std::array<Rgb, 256> painted;
+    for (std::size_t i = 0; i < painted.size(); ++i) {
+      const auto color = static_cast<ColorId>(i);
+      const auto other = repainted.find(color);
+      painted[i] = color == kGrey ? covered : other != repainted.end() ? other->second : painted_rgb(color);
+    }
+    const auto shown_rgb = [&](int u, int v) { return painted[shown->grid().at(u, v)]; };
+    // Mean of the light (square of the value) of nine pixels.
+    const auto blurred_rgb = [&](int u, int v) {
+      Rgb sum{};
+      for (int i = 0; i < 9; ++i) {
+        const Rgb rgb = shown_rgb(std::clamp(u + i % 3 - 1, 0, 639), std::clamp(v + i / 3 - 1, 0, 479));
+        for (std::size_t c = 0; c < 3; ++c) sum[c] += rgb[c] * rgb[c] / 9.0;
+      }
+      return Rgb{std::sqrt(sum[0]), std::sqrt(sum[1]), std::sqrt(sum[2])};
+    };
     OwnedPicture picture(format, 640, 480, 0);
     for (int v = 0; v < 480; ++v) {
       for (int u = 0; u < 640; ++u) {
-        const ColorId color = shown->grid().at(u, v);
-        Rgb rgb = color == kGrey ? covered : painted_rgb(color);
+        Rgb rgb = is_blurred ? blurred_rgb(u, v) : shown_rgb(u, v);
         for (std::size_t c = 0; c < 3; ++c) rgb[c] = light[c] * rgb[c] + random.whole(-noise, noise);
         picture.set(u, v, pixel_value(rgb, color_space(format)));
       }
@@ -64,6 +89,8 @@ class IdsFromPixels : public ::testing::Test {
   MarkerParameters parameters;
   PixelFormat format = PixelFormat::kRgb24;
   Rgb covered{};
+  std::map<ColorId, Rgb> repainted;
+  bool is_blurred = false;  // pixels at edges are mixtures, as a lens makes them
   std::unique_ptr<PaintedField> boxes, shown;
   PortableRandom random{17};
 };

@@ -1,13 +1,20 @@
 // Runs in the guest: reads the arena's pictures from a virtio-serial port and writes them to a v4l2loopback device, one
 // per period of the guest's clock. There they appear as the frames of a camera.
-//   board-feeder PORT DEVICE
+//   board-feeder PORT DEVICE [LINE U V RADIUS EXPOSURE_US]
+// With a line of the board's GPIO chip: an LED at this line is drawn into each picture (RGB24) at (U, V), as bright as
+// the share of the exposure in which the line was high. The exposure ends when the picture is written. At the end of
+// each hundred pictures, it prints how long writing took on average.
 #include <fcntl.h>
 #include <linux/videodev2.h>
 #include <sys/ioctl.h>
+#include <sys/mman.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
+#include <cstdint>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <ctime>
 #include <vector>
@@ -69,6 +76,72 @@ int open_camera(const char* path, const FrameHeader& header) {
   return -1;
 }
 
+/// The pins of the virt board's PL061, read as an LED at them would: from its data register, whichever program drives
+/// them. Needs the kernel option iomem=relaxed.
+class Pins {
+ public:
+  bool open() {
+    constexpr off_t kAddress = 0x9030000;
+    constexpr std::size_t kBytes = 4096;
+    const int memory = ::open("/dev/mem", O_RDONLY | O_SYNC | O_CLOEXEC);
+    if (memory < 0) return false;
+    void* const mapped = ::mmap(nullptr, kBytes, PROT_READ, MAP_SHARED, memory, kAddress);
+    ::close(memory);
+    if (mapped == MAP_FAILED) return false;
+    registers_ = static_cast<const volatile std::uint32_t*>(mapped);
+    return true;
+  }
+  [[nodiscard]] bool is_high(unsigned line) const {
+    constexpr std::size_t kAllLines = 0x3fc / sizeof(std::uint32_t);  // the data register, no line masked
+    return (registers_[kAllLines] >> line & 1U) != 0;
+  }
+
+ private:
+  const volatile std::uint32_t* registers_ = nullptr;
+};
+
+struct Led {
+  unsigned line = 0;
+  int u_px = 0, v_px = 0, radius_px = 0;
+  std::int64_t exposure_ns = 0;  // 0: no LED
+
+  /// Exposes until `end_ns`: the share of the time in which the line was high.
+  [[nodiscard]] double expose(const Pins& pins, std::int64_t end_ns) const {
+    constexpr std::int64_t kStepNs = 200000;
+    sleep_until(end_ns - exposure_ns);
+    const std::int64_t begin = now_ns();
+    double high_ns = 0.0;
+    bool was_high = pins.is_high(line);
+    for (std::int64_t last = begin; last < end_ns;) {
+      sleep_until(std::min(last + kStepNs, end_ns));
+      const std::int64_t now = now_ns();
+      const bool is_high = pins.is_high(line);
+      // The edge was between two looks.
+      high_ns += 0.5 * (was_high + is_high) * static_cast<double>(now - last);
+      last = now;
+      was_high = is_high;
+    }
+    return high_ns / static_cast<double>(now_ns() - begin);
+  }
+  /// As the arena's LED, in the picture's values: below the full scale at its brightest.
+  void draw(std::vector<unsigned char>& rgb, const FrameHeader& header, double share) const {
+    constexpr double kBrightest = 200.0;
+    for (int v = v_px - radius_px; v <= v_px + radius_px; ++v) {
+      for (int u = u_px - radius_px; u <= u_px + radius_px; ++u) {
+        const bool is_inside = (u - u_px) * (u - u_px) + (v - v_px) * (v - v_px) <= radius_px * radius_px;
+        if (!is_inside || u < 0 || v < 0 || u >= static_cast<int>(header.width_px) ||
+            v >= static_cast<int>(header.height_px))
+          continue;
+        for (std::size_t c = 0; c < 3; ++c) {
+          unsigned char& value =
+              rgb[3 * (static_cast<std::size_t>(v) * header.width_px + static_cast<std::size_t>(u)) + c];
+          value = static_cast<unsigned char>(0.1 * value + kBrightest * share);
+        }
+      }
+    }
+  }
+};
+
 int show(int camera, const std::vector<unsigned char>& picture) {
   if (camera < 0) return ENODEV;
   return ::write(camera, picture.data(), picture.size()) == static_cast<ssize_t>(picture.size()) ? 0 : errno;
@@ -77,9 +150,19 @@ int show(int camera, const std::vector<unsigned char>& picture) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc != 3) {
-    std::fprintf(stderr, "usage: board-feeder PORT DEVICE\n");
+  if (argc != 3 && argc != 8) {
+    std::fprintf(stderr, "usage: board-feeder PORT DEVICE [LINE U V RADIUS EXPOSURE_US]\n");
     return 64;
+  }
+  Led led;
+  Pins pins;
+  if (argc == 8) {
+    led = {static_cast<unsigned>(std::atoi(argv[3])), std::atoi(argv[4]), std::atoi(argv[5]), std::atoi(argv[6]),
+           std::atoi(argv[7]) * kNsPerUs};
+    if (!pins.open()) {
+      std::fprintf(stderr, "board-feeder: /dev/mem: %s\n", std::strerror(errno));
+      return 1;
+    }
   }
   const int port = ::open(argv[1], O_RDWR | O_CLOEXEC);
   if (port < 0) {
@@ -88,7 +171,7 @@ int main(int argc, char** argv) {
   }
   std::vector<unsigned char> picture;
   int camera = -1;
-  std::int64_t due = 0;
+  std::int64_t due = 0, written_ns = 0, written = 0;
   FrameHeader header;
   while (read_all(port, &header, sizeof header)) {
     if (header.magic != kWireMagic) {
@@ -114,11 +197,21 @@ int main(int argc, char** argv) {
         answer.late_us = static_cast<std::int32_t>(due > period ? (now - due) / kNsPerUs : 0);
         due = now;
       }
+      if (led.exposure_ns > 0 && header.kind == ToGuest::kFrame) {
+        // A picture that came late is exposed late.
+        due = std::max(due, now + led.exposure_ns);
+        led.draw(picture, header, led.expose(pins, due));
+      }
       sleep_until(due);
       // No frame is lost between this program and the device.
       answer.error = header.kind == ToGuest::kFrame     ? show(camera, picture)
                      : header.kind == ToGuest::kNoFrame ? 0
                                                         : EINVAL;
+      written_ns += now_ns() - due;
+      if (led.exposure_ns > 0 && ++written % 100 == 0) {
+        std::printf("written %lld us after the exposure\n", static_cast<long long>(written_ns / written / kNsPerUs));
+        std::fflush(stdout);
+      }
     }
     if (::write(port, &answer, sizeof answer) != static_cast<ssize_t>(sizeof answer)) break;
   }

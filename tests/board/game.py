@@ -1,4 +1,5 @@
 """The steps of tools/test-board with the game's camera and vivid, and their checks."""
+import json
 import math
 import pathlib
 import re
@@ -87,7 +88,7 @@ class Game:
         self.run("modprobe virtio_console")
         self.run("udevadm trigger --action=add --subsystem-match=video4linux --subsystem-match=gpio --subsystem-match=virtio-ports &&"
                  f" udevadm trigger --action=add --sysname-match=ttyS0 && {SETTLE}")
-        self.run("(./board-feeder /dev/virtio-ports/arena /dev/arena-camera >feeder.log 2>&1 &)")
+        self.start_feeder()
         overrides = ["camera.rate_hz=30"]
         self.arena = guest.Arena(self.arena_program, HERE / "board.toml", self.folder, overrides)
         self.arena.ask("plug")
@@ -101,6 +102,9 @@ class Game:
         print("\n".join(line for line in output.splitlines() if re.match(r"\S|  /", line)))
         for name in ("Arena", "vivid", "/dev/ttyS0", "gpiochip0"):
             self.checks.expect(name in output, f"touchline-devices names {name}")
+
+    def start_feeder(self, led=""):
+        self.run(f"(./board-feeder /dev/virtio-ports/arena /dev/arena-camera {led} >feeder.log 2>&1 & echo $! >feeder.pid)")
 
     def load_loopback(self, number):
         # As many buffers as the program requests: with fewer, the module confuses its first frames.
@@ -255,3 +259,29 @@ class Game:
         print(output)
         self.checks.expect(" 0 lost, 0 unusable" in output, "no gap in the frames' sequence from begin to end")
         self.checks.numbers.append(f"{self.frames} frames shown, {self.packets} packets received")
+
+    def measure_led(self):
+        """Light of an LED at the status light's line to packet, and the driver's stamp, which is the exposure's end here."""
+        u, v, radius, exposure_us, frames = 600, 30, 6, 10000, 600
+        self.run("kill $(cat feeder.pid) && while kill -0 $(cat feeder.pid) 2>/dev/null; do sleep 0.05; done")
+        self.start_feeder(f"{LED} {u} {v} {radius} {exposure_us}")
+        self.arena.ask("plug")
+        self.run(f"(touchline-latency --board /etc/touchline/board.toml --led {u},{v},{radius} --warm-up 20 --frames {frames} "
+                 "--out led.json >led.log 2>&1; echo code $? >>led.log) &")
+        for _ in range(2 * frames // 50):
+            self.ask("watch 50")
+            if self.run("grep -c '^code' led.log", may_fail=True) == "1":
+                break
+        print(self.run("cat led.log"))
+        report = json.loads(self.run("cat led.json"))["led"]
+        feeder = re.findall(r"written (\d+) us", self.run("cat feeder.log"))
+        self.checks.expect(report["refusal"] == "" and report["edges"] >= 40 and report["partial"] >= 5,
+                           f"{report['edges']} edges of the LED seen, {report['partial']} within an exposure {report['refusal']}")
+        # The driver stamps a picture while it is written, and the board file names no exposure.
+        middle_us, written_us = exposure_us / 2, int(feeder[-1])
+        error_us, resolution_us = report["stamp_error_ns"] / 1000, report["stamp_resolution_ns"] / 1000
+        self.checks.expect(middle_us - resolution_us <= error_us <= middle_us + written_us + resolution_us,
+                           f"driver's time stamp {error_us:.0f} us later than the middle of the exposure, +- {resolution_us:.0f}; it is "
+                           f"{middle_us:.0f} to {middle_us + written_us:.0f}")
+        light, packet = report["light_to_packet_ns"]["p50"] / 1e6, report["capture_to_packet_ns"]["p50"] / 1e6
+        self.checks.expect(0 < light - packet < 1000 / 30 + 5, f"LED to packet {light:.1f} ms, capture to packet {packet:.1f} ms (medians)")

@@ -11,7 +11,9 @@ import time
 ICOUNT = "shift=1,sleep=on"
 # The console shows only the shell. udev announces devices when the test triggers it, not all at the start.
 KERNEL_OPTIONS = ("quiet panic=-1 systemd.show_status=no systemd.mask=systemd-udev-trigger.service "
-           "systemd.machine_id=00000000000000000000000000000001")
+           "systemd.machine_id=00000000000000000000000000000001 "
+           # The feeder reads the pins of a chip that the kernel drives.
+           "iomem=relaxed")
 # Longest time for a step of the guest, in the host's time: an emulated board can be a hundred times slower than a real one.
 TIMEOUT_S = 900
 PL061_DATA = 0x90303FC  # data register of the virt board's GPIO chip, all eight lines

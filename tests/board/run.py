@@ -17,7 +17,7 @@ BOARD = pathlib.Path(__file__).resolve().parent
 ROOT = BOARD.parent.parent
 BUILD = ROOT / "build" / "board"
 PROGRAMS = ROOT / "build" / "release" / "tests" / "board"
-PARTS = ("formats", "game", "usb")
+PARTS = ("formats", "game", "led", "usb")
 
 
 def parse():
@@ -85,12 +85,13 @@ def main():
         chosen = set(arguments.part or PARTS)
         for parts, text, do in (
                 (chosen, "boot", play.boot), (chosen, "installation", lambda: play.install(package.name)),
-                ({"formats", "game"}, "devices", play.list_devices),
+                ({"formats", "game", "led"}, "devices", play.list_devices),
                 ({"formats"}, "vivid: formats and controls", play.try_formats),
                 ({"formats"}, "vivid: unplugged while it streams", play.unplug_vivid),
                 ({"game"}, "game", lambda: play.play(arguments.frames)),
                 ({"game"}, "emergency stop", play.pull_emergency_stop),
                 ({"game"}, "camera module unloaded and loaded again", play.reload_module), ({"game"}, "end", play.stop),
+                ({"led"}, "LED: from light to packet", play.measure_led),
                 ({"usb"}, "USB camera", camera.list_camera), ({"usb"}, "USB camera: YUYV", camera.play_yuyv),
                 ({"usb"}, "USB camera: MJPG, unplugged while it streams", camera.play_mjpg)):
             if parts & chosen:

@@ -21,6 +21,8 @@ constexpr float kBoxVote = 2.0f, kUneven_levels = 25.0f;
 constexpr float kTemperature = 1.5f;
 // Log likelihood that a small region of a team color is no robot's team patch.
 constexpr float kTentativeDoubt = 3.0f;
+// The same that what is at the place of a patch has the color of the team: stripes of a thing, not a robot.
+constexpr float kTeamColorDoubt = 3.0f;
 // Greatest difference in log likelihood of two poses of which one needs another robot's patch.
 constexpr float kNearlyAsWell = 1.0f;
 constexpr float kSimilarPlace = 0.02f, kSimilarHeading = 0.5f;
@@ -225,6 +227,7 @@ Identifier::SlotEvidence Identifier::evidence_in_slot(const Scene& now, const Ca
   const MarkerLayout& layout = teams_[now.team].layout;
   const TeamColors& colors = team_colors_[now.team];
   const SlotColors& slot = colors.slots[s];
+  const ColorId team_color = teams_[now.team].team_color;
   const ColorSpace space = color_space(now.frame.format);
   const float scale = now.patches.team[now.boxes[candidate.robot].team_patch].patch.scale_px_per_m;
   SlotEvidence out;
@@ -236,6 +239,7 @@ Identifier::SlotEvidence Identifier::evidence_in_slot(const Scene& now, const Ca
   SurfaceColor surface;
   if (!sample_surface(now.frame, center, step_px(colors, s + 1, scale), surface)) {
     out.likelihood.fill(ColorEvidence::kNoColor);
+    out.of_team = ColorEvidence::kNoColor;
     return out;
   }
   for (std::size_t i = 0; i < slot.colors.size(); ++i) {
@@ -243,11 +247,20 @@ Identifier::SlotEvidence Identifier::evidence_in_slot(const Scene& now, const Ca
     out.likelihood[i] = colors_.log_likelihood(surface, now.expected_color(candidate.light, slot.colors[i]), in_box);
     if (in_box && surface.saturated_channels() < 3 && surface.spread < kUneven_levels) out.likelihood[i] += kBoxVote;
   }
+  // Light that saturates two channels makes other colors look like that of the team, and a robot may have it twice.
+  const bool may_show_team_color = surface.saturated_channels() < 2 &&
+                                   std::find(slot.colors.begin(), slot.colors.end(), team_color) == slot.colors.end();
+  out.of_team = may_show_team_color
+                    ? colors_.log_likelihood(surface, now.expected_color(candidate.light, team_color), false)
+                    : ColorEvidence::kNoColor;
   BorderColor border;
   if ((pose.partner != kMissing || is_doubtful({out.likelihood.data(), slot.colors.size()})) &&
       look_at_border(now, center, surface, s + 1, scale, &pose, border)) {
     for (std::size_t i = 0; i < slot.colors.size(); ++i) {
       out.likelihood[i] += colors_.log_likelihood_of_border(border, candidate.light, slot.colors[i], space);
+    }
+    if (may_show_team_color) {
+      out.of_team += colors_.log_likelihood_of_border(border, candidate.light, team_color, space);
     }
   }
   out.depends_on_pose = border.rays >= kRaysOfTwoSides && border.rays < kLeastBorderRays;
@@ -267,6 +280,7 @@ bool Identifier::evaluate(const Scene& now, Candidate& candidate) const {
   std::array<FixedVector<SlotEvidence, kMaxPoses>, kMaxPatches - 1> known;
   for (PoseEvidence& pose : candidate.poses) {
     pose.floor = pose.costs = 0;
+    pose.of_team = pose.prior;
     pose.value.fill(pose.prior);
     for (std::size_t s = 0; s + 1 < team.layout.patches.size(); ++s) {
       const std::uint16_t number = pose.identification[s];
@@ -277,13 +291,14 @@ bool Identifier::evaluate(const Scene& now, Candidate& candidate) const {
           may_be_known && same != known[s].end() ? *same : evidence_in_slot(now, candidate, pose, s);
       if (may_be_known && same == known[s].end() && !evidence.depends_on_pose) known[s].push_back(evidence);
       pose.floor += evidence.floor;
+      pose.of_team += evidence.of_team;
       for (std::size_t r = 0; r < team.robots.size(); ++r) {
         pose.value[r] += evidence.likelihood[colors.slots[s].of_robot[r]];
       }
     }
   }
   // In the right pose, the least of what should be patches looks like floor.
-  float least_floor = std::numeric_limits<float>::max(), best_prior = -least_floor;
+  float least_floor = std::numeric_limits<float>::max(), best_prior = -least_floor, of_team = -least_floor;
   for (const PoseEvidence& pose : candidate.poses) least_floor = std::min(least_floor, pose.floor);
   for (PoseEvidence& pose : candidate.poses) {
     for (std::size_t r = 0; r < team.robots.size(); ++r) {
@@ -291,9 +306,11 @@ bool Identifier::evaluate(const Scene& now, Candidate& candidate) const {
       pose.best = r == 0 ? pose.value[r] : std::max(pose.best, pose.value[r]);
     }
     best_prior = std::max(best_prior, pose.prior + pose.search_doubt - (pose.floor - least_floor));
+    of_team = std::max(of_team, pose.of_team - (pose.floor - least_floor));
   }
   candidate.unknown = best_prior + static_cast<float>(team.layout.patches.size() - 1) * ColorEvidence::kNoColor;
   if (box.is_tentative) candidate.unknown += kTentativeDoubt;
+  candidate.unknown = std::max(candidate.unknown, of_team - kTeamColorDoubt);
   return !candidate.poses.empty() && (candidate.is_complete || !box.is_tentative);
 }
 

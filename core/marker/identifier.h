@@ -59,6 +59,7 @@ class Identifier {
     std::array<float, kMaxRobotsPerTeam> value{};                 // by index in TeamMarking::robots
     float best = 0;                                               // of all values
     float costs = 0;                                              // log likelihood that it takes from another robot
+    float of_team = 0;       // log likelihood that its patches have the color of the team
     float floor = 0;         // log likelihood ratio that its missing patches are floor
     float search_doubt = 0;  // contained in prior: it is one of many directions in which patches were looked for
     std::uint16_t partner = kMissing;  // team patch that is its saturated identification patch
@@ -105,6 +106,7 @@ class Identifier {
   struct SlotEvidence {
     std::uint16_t region = kMissing;                    // index in the list of patches
     std::array<float, kMaxRobotsPerTeam> likelihood{};  // by index in SlotColors::colors
+    float of_team = 0;                                  // that it has the color of the team
     float floor = 0;                                    // ratio: that it is floor
     bool depends_on_pose = false;                       // not only on the region
   };

@@ -43,6 +43,23 @@ TEST_F(IdsFromPixels, IsNeverWrongIfThePatchIsCovered) {
   }
 }
 
+// Stripes of a shoe: the pixels of the second one are as near to an identification color as the team's color is.
+TEST_F(IdsFromPixels, AreUnknownIfAPatchHasTheColorOfTheTeam) {
+  use(teams_with(paper_teams().teams[0].layout, 3));
+  const ColorId color = parameters.teams[0].robots[0].colors[0];
+  repainted[color] = {60, 112, 200};
+  set_known_colors();
+  for (const bool is_shoe : {false, true}) {
+    boxes->clear();
+    shown->clear();
+    paint_without_regions(kLeft);
+    if (is_shoe) shown->paint_patch(kLeft, 1, kBlue);
+    const Comparison result = compare({kLeft}, look(kLampLight), parameters);
+    EXPECT_EQ(result.right, is_shoe ? 0u : 1u);
+    EXPECT_EQ(result.wrong, 0u);
+  }
+}
+
 // One of its two colors fits a robot of the team.
 TEST_F(IdsFromPixels, AreUnknownForARobotThatIsNotInTheTeamFile) {
   use(teams_with(bar_layout(), 2));  // red and green, green and green

@@ -288,7 +288,7 @@ test('a lost link is shown, nothing old looks live, and the page recovers', asyn
   await waitForLink(page, 'No connection');
   await page.waitForSelector('[data-notice="lost"]');
   await page.waitForSelector('canvas[data-picture].stale');
-  assert.match(await page.textContent('.halt'), /State unknown/);
+  await page.waitForSelector('.halt:has-text("State unknown")');
   server = await startProgram(program, board, server.port);
   await waitForLink(page, 'Connected');
   await page.waitForSelector('[data-notice="returned"]');

@@ -30,11 +30,12 @@ for (const [width, colorScheme] of [[360, 'light'], [768, 'dark'], [1920, 'light
   test(`the guided way at ${width} pixels: no finding of axe, nothing scrolls sideways, Stop is visible, the next action is one button`, () =>
     withBoard(async (page) => {
       const look = async (name) => {
+        // What a step shows arrives with the board's state.
+        await page.waitForFunction(() => document.querySelectorAll('main button.primary').length === 1).catch(() => assert.fail(`${name}: one button is the next action`));
         const { scroll, client } = await page.evaluate(() => ({ scroll: document.documentElement.scrollWidth, client: document.documentElement.clientWidth }));
         assert.ok(scroll <= client, `${name}: ${scroll} > ${client}`);
         const stop = await page.locator('header [data-stop]').boundingBox();
         assert.ok(stop && stop.y >= 0 && stop.y + stop.height <= 741, `${name}: Stop is at ${JSON.stringify(stop)}`);
-        assert.equal(await page.locator('main button.primary').count(), 1, `${name}: one button is the next action`);
         assert.deepEqual(await axe(page), [], name);
       };
       await look('welcome');
@@ -48,7 +49,7 @@ for (const [width, colorScheme] of [[360, 'light'], [768, 'dark'], [1920, 'light
       // Two opponents have the same colors: that is not accepted.
       await page.click('[data-action="robots"]:not([disabled])');
       await page.waitForSelector('[data-setup-error]:has-text("same colors")');
-      assert.equal(await page.locator('[data-top].bad').count(), 2);
+      await page.waitForFunction(() => document.querySelectorAll('[data-top].bad').length === 2);
       await look('robots, refused');
       await page.selectOption('[data-top="opponent-3"] select:not([disabled])', 'cyan');
       await page.waitForFunction(() => document.querySelectorAll('[data-top].bad').length === 0);
@@ -74,7 +75,7 @@ test('Ctrl+Z undoes, Ctrl+Y does it again, from every step', () =>
     const before = await undoCount(page);
     await page.keyboard.press('Control+z');
     await page.waitForSelector('[data-goto="field"]:not(.done)');
-    assert.equal(await undoCount(page), before - 1);
+    await page.waitForFunction((count) => Number(document.querySelector('[data-undo]').dataset.undo) === count - 1, before);
     await page.keyboard.press('Control+y');
     await page.waitForSelector('[data-goto="field"].done');
     await page.click('[data-undo]:not([disabled])');

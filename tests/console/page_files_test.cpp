@@ -16,6 +16,7 @@ TEST(PageFiles, OnlyFilesOfTheFolderAreFound) {
   PageFiles files(folder.string());
   EXPECT_TRUE(files.empty());
   std::ofstream(folder / "index.html") << "page";
+  std::ofstream(folder / "favicon.svg") << "icon";
   std::ofstream(folder / "assets/main-1a2b.js") << "code";
   std::filesystem::create_symlink(above / "secret.txt", folder / "link.txt");
   std::filesystem::create_symlink(above, folder / "above");
@@ -26,6 +27,8 @@ TEST(PageFiles, OnlyFilesOfTheFolderAreFound) {
   EXPECT_EQ(files.find("/")->content_type, "text/html; charset=utf-8");
   ASSERT_NE(files.find("/assets/main-1a2b.js"), nullptr);
   EXPECT_EQ(files.find("/assets/main-1a2b.js")->content_type, "text/javascript; charset=utf-8");
+  ASSERT_NE(files.find("/favicon.ico"), nullptr) << "browsers ask for it by themselves";
+  EXPECT_EQ(files.find("/favicon.ico")->content_type, "image/svg+xml");
   for (const char* const address : {"", "/assets", "/assets/", "/../secret.txt", "/assets/../../secret.txt",
                                     "/link.txt", "/above/secret.txt", "//index.html", "/index.html/"}) {
     EXPECT_EQ(files.find(address), nullptr) << address;

@@ -112,6 +112,7 @@ class Identifier {
   };
   struct ExpectedColors;
   struct Scene;  // what is known about one team in one frame
+  class PredictedPatches;
 
   void collect_poses(const Scene& now, Candidate& candidate) const;
   void add_pose(const Scene& now, PoseEvidence pose, Candidate& candidate) const;

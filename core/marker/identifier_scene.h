@@ -45,10 +45,19 @@ struct Identifier::Scene {
   }
 };
 
-/// Center of a patch of a robot with this pose.
-inline FieldPoint on_field(const Pose& pose, const PatchPlace& place) {
-  const float c = std::cos(pose.theta_rad), s = std::sin(pose.theta_rad);
-  return {pose.position.x_m + c * place.x_m - s * place.y_m, pose.position.y_m + s * place.x_m + c * place.y_m};
-}
+/// Finds the centers of a robot's patches on the field.
+class RobotOnField {
+ public:
+  explicit RobotOnField(const Pose& pose)
+      : origin_(pose.position), c_(std::cos(pose.theta_rad)), s_(std::sin(pose.theta_rad)) {}
+  FieldPoint operator()(const PatchPlace& place) const {
+    return {origin_.x_m + c_ * place.x_m - s_ * place.y_m, origin_.y_m + s_ * place.x_m + c_ * place.y_m};
+  }
+
+ private:
+  FieldPoint origin_;
+  float c_, s_;
+};
+inline FieldPoint on_field(const Pose& pose, const PatchPlace& place) { return RobotOnField(pose)(place); }
 
 }  // namespace touchline

@@ -24,7 +24,7 @@ static_assert(kLeastBorderRays == kPairs);
 // Mixed pixels of a ray at most: the blur of an edge is narrower.
 constexpr std::size_t kMaxMixed = 12;
 // A patch that is hardly saturated has noise below the value at which it saturates.
-constexpr float kPlateau = static_cast<float>(kSaturatedValue) - 12.0f;
+constexpr float kPlateau_levels = 12.0f;
 // The end of a border: the sum of channels falls by less than this from one pixel to the next.
 constexpr float kEndOfFall_levels = 6.0f;
 // Brightest surroundings, relative to a saturated pixel. The top of a robot is black; neighbors may be brighter.
@@ -35,8 +35,6 @@ constexpr int kIterations = 6;
 using Rgb = std::array<float, 3>;
 
 float sum_of(const Rgb& rgb) { return rgb[0] + rgb[1] + rgb[2]; }
-
-bool is_saturated(float value) { return value >= static_cast<float>(kSaturatedValue); }
 
 // A pixel that is a mixture of the patch and what is behind its border.
 struct MixedPixel {
@@ -53,9 +51,10 @@ struct BorderRay {
 };
 
 // Adds the mixed pixels of a ray, and the linear light behind them. False if it has none in front of dark surroundings.
-bool follow_ray(const Frame& frame, const BorderRay& ray, const std::array<bool, 3>& saturated, MixedPixels& out,
+bool follow_ray(const Frame& frame, const BorderRay& ray, const SurfaceColor& surface, MixedPixels& out,
                 Rgb& background) {
   const ColorSpace space = color_space(frame.format);
+  const auto saturated_from = static_cast<float>(surface.saturated_from);
   FixedVector<Rgb, kMaxMixed> mixed;
   const int steps = static_cast<int>(ray.reach_px);
   for (int step = 1; step <= steps; ++step) {
@@ -67,7 +66,9 @@ bool follow_ray(const Frame& frame, const BorderRay& ray, const std::array<bool,
     const Rgb rgb =
         to_rgb({static_cast<float>(pixel[0]), static_cast<float>(pixel[1]), static_cast<float>(pixel[2])}, space);
     bool whole = true;
-    for (std::size_t c = 0; c < 3; ++c) whole = whole && (!saturated[c] || rgb[c] >= kPlateau);
+    for (std::size_t c = 0; c < 3; ++c) {
+      whole = whole && (!surface.saturated[c] || rgb[c] >= saturated_from - kPlateau_levels);
+    }
     if (whole) {
       mixed.clear();
       continue;
@@ -76,8 +77,7 @@ bool follow_ray(const Frame& frame, const BorderRay& ray, const std::array<bool,
     if (!mixed.empty() && sum_of(rgb) > sum_of(mixed.back()) - kEndOfFall_levels) break;
     if (!mixed.push_back(rgb)) return false;
   }
-  constexpr float kDark = kDarkSurroundings * 3.0f * static_cast<float>(kSaturatedValue);
-  if (mixed.size() < 2 || sum_of(mixed.back()) > kDark) return false;
+  if (mixed.size() < 2 || sum_of(mixed.back()) > kDarkSurroundings * 3.0f * saturated_from) return false;
   const Rgb behind = mixed.back();
   for (std::size_t c = 0; c < 3; ++c) background[c] += behind[c] * behind[c];
   mixed.pop_back();
@@ -86,7 +86,7 @@ bool follow_ray(const Frame& frame, const BorderRay& ray, const std::array<bool,
     one.pair = ray.pair;
     for (std::size_t c = 0; c < 3; ++c) {
       one.excess[c] = std::max(0.0f, rgb[c] * rgb[c] - behind[c] * behind[c]);
-      one.saturated[c] = is_saturated(rgb[c]);
+      one.saturated[c] = rgb[c] >= saturated_from;
     }
     out.push_back(one);
   }
@@ -127,8 +127,8 @@ Rgb fit_color(const MixedPixels& pixels, std::array<Rgb, kPairs>& of_pair) {
 
 }  // namespace
 
-bool sample_border(const Frame& frame, PixelPoint center, const std::array<bool, 3>& saturated, float inner_px,
-                   float reach_px, BorderColor& out, std::size_t least_rays) {
+bool sample_border(const Frame& frame, PixelPoint center, const SurfaceColor& surface, float inner_px, float reach_px,
+                   BorderColor& out, std::size_t least_rays) {
   MixedPixels pixels;
   Rgb background{};
   std::size_t rays = 0;
@@ -136,7 +136,7 @@ bool sample_border(const Frame& frame, PixelPoint center, const std::array<bool,
     const PixelPoint& half = kRayDirections[k % kPairs];
     const float sign = k < kPairs ? 1.0f : -1.0f;
     const BorderRay ray{center, {sign * half.u_px, sign * half.v_px}, inner_px, reach_px, k % kPairs};
-    if (follow_ray(frame, ray, saturated, pixels, background)) ++rays;
+    if (follow_ray(frame, ray, surface, pixels, background)) ++rays;
   }
   out.rays = rays;
   if (rays < least_rays) return false;

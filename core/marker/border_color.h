@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 
+#include "core/marker/surface_color.h"
 #include "core/types.h"
 
 namespace touchline {
@@ -21,11 +22,12 @@ struct BorderColor {
 /// without the ones along the edge of the free part.
 constexpr std::size_t kLeastBorderRays = 8, kRaysOfTwoSides = 5;
 
-/// Finds the color of a patch whose pixels are saturated in the given channels. A pixel at the border is a mixture of
-/// the patch and what surrounds it, so that channels which are saturated on the patch are seen in their ratio there.
-/// Sixteen rays from the center are followed to `reach_px`; their spread gives the errors. False if fewer than
-/// `least_rays` of them have their border between `inner_px` and `reach_px`, in front of darker surroundings.
-bool sample_border(const Frame& frame, PixelPoint center, const std::array<bool, 3>& saturated, float inner_px,
-                   float reach_px, BorderColor& out, std::size_t least_rays = kLeastBorderRays);
+/// Finds the color of a patch whose pixels are saturated in some channels (the only ones that count of `surface`). A
+/// pixel at the border is a mixture of the patch and what surrounds it, so that channels which are saturated on the
+/// patch are seen in their ratio there. Sixteen rays from the center are followed to `reach_px`; their spread gives the
+/// errors. False if fewer than `least_rays` of them have their border between `inner_px` and `reach_px`, in front of
+/// darker surroundings.
+bool sample_border(const Frame& frame, PixelPoint center, const SurfaceColor& surface, float inner_px, float reach_px,
+                   BorderColor& out, std::size_t least_rays = kLeastBorderRays);
 
 }  // namespace touchline

@@ -7,6 +7,7 @@
 
 #include "core/geometry/angle.h"
 #include "core/marker/border_color.h"
+#include "core/marker/clipping_level.h"
 #include "core/marker/identifier_scene.h"
 
 namespace touchline {
@@ -104,7 +105,7 @@ bool Identifier::look_at_border(const Scene& now, PixelPoint center, const Surfa
   const PatchPlace& place = teams_[now.team].layout.patches[patch];
   const float inner_px = kBorderFrom * team_colors_[now.team].radius_m[patch] * scale_px_per_m;
   const float reach_px = 0.5f * std::hypot(place.length_m, place.width_m) * scale_px_per_m + kBorderBlur_px;
-  if (!sample_border(now.frame, center, surface.saturated, inner_px, reach_px, out, kRaysOfTwoSides)) return false;
+  if (!sample_border(now.frame, center, surface, inner_px, reach_px, out, kRaysOfTwoSides)) return false;
   return out.rays >= kLeastBorderRays || (pose != nullptr && (pose->is_merged || has_visible_corner(now, *pose)));
 }
 
@@ -120,8 +121,7 @@ LightPrior Identifier::prior_light(const Scene& now, PixelPoint at) {
 void Identifier::look_at_light(const Scene& now, Candidate& candidate) const {
   const float scale = now.patches.team[now.boxes[candidate.robot].team_patch].patch.scale_px_per_m;
   SurfaceColor surface;
-  candidate.has_light =
-      sample_surface(now.frame, candidate.views[0].center, step_px(team_colors_[now.team], 0, scale), surface);
+  candidate.has_light = now.sample(candidate.views[0].center, step_px(team_colors_[now.team], 0, scale), surface);
   if (!candidate.has_light) return;
   candidate.light = colors_.light_on(surface, teams_[now.team].team_color, color_space(now.frame.format),
                                      prior_light(now, candidate.views[0].center));
@@ -136,7 +136,7 @@ float Identifier::best_likelihood(const Scene& now, const Candidate& candidate, 
   const PixelPoint center = camera_.to_pixel(on_field(pose, layout.patches[slot + 1]), layout.height_m);
   SurfaceColor surface;
   float best = ColorEvidence::kFloor;
-  if (!sample_surface(now.frame, center, step_px(team_colors_[now.team], slot + 1, scale), surface)) return best;
+  if (!now.sample(center, step_px(team_colors_[now.team], slot + 1, scale), surface)) return best;
   for (const ColorId color : team_colors_[now.team].slots[slot].colors) {
     best = std::max(best, colors_.log_likelihood(surface, now.expected_color(candidate.light, color), false));
   }
@@ -279,7 +279,7 @@ Identifier::SlotEvidence Identifier::evidence_in_slot(const Scene& now, const Ca
                                 ? region->center
                                 : camera_.to_pixel(on_field(pose.pose, layout.patches[s + 1]), layout.height_m);
   SurfaceColor surface;
-  if (!sample_surface(now.frame, center, step_px(colors, s + 1, scale), surface)) {
+  if (!now.sample(center, step_px(colors, s + 1, scale), surface)) {
     out.likelihood.fill(ColorEvidence::kNoColor);
     out.of_team = ColorEvidence::kNoColor;
     return out;
@@ -444,34 +444,56 @@ IdEvidence Identifier::evidence_of(const Scene& now, const Candidate& candidate)
   return out;
 }
 
+// Looks at all robots of a team, and names them together.
+void Identifier::name_team(const Scene& now, AssignedIds& assigned) {
+  candidates_.clear();
+  for (std::size_t i = 0; i < now.seen.robots.size(); ++i) {
+    if (index_of(now.seen.robots[i].team) != now.team || candidates_.full()) continue;
+    candidates_.resize(candidates_.size() + 1);
+    Candidate& candidate = candidates_.back();
+    candidate.robot = i;
+    collect_poses(now, candidate);
+    candidate.has_evidence = evaluate(now, candidate);
+  }
+  for (Candidate& candidate : candidates_) {
+    if (!has_only_claimed_regions(candidate)) continue;
+    search_poses(now, candidate);
+    candidate.has_evidence = evaluate(now, candidate);
+  }
+  share_patches(now);
+  IdEvidences evidence;
+  for (const Candidate& candidate : candidates_) evidence.push_back(evidence_of(now, candidate));
+  assign_ids(evidence, teams_[now.team].robots.size(), kClearMargin, assigned);
+  compare_robots(now, evidence, assigned);
+}
+
+bool Identifier::has_doubt(const AssignedIds& assigned) const {
+  for (std::size_t k = 0; k < candidates_.size(); ++k) {
+    if (candidates_[k].has_evidence && (assigned[k].robot == kNoRobot || assigned[k].margin < kDoubtfulMargin)) {
+      return true;
+    }
+  }
+  return false;
+}
+
 void Identifier::identify(const Frame& frame, const ExpectedGain& light, const PatchLists& patches,
                           std::span<const Hypothesis> hypotheses, std::span<const BoxSighting> boxes,
                           std::span<bool> used, Sightings& out) {
   int borders_left = kMaxBorders;
   ExpectedColors expected;
+  int clipped_from = 0;  // 0: not looked at
   for (std::size_t t = 0; t < teams_.size(); ++t) {
     if (!team_colors_[t].usable) continue;
-    const Scene now{frame, light, patches, hypotheses, boxes, out, t, borders_left, colors_, expected};
-    candidates_.clear();
-    IdEvidences evidence;
-    for (std::size_t i = 0; i < out.robots.size(); ++i) {
-      if (index_of(out.robots[i].team) != t || candidates_.full()) continue;
-      candidates_.resize(candidates_.size() + 1);
-      Candidate& candidate = candidates_.back();
-      candidate.robot = i;
-      collect_poses(now, candidate);
-      candidate.has_evidence = evaluate(now, candidate);
-    }
-    for (Candidate& candidate : candidates_) {
-      if (!has_only_claimed_regions(candidate)) continue;
-      search_poses(now, candidate);
-      candidate.has_evidence = evaluate(now, candidate);
-    }
-    share_patches(now);
-    for (const Candidate& candidate : candidates_) evidence.push_back(evidence_of(now, candidate));
+    Scene now{frame, light, patches, hypotheses, boxes, out, t, borders_left, colors_, expected};
     AssignedIds assigned;
-    assign_ids(evidence, teams_[t].robots.size(), kClearMargin, assigned);
-    compare_robots(now, evidence, assigned);
+    name_team(now, assigned);
+    if (has_doubt(assigned)) {
+      if (clipped_from == 0) clipped_from = saturated_from(frame);
+      if (clipped_from < kSaturatedValue) {
+        now.saturated_from = clipped_from;
+        name_team(now, assigned);
+      }
+    }
     for (std::size_t k = 0; k < candidates_.size(); ++k) {
       if (candidates_[k].has_evidence) apply(now, k, assigned, used, out);
     }

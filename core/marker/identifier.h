@@ -152,6 +152,8 @@ class Identifier {
                  BorderOfRobot& out) const;
   [[nodiscard]] float evidence_of_order(const Scene& now, const NamedCandidate& a, const NamedCandidate& b) const;
   void compare_robots(const Scene& now, const IdEvidences& evidence, AssignedIds& assigned) const;
+  void name_team(const Scene& now, AssignedIds& assigned);
+  [[nodiscard]] bool has_doubt(const AssignedIds& assigned) const;
   void apply(const Scene& now, std::size_t number, const AssignedIds& assigned, std::span<bool> used,
              Sightings& out) const;
   [[nodiscard]] float other_explanation(const Scene& now, std::size_t number, const PoseEvidence& pose,

@@ -30,6 +30,12 @@ struct Identifier::Scene {
   int& borders_left;  // saturated patches whose border may still be looked at in this frame
   const ColorEvidence& colors;
   ExpectedColors& expected;
+  int saturated_from = kSaturatedValue;
+
+  /// As sample_surface().
+  [[nodiscard]] bool sample(PixelPoint center, int step_px, SurfaceColor& out) const {
+    return sample_surface(frame, center, step_px, out, saturated_from);
+  }
 
   /// `on_robot`: a candidate's light. Looking at its team patch forgets the colors.
   [[nodiscard]] const ExpectedColor& expected_color(const LocalLight& on_robot, ColorId color) const {

@@ -22,7 +22,7 @@ bool Identifier::border_of(const Scene& now, const Candidate& candidate, const P
                                 : camera_.to_pixel(on_field(pose.pose, layout.patches[slot + 1]), layout.height_m);
   SurfaceColor surface;
   out.light = candidate.light;
-  return sample_surface(now.frame, center, step_px(team_colors_[now.team], slot + 1, scale), surface) &&
+  return now.sample(center, step_px(team_colors_[now.team], slot + 1, scale), surface) &&
          look_at_border(now, center, surface, slot + 1, scale, &pose, out.border);
 }
 

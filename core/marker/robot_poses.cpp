@@ -123,10 +123,9 @@ void Identifier::look_at_floor(const Scene& now, Candidate& candidate) const {
   for (std::size_t i = 0; i < kSamplesAround; ++i) {
     const float angle = 2.0f * std::numbers::pi_v<float> * static_cast<float>(i) / static_cast<float>(kSamplesAround);
     SurfaceColor surface;
-    if (!sample_surface(now.frame,
-                        {candidate.views[0].center.u_px + radius_px * std::cos(angle),
-                         candidate.views[0].center.v_px + radius_px * std::sin(angle)},
-                        1, surface)) {
+    if (!now.sample({candidate.views[0].center.u_px + radius_px * std::cos(angle),
+                     candidate.views[0].center.v_px + radius_px * std::sin(angle)},
+                    1, surface)) {
       continue;
     }
     for (std::size_t c = 0; c < 3; ++c) values[c].push_back(surface.rgb[c]);
@@ -301,7 +300,7 @@ float Identifier::doubt_of_team_patch(const Scene& now, const Candidate& candida
   const float scale = now.patches.team[now.boxes[candidate.robot].team_patch].patch.scale_px_per_m;
   SurfaceColor surface;
   BorderColor border;
-  if (!sample_surface(now.frame, candidate.views[0].center, step_px(team_colors_[now.team], 0, scale), surface) ||
+  if (!now.sample(candidate.views[0].center, step_px(team_colors_[now.team], 0, scale), surface) ||
       !look_at_border(now, candidate.views[0].center, surface, 0, scale, nullptr, border)) {
     return 0.0f;
   }
@@ -328,8 +327,8 @@ void Identifier::add_saturated_patches(const Scene& now, Candidate& candidate) c
       pose.partner = static_cast<std::uint16_t>(i);
       if (!place_through(now, candidate, candidate.views[0].at, s, other.patch.at[now.team], pose)) continue;
       SurfaceColor surface;
-      if (!sample_surface(now.frame, other.patch.center,
-                          step_px(team_colors_[now.team], s + 1, other.patch.scale_px_per_m), surface) ||
+      if (!now.sample(other.patch.center, step_px(team_colors_[now.team], s + 1, other.patch.scale_px_per_m),
+                      surface) ||
           surface.saturated_channels() < 2) {
         continue;
       }
@@ -370,7 +369,7 @@ bool Identifier::has_visible_corner(const Scene& now, const PoseEvidence& pose) 
     at.y_m += std::sin(place.turn_rad) * along_m + std::cos(place.turn_rad) * across_m;
     SurfaceColor surface;
     const bool on_top = on_robot(layout, {at.x_m, at.y_m}, 0.0f);
-    if (!on_top || !sample_surface(now.frame, camera_.to_pixel(on_field(pose.pose, at), layout.height_m), 1, surface)) {
+    if (!on_top || !now.sample(camera_.to_pixel(on_field(pose.pose, at), layout.height_m), 1, surface)) {
       return false;
     }
     sum = surface.rgb[0] + surface.rgb[1] + surface.rgb[2];

@@ -129,7 +129,7 @@ std::array<float, 3> to_rgb(const std::array<float, 3>& value, ColorSpace space)
   return rgb;
 }
 
-bool sample_surface(const Frame& frame, PixelPoint center, int step_px, SurfaceColor& out) {
+bool sample_surface(const Frame& frame, PixelPoint center, int step_px, SurfaceColor& out, int saturated_from) {
   // Also false for NaN.
   if (!(center.u_px >= 0.0f && center.v_px >= 0.0f && center.u_px < 65536.0f && center.v_px < 65536.0f)) return false;
   const int u = static_cast<int>(std::lround(center.u_px)), v = static_cast<int>(std::lround(center.v_px));
@@ -155,8 +155,9 @@ bool sample_surface(const Frame& frame, PixelPoint center, int step_px, SurfaceC
   }
   out.spread = kRangeError * static_cast<float>(range);
   out.rgb = to_rgb(mean, info.space);
+  out.saturated_from = saturated_from;
   for (std::size_t c = 0; c < 3; ++c) {
-    out.saturated[c] = out.rgb[c] >= kSaturatedValue;
+    out.saturated[c] = out.rgb[c] >= static_cast<float>(saturated_from);
   }
   return true;
 }

@@ -6,24 +6,26 @@
 
 namespace touchline {
 
+/// Values from this one upwards count as saturated, unless a frame ends below it (clipping_level.h).
+constexpr int kSaturatedValue = 250;
+
 /// Color of a surface as R, G, B above black, from nine pixels. YUV is converted (ITU-R BT.601).
 struct SurfaceColor {
   std::array<float, 3> rgb{};
   float spread = 0;  // error of the mean if the surface is not uniform, in levels
   std::array<bool, 3> saturated{};
+  int saturated_from = kSaturatedValue;  // least value of a saturated channel in this frame
 
   [[nodiscard]] int saturated_channels() const { return int{saturated[0]} + int{saturated[1]} + int{saturated[2]}; }
 };
-
-/// Values from this one upwards count as saturated.
-constexpr int kSaturatedValue = 250;
 
 /// Converts a pixel value of the color space to R, G, B above black.
 std::array<float, 3> to_rgb(const std::array<float, 3>& value, ColorSpace space);
 
 /// Samples the surface around a point: 3 x 3 pixels at a distance of `step_px` (at least 1), without the lowest and the
 /// highest value of each channel. False if they are not all in the picture.
-bool sample_surface(const Frame& frame, PixelPoint center, int step_px, SurfaceColor& out);
+bool sample_surface(const Frame& frame, PixelPoint center, int step_px, SurfaceColor& out,
+                    int saturated_from = kSaturatedValue);
 
 /// A patch as its pixels show it, independent of color boxes.
 struct GrownPatch {

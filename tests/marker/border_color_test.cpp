@@ -57,7 +57,7 @@ class SaturatedPatch : public ::testing::Test {
     return evidence.log_likelihood_of_border(border, light, paint, ColorSpace::kRgb);
   }
 
-  const std::array<bool, 3> all{true, true, true};
+  const SurfaceColor all{.saturated = {true, true, true}};
   ColorEvidence evidence;
   BorderColor border;
 };

@@ -231,6 +231,30 @@ TEST_F(IdsFromPixels, AreKnownOfPatchesThatMirrorALamp) {
   }
 }
 
+// Values that were clipped and then darkened end below 255. Nothing else tells pink from lavender than the borders of
+// the patches, which show how bright the clipped channels really are.
+TEST_F(IdsFromPixels, AreKnownOfPatchesThatWereClippedBeforeTheyWereDarkened) {
+  MarkerParameters teams = teams_with(halves_layout(), 3);
+  teams.teams[0].robots[1].colors[0] = kMagenta;
+  teams.teams[0].robots[2].colors[0] = kViolet;
+  use(teams);
+  repainted[kMagenta] = {250, 187, 199};
+  repainted[kViolet] = {205, 200, 244};
+  set_known_colors();
+  is_blurred = true;
+  clipped_at = 180;
+  for (const bool exchanged : {false, true}) {
+    boxes->clear();
+    shown->clear();
+    Placed one = kMiddle, other = kRight;
+    if (exchanged) std::swap(one.robot, other.robot);
+    paint(kLeft);
+    paint_without_regions(one);
+    paint_without_regions(other);
+    EXPECT_EQ(compare({kLeft, one, other}, look(), parameters).right, 3u);
+  }
+}
+
 // Motion blur leaves a fifth of the identification patch and half of the team patch in their boxes, and a thing of the
 // team's color touches the team patch: its pixels alone do not tell where it ends.
 TEST_F(IdsFromPixels, FindARobotByPartsOfItsPatches) {

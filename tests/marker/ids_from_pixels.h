@@ -78,7 +78,9 @@ class IdsFromPixels : public ::testing::Test {
     for (int v = 0; v < 480; ++v) {
       for (int u = 0; u < 640; ++u) {
         Rgb rgb = is_blurred ? blurred_rgb(u, v) : shown_rgb(u, v);
-        for (std::size_t c = 0; c < 3; ++c) rgb[c] = light[c] * rgb[c] + random.whole(-noise, noise);
+        for (std::size_t c = 0; c < 3; ++c) {
+          rgb[c] = std::min(clipped_at, light[c] * rgb[c] + random.whole(-noise, noise));
+        }
         picture.set(u, v, pixel_value(rgb, color_space(format)));
       }
     }
@@ -90,6 +92,7 @@ class IdsFromPixels : public ::testing::Test {
   PixelFormat format = PixelFormat::kRgb24;
   Rgb covered{};
   std::map<ColorId, Rgb> repainted;
+  double clipped_at = 255;  // the camera's highest value
   bool is_blurred = false;  // pixels at edges are mixtures, as a lens makes them
   std::unique_ptr<PaintedField> boxes, shown;
   PortableRandom random{17};

@@ -172,8 +172,8 @@ class Search {
       evaluate_partly_visible(h, {points.data() + 1, points.size() - 1});
       return;
     }
-    h.fit = fit_rigidly({points.data(), points.size()});
-    if (h.fit.residual_m > gate_m_ || is_contradicted(RobotFrame(h.fit.pose))) return;
+    if (!fit_rigidly_within(gate_m_, {points.data(), points.size()}, h.fit)) return;
+    if (is_contradicted(RobotFrame(h.fit.pose))) return;
     h.precise = h.fit.residual_m <= precise_gate_m(patch_.scale_px_per_m);
     const float sigma = sigma_m(patch_.scale_px_per_m);
     const float n = static_cast<float>(points.size());

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "core/marker/centroid_noise.h"
 #include "core/marker/unnamed_robot.h"
@@ -115,28 +116,31 @@ Status Matcher::set_teams(const TeamMarkings& teams) {
   return status;
 }
 
-// Collects the largest regions of each color, sorted by area. Uses a heap with the smallest one on top.
+// Collects the largest regions of each color, sorted by area. A full list becomes a heap with the smallest one on top.
 void Matcher::sort_by_color(const Regions& regions, Sightings& out) {
   const Larger larger{regions};
+  std::array<bool, kMaxColors + 1> is_heap{};
   for (Numbers& numbers : numbers_) numbers.clear();
   for (std::size_t i = 0; i < regions.size(); ++i) {
     const ColorId color = regions[i].color;
     if (color > kMaxColors || !wanted_[color]) continue;
     const auto number = static_cast<std::uint16_t>(i);
     Numbers& numbers = numbers_[color];
-    if (numbers.full()) {
-      if (!larger(number, numbers[0])) {
-        out.verdicts[i] = Verdict::kSurplus;
-        continue;
-      }
-      std::pop_heap(numbers.begin(), numbers.end(), larger);
-      out.verdicts[numbers.back()] = Verdict::kSurplus;
-      numbers.pop_back();
+    if (!numbers.full()) {
+      numbers.push_back(number);
+      continue;
     }
-    numbers.push_back(number);
+    if (!std::exchange(is_heap[color], true)) std::make_heap(numbers.begin(), numbers.end(), larger);
+    if (!larger(number, numbers[0])) {
+      out.verdicts[i] = Verdict::kSurplus;
+      continue;
+    }
+    std::pop_heap(numbers.begin(), numbers.end(), larger);
+    out.verdicts[numbers.back()] = Verdict::kSurplus;
+    numbers.back() = number;
     std::push_heap(numbers.begin(), numbers.end(), larger);
   }
-  for (Numbers& numbers : numbers_) std::sort_heap(numbers.begin(), numbers.end(), larger);
+  for (Numbers& numbers : numbers_) std::sort(numbers.begin(), numbers.end(), larger);
 }
 
 void Matcher::add_team_patches(Team team, Sightings& out) {

@@ -3,41 +3,72 @@
 #include <cmath>
 
 #include "core/geometry/angle.h"
+#include "core/marker/simd4.h"
 
 namespace touchline {
+
+namespace {
+
+// Error of residual_squares() as a part of the squares that it is the difference of: more than rounding does, also to
+// points several meters from the origin.
+constexpr float kRounding = 1e-4f;
+
+// What the pose depends on: the means of the points, and their deviations from them.
+struct Moments {
+  // Places and seen points, x and y each.
+  using Both = Simd4<float>;
+  static_assert(sizeof(Correspondence) == sizeof(Both));
+
+  Both mean{}, squares{};
+  float along = 0, across = 0;  // sums of scalar and vector products
+
+  explicit Moments(std::span<const Correspondence> points) {
+    const float n = static_cast<float>(points.size());
+    for (const Correspondence& p : points) mean += __builtin_bit_cast(Both, p) / n;
+    for (const Correspondence& p : points) {
+      const Both d = __builtin_bit_cast(Both, p) - mean;
+      squares += d * d;
+      along += d[0] * d[2] + d[1] * d[3];
+      across += d[0] * d[3] - d[1] * d[2];
+    }
+  }
+
+  // The rotation that maximizes the sum of the scalar products (Procrustes in the plane).
+  [[nodiscard]] RigidFit fit(std::span<const Correspondence> points) const {
+    const FieldPoint place{mean[0], mean[1]}, seen{mean[2], mean[3]};
+    RigidFit fit;
+    fit.pose.theta_rad = wrap_angle(std::atan2(across, along));
+    const float c = std::cos(fit.pose.theta_rad), s = std::sin(fit.pose.theta_rad);
+    fit.pose.position = {seen.x_m - (c * place.x_m - s * place.y_m), seen.y_m - (s * place.x_m + c * place.y_m)};
+    float sum = 0;
+    for (const Correspondence& p : points) {
+      const float x = p.seen.x_m - fit.pose.position.x_m, y = p.seen.y_m - fit.pose.position.y_m;
+      const float ex = c * x + s * y - p.place.x_m, ey = c * y - s * x - p.place.y_m;
+      sum += ex * ex + ey * ey;
+    }
+    fit.residual_m = std::sqrt(sum / static_cast<float>(points.size()));
+    return fit;
+  }
+
+  // A lower bound of the sum of the squared distances after the best rotation.
+  [[nodiscard]] float residual_squares() const {
+    const float sum = (squares[0] + squares[1]) + (squares[2] + squares[3]);
+    return sum - 2 * std::sqrt(along * along + across * across) - kRounding * sum;
+  }
+};
+
+}  // namespace
 
 RobotFrame::RobotFrame(const Pose& pose)
     : origin_(pose.position), c_(std::cos(pose.theta_rad)), s_(std::sin(pose.theta_rad)) {}
 
-RigidFit fit_rigidly(std::span<const Correspondence> points) {
-  const float n = static_cast<float>(points.size());
-  FieldPoint place{}, seen{};
-  for (const Correspondence& p : points) {
-    place.x_m += p.place.x_m / n;
-    place.y_m += p.place.y_m / n;
-    seen.x_m += p.seen.x_m / n;
-    seen.y_m += p.seen.y_m / n;
-  }
-  // The rotation that maximizes the sum of the scalar products (Procrustes in the plane).
-  float along = 0, across = 0;
-  for (const Correspondence& p : points) {
-    const float ax = p.place.x_m - place.x_m, ay = p.place.y_m - place.y_m;
-    const float bx = p.seen.x_m - seen.x_m, by = p.seen.y_m - seen.y_m;
-    along += ax * bx + ay * by;
-    across += ax * by - ay * bx;
-  }
-  RigidFit fit;
-  fit.pose.theta_rad = wrap_angle(std::atan2(across, along));
-  const float c = std::cos(fit.pose.theta_rad), s = std::sin(fit.pose.theta_rad);
-  fit.pose.position = {seen.x_m - (c * place.x_m - s * place.y_m), seen.y_m - (s * place.x_m + c * place.y_m)};
-  float squares = 0;
-  for (const Correspondence& p : points) {
-    const float x = p.seen.x_m - fit.pose.position.x_m, y = p.seen.y_m - fit.pose.position.y_m;
-    const float ex = c * x + s * y - p.place.x_m, ey = c * y - s * x - p.place.y_m;
-    squares += ex * ex + ey * ey;
-  }
-  fit.residual_m = std::sqrt(squares / n);
-  return fit;
+RigidFit fit_rigidly(std::span<const Correspondence> points) { return Moments(points).fit(points); }
+
+bool fit_rigidly_within(float most_m, std::span<const Correspondence> points, RigidFit& fit) {
+  const Moments moments(points);
+  if (moments.residual_squares() > most_m * most_m * static_cast<float>(points.size())) return false;
+  fit = moments.fit(points);
+  return fit.residual_m <= most_m;
 }
 
 PoseCovariance rigid_fit_noise(std::span<const FieldPoint> places, std::span<const PointCovariance> errors,

@@ -21,6 +21,9 @@ struct RigidFit {
 /// paper's two patches this is eq. (3): the middle of both, and the direction from one to the other.
 RigidFit fit_rigidly(std::span<const Correspondence> points);
 
+/// The same if the residual is at most `most_m`; otherwise false, mostly without finding the pose.
+bool fit_rigidly_within(float most_m, std::span<const Correspondence> points, RigidFit& fit);
+
 /// Covariance of a point's errors.
 struct PointCovariance {
   float xx = 0, xy = 0, yy = 0;

@@ -40,6 +40,34 @@ TEST(Pose, TheRigidFitNeitherMirrorsNorScales) {
   EXPECT_NEAR(fit_rigidly(twice).residual_m, 0.01f, 1e-6f);
 }
 
+TEST(Pose, TheLimitOfTheResidualOnlySortsOutWorseFits) {
+  PortableRandom random(22);
+  int within = 0;
+  for (int n = 0; n < 2000; ++n) {
+    std::array<Correspondence, 6> points{};
+    const float error = random.real(0.0f, 0.02f);
+    for (Correspondence& p : points) {
+      p.place = {random.real(-0.04f, 0.04f), random.real(-0.04f, 0.04f)};
+      p.seen = {1.0f - p.place.y_m + random.real(-error, error), 0.5f + p.place.x_m + random.real(-error, error)};
+    }
+    const std::span<const Correspondence> seen(points.data(), 2 + static_cast<std::size_t>(n) % 5);
+    const RigidFit expected = fit_rigidly(seen);
+    // Also limits that hardly differ from the residual.
+    for (const float most : {0.008f, expected.residual_m, std::nextafter(expected.residual_m, 0.0f)}) {
+      RigidFit fit;
+      const bool is_within = fit_rigidly_within(most, seen, fit);
+      EXPECT_EQ(is_within, expected.residual_m <= most) << n;
+      if (!is_within) continue;
+      ++within;
+      EXPECT_EQ(fit.pose.theta_rad, expected.pose.theta_rad);
+      EXPECT_EQ(fit.pose.position.x_m, expected.pose.position.x_m);
+      EXPECT_EQ(fit.residual_m, expected.residual_m);
+    }
+  }
+  EXPECT_GT(within, 3000);
+  EXPECT_LT(within, 3900);
+}
+
 TEST(Pose, TheNoiseOfTheRigidFitFollowsFromThatOfThePoints) {
   const std::array<FieldPoint, 3> places{{{0.03f, 0.01f}, {-0.02f, 0.025f}, {0.005f, -0.03f}}};
   const std::array<PointCovariance, 3> errors{{{4e-8f, 1e-8f, 1e-8f}, {1e-8f, 0.0f, 9e-8f}, {2e-8f, -1e-8f, 2e-8f}}};

@@ -477,7 +477,7 @@ bool Identifier::has_doubt(const AssignedIds& assigned) const {
 }
 
 void Identifier::identify(const Frame& frame, const ExpectedGain& light, const PatchLists& patches,
-                          std::span<const Hypothesis> hypotheses, std::span<const BoxSighting> boxes,
+                          std::span<const Hypothesis> hypotheses, std::span<const BoxSighting> boxes, bool is_clutter,
                           std::span<bool> used, Sightings& out) {
   int borders_left = kMaxBorders;
   ExpectedColors expected;
@@ -487,7 +487,7 @@ void Identifier::identify(const Frame& frame, const ExpectedGain& light, const P
     Scene now{frame, light, patches, hypotheses, boxes, out, t, borders_left, colors_, expected};
     AssignedIds assigned;
     name_team(now, assigned);
-    if (has_doubt(assigned)) {
+    if (!is_clutter && has_doubt(assigned)) {
       if (clipped_from == 0) clipped_from = saturated_from(frame);
       if (clipped_from < kSaturatedValue) {
         now.saturated_from = clipped_from;

@@ -41,10 +41,11 @@ class Identifier {
   void set_typical(const TypicalColors& typical);
 
   /// Updates id, pose and patches of the robots. `boxes` has the order of `out.robots`. Sets `used` for identification
-  /// patches that belong to robots.
+  /// patches that belong to robots. With `is_clutter`, where a search before reached its bound, no team with a doubtful
+  /// name is looked at a second time.
   void identify(const Frame& frame, const ExpectedGain& light, const PatchLists& patches,
-                std::span<const Hypothesis> hypotheses, std::span<const BoxSighting> boxes, std::span<bool> used,
-                Sightings& out);
+                std::span<const Hypothesis> hypotheses, std::span<const BoxSighting> boxes, bool is_clutter,
+                std::span<bool> used, Sightings& out);
 
  private:
   // The hypotheses of a team patch have at most a few different poses; a long team patch adds two.

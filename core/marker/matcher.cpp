@@ -405,7 +405,7 @@ void Matcher::match(const Frame* frame, const ExpectedGain& light, const Expecte
   report_unpaired(frame != nullptr, out);
   if (frame != nullptr) {
     identifier_.identify(*frame, light, lists, {hypotheses_.data(), hypotheses_.size()},
-                         {box_sightings_.data(), box_sightings_.size()}, used_, out);
+                         {box_sightings_.data(), box_sightings_.size()}, !complete, used_, out);
     drop_tentative(out);
     weigh_unnamed(*frame, out);
     drop_surplus(out);

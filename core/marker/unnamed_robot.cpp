@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "core/fixed_vector.h"
@@ -161,15 +162,32 @@ class TopView {
 
   /// False at the border of the picture.
   [[nodiscard]] bool is_visible() const { return is_visible_; }
-  [[nodiscard]] Shares along(float heading_rad) const {
-    const float c = std::cos(heading_rad), s = std::sin(heading_rad);
-    const auto differs = [&](const Rgb& seen) { return differ(seen, team_.rgb); };
-    return {picture_.share(inside_, c, s, [&](const Rgb& seen) { return !differs(seen); }),
-            picture_.share(outside_, c, s, differs),
-            picture_.share(patches_, c, s, [&](const Rgb& seen) { return differs(seen) && differ(seen, floor_); })};
+  [[nodiscard]] Shares along(float heading_rad) const { return along(heading_rad, std::numeric_limits<float>::max()); }
+  /// The doubt in the direction of least doubt of `count` directions.
+  [[nodiscard]] float least_doubt(std::size_t count) const {
+    float least = std::numeric_limits<float>::max();
+    for (std::size_t i = 0; i < count; ++i) {
+      const float heading_rad = 2.0f * std::numbers::pi_v<float> * static_cast<float>(i) / static_cast<float>(count);
+      least = std::min(least, along(heading_rad, least).doubt());
+    }
+    return least;
   }
 
  private:
+  // Stops when the doubt is no longer below `limit`: what was not looked at then agrees with the layout.
+  [[nodiscard]] Shares along(float heading_rad, float limit) const {
+    const float c = std::cos(heading_rad), s = std::sin(heading_rad);
+    const auto differs = [&](const Rgb& seen) { return differ(seen, team_.rgb); };
+    Shares shares;
+    shares.inside = picture_.share(inside_, c, s, [&](const Rgb& seen) { return !differs(seen); });
+    if (shares.doubt() >= limit) return shares;
+    shares.outside = picture_.share(outside_, c, s, differs);
+    if (shares.doubt() >= limit) return shares;
+    shares.patches =
+        picture_.share(patches_, c, s, [&](const Rgb& seen) { return differs(seen) && differ(seen, floor_); });
+    return shares;
+  }
+
   Surroundings picture_;
   SurfaceColor team_;
   Rgb floor_{};
@@ -194,11 +212,7 @@ float confidence_without_id(const Frame& frame, const CameraModel& camera, const
   if (view.is_visible() && robot.has_heading) {
     doubt = view.along(robot.pose.theta_rad).doubt();
   } else if (view.is_visible()) {
-    doubt = kPerInside + kPerOutside + kPerPatches;
-    for (std::size_t i = 0; i < kHeadings; ++i) {
-      const float heading_rad = 2.0f * std::numbers::pi_v<float> * static_cast<float>(i) / float{kHeadings};
-      doubt = std::min(doubt, view.along(heading_rad).doubt());
-    }
+    doubt = view.least_doubt(kHeadings);
   }
   const float regions = robot.patches.empty() ? 0.0f : static_cast<float>(robot.patches.size() - 1);
   const float log_odds = kComplete - doubt - kPerArea * (1.0f - std::min(1.0f, area_ratio)) + kPerRegion * regions;

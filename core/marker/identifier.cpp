@@ -169,7 +169,7 @@ class Identifier::PredictedPatches {
     low_ = {std::numeric_limits<float>::max(), std::numeric_limits<float>::max()};
     high_ = {std::numeric_limits<float>::lowest(), std::numeric_limits<float>::lowest()};
     float reach = 0;
-    for (const float radius : radius_m) reach = std::max(reach, kRounding * radius);
+    for (const float radius : radius_m) reach = std::max(reach, kRoundingMargin * radius);
     for (std::size_t p = 0; p < candidate.poses.size(); ++p) {
       const RobotOnField on_field(candidate.poses[p].pose);
       for (std::size_t s = 0; s < places.size(); ++s) {
@@ -200,7 +200,7 @@ class Identifier::PredictedPatches {
   }
 
  private:
-  static constexpr float kRounding = 1.01f;
+  static constexpr float kRoundingMargin = 1.01f;
 
   std::span<const float> radius_m_;  // of the circle inside each patch, by slot
   std::array<std::array<FieldPoint, kMaxPatches - 1>, kMaxPoses> center_{};

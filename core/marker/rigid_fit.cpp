@@ -11,7 +11,7 @@ namespace {
 
 // Error of residual_squares() as a part of the squares that it is the difference of: more than rounding does, also to
 // points several meters from the origin.
-constexpr float kRounding = 1e-4f;
+constexpr float kErrorOfSquares = 1e-4f;
 
 // What the pose depends on: the means of the points, and their deviations from them.
 struct Moments {
@@ -53,7 +53,7 @@ struct Moments {
   // A lower bound of the sum of the squared distances after the best rotation.
   [[nodiscard]] float residual_squares() const {
     const float sum = (squares[0] + squares[1]) + (squares[2] + squares[3]);
-    return sum - 2 * std::sqrt(along * along + across * across) - kRounding * sum;
+    return sum - 2 * std::sqrt(along * along + across * across) - kErrorOfSquares * sum;
   }
 };
 

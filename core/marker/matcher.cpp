@@ -331,6 +331,16 @@ void Matcher::drop_surplus(Sightings& out) {
 // Weighs the robots without an id, and drops those that hardly are robots. An id that only pixels gave needs an outline
 // if the team patch was cut from a larger region.
 void Matcher::weigh_unnamed(const Frame& frame, Sightings& out) {
+  std::array<bool, kMaxRobots> has_stripes{};
+  for (std::size_t i = 0; i < out.robots.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      const RobotSighting &a = out.robots[i], &b = out.robots[j];
+      if (a.team != b.team || a.id != kUnknownId || b.id != kUnknownId) continue;
+      if (distance_m(a.pose.position, b.pose.position) >= parameters_.teams[index_of(a.team)].layout.robot_side_m)
+        continue;
+      has_stripes[i] = has_stripes[j] = true;
+    }
+  }
   std::size_t kept = 0;
   for (std::size_t i = 0; i < out.robots.size(); ++i) {
     RobotSighting& robot = out.robots[i];
@@ -343,7 +353,9 @@ void Matcher::weigh_unnamed(const Frame& frame, Sightings& out) {
       robot.id = kUnknownId;
       robot.doubt = IdDoubt::kOtherOutline;
     }
-    if (robot.id == kUnknownId) robot.confidence = confidence_without_id(frame, camera, layout, robot, patch.ratio);
+    if (robot.id == kUnknownId) {
+      robot.confidence = confidence_without_id(frame, camera, layout, robot, patch.ratio, has_stripes[i]);
+    }
     if (robot.confidence < kLeastUnnamed) {
       reported_[box.team_patch] = false;
       out.verdicts[patch.region] = Verdict::kNoPartner;

@@ -11,10 +11,11 @@ constexpr float kLeastUnnamed = 0.1f;
 
 /// Probability that a robot of this team is where one without an id was seen. A region of the team's color may be any
 /// thing; a robot has the outline of its team patch, and beside it, in one direction, patches that differ from the
-/// floor and from the team color, whichever colors they have. `area_ratio`: visible area of the team patch relative to
-/// the layout's.
+/// floor, from the team color and from the top around the team patch, whichever colors they have. `area_ratio`: visible
+/// area of the team patch relative to the layout's. `has_stripes`: another region of the team's color without an id is
+/// within a robot's side.
 float confidence_without_id(const Frame& frame, const CameraModel& camera, const MarkerLayout& layout,
-                            const RobotSighting& robot, float area_ratio);
+                            const RobotSighting& robot, float area_ratio, bool has_stripes);
 
 /// False if the surface at the team patch of a robot with a heading has not its outline, for example because it is a
 /// part of a larger surface.

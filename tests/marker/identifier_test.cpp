@@ -161,6 +161,29 @@ TEST_F(IdsFromPixels, ReportARobotWithAnUnknownPatchButNoPaper) {
   }
 }
 
+// A shoe with stripes of the team's color has the outline of team patches and something else than floor beside them,
+// but no outlines of other patches. Two stripes are nearer to each other than robots.
+TEST_F(IdsFromPixels, AreLessCertainOfStripesThanOfRobots) {
+  covered = {215, 215, 210};
+  const MarkerLayout layout = paper_teams().teams[0].layout;
+  for (const bool two : {false, true}) {
+    use(teams_with(layout, 3));
+    shown->paint_part(kMiddle, {-0.14f, -0.05f}, {0.14f, 0.05f}, kGrey);
+    const PatchPlace& patch = layout.patches[0];
+    for (const float along_m : {-0.03f, 0.03f}) {
+      if (along_m > 0.0f && !two) continue;
+      const FieldPoint low{along_m - 0.5f * patch.length_m, -0.5f * patch.width_m};
+      const FieldPoint high{along_m + 0.5f * patch.length_m, 0.5f * patch.width_m};
+      for (PaintedField* field : {boxes.get(), shown.get()}) field->paint_part(kMiddle, low, high, kBlue);
+    }
+    const Sightings& seen = look(kLampLight);
+    for (const RobotSighting& robot : seen.robots) {
+      EXPECT_EQ(robot.id, kUnknownId);
+      EXPECT_LT(robot.confidence, two ? 0.45f : 0.8f);
+    }
+  }
+}
+
 // Under another lamp, a quarter of the team patch is in its box.
 TEST_F(IdsFromPixels, FindARobotByAPartOfItsTeamPatch) {
   for (const auto& layout : {bar_layout(), halves_layout(), triangles_layout()}) {

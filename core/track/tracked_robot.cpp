@@ -43,8 +43,11 @@ constexpr double kNewestSurprise = 0.4, kSurprise = 3.0;
 
 // A robot moves more calmly than the parameters allow for as long as its innovations are smaller than predicted: gain
 // of the process noise's variance by a sighting, and its least part for a standing robot and for one that drives at 1
-// m/s. With less at speed, the headings of tracks would be worse than those of sightings.
-constexpr double kActivityGain = 0.2, kLeastActivity = 1e-3, kLeastActivityAtSpeed = 0.3;
+// m/s. With known commands, errors of the wheels grow with the speed; with less, the headings of tracks would be worse
+// than those of sightings. Without them, the noise stands for the acceleration by commands, which a fast robot does not
+// need more than a slow one.
+constexpr double kActivityGain = 0.2, kLeastActivity = 1e-3, kLeastActivityAtSpeed = 0.3,
+                 kLeastFreeActivityAtSpeed = 0.02;
 
 // A robot that was not seen for longer may be anywhere. Its next sightings must agree with each other.
 constexpr double kLongestImpact_s = 0.05;
@@ -144,8 +147,10 @@ void TrackedRobot::predict(Instant from, Instant to, const CommandHistory* comma
     return;
   }
   const RobotFilterParameters p = with_activity(parameters.robot, activity_);
-  follow_commands(from, to, own_commands(commands),
-                  [&](double dt_s, const DriveInput& input) { drive_.predict(dt_s, input, p); });
+  follow_commands(from, to, own_commands(commands), [&](double dt_s, const DriveInput& input) {
+    drive_.predict(dt_s, input, p);
+    commands_known_ = input.known;
+  });
 }
 
 void TrackedRobot::look_ahead(Instant from, Instant to, const CommandHistory* commands,
@@ -171,7 +176,8 @@ bool TrackedRobot::fuse_pose(const RobotSighting& sighting, Instant now, const R
   const double ratio = distance2 / 3.0, gain = kActivityGain * innovation.predicted_share;
   const double change = distance2 > parameters.gate_pose ? ratio : 1.0 + gain * (ratio - 1.0);
   const double speed = static_cast<double>(drive.twist().v_mps);
-  const double least = std::min(1.0, kLeastActivity + kLeastActivityAtSpeed * speed * speed);
+  const double at_speed = commands_known_ ? kLeastActivityAtSpeed : kLeastFreeActivityAtSpeed;
+  const double least = std::min(1.0, kLeastActivity + at_speed * speed * speed);
   activity_ = std::clamp(change * activity_, least, 1.0);
   const double newest = std::min(distance2, parameters.gate_pose) / 3.0;
   const double surprise = surprise_ + kNewestSurprise * (newest - surprise_);

@@ -59,6 +59,7 @@ class TrackedRobot {
   RobotId id_ = kUnknownId;
   std::uint32_t birth_ = 0;  // distinguishes tracks without id
   bool heading_known_ = false;
+  bool commands_known_ = false;  // in the last prediction with a heading
   RobotMotion drive_;
   PointFilter point_;
   LifeCycle life_;

@@ -23,9 +23,11 @@ SightingNoise noise() { return {sighting_noise(kWhite_m, kWhite_rad), sighting_n
 class SightedRobot {
  public:
   explicit SightedRobot(unsigned seed) : random_(seed) { renew(); }
-  // The lasting error becomes another one.
-  void renew() {
-    for (std::size_t i = 0; i < 3; ++i) error_[i] = (i < 2 ? kLasting_m : kLasting_rad) * normal_(random_);
+  // The lasting error becomes another one, of which this part is as before.
+  void renew(double part = 0.0) {
+    const double fresh = std::sqrt(1.0 - part * part);
+    for (std::size_t i = 0; i < 3; ++i)
+      error_[i] = part * error_[i] + fresh * (i < 2 ? kLasting_m : kLasting_rad) * normal_(random_);
   }
   [[nodiscard]] Pose sighted() {
     return touchline::pose(x + error_[0] + kWhite_m * normal_(random_), y + error_[1] + kWhite_m * normal_(random_),
@@ -171,6 +173,65 @@ TEST(Activity, InnovationsOfStandingRobotsAreAsLargeAsPredictedAndAPushIsSeenAtO
     EXPECT_GT(nis, 0.5);
     EXPECT_LT(nis, 1.3);
   }
+}
+
+// Sightings of an opponent by the tracker: it drives calmly, then it brakes as hard as its wheels can and turns away.
+struct Braked {
+  double nis = 0.0;                             // while it drives, after one second
+  double error_m = 0.0, speed_error_mps = 0.0;  // largest, from the third frame of braking on
+};
+
+Braked drive_and_brake(unsigned seed) {
+  constexpr int kDrives = 180, kCounts = 120, kBrakes = 20;
+  constexpr double kSpeed = 0.8, kBraking_mps2 = 4.0, kTurn_radps = 3.0, kLasts_m = 0.03;
+  Tracker tracker;
+  TrackParameters parameters;
+  parameters.robot.position_sigma_m = 1e-5;
+  parameters.robot.heading_sigma_rad = 1e-4;
+  EXPECT_TRUE(tracker.configure(parameters).ok());
+  SightedRobot robot(seed);
+  const SightingNoise errors = noise();
+  Braked out;
+  double speed = kSpeed;
+  for (int k = 0; k < kDrives + kBrakes; ++k) {
+    const bool brakes = k >= kDrives;
+    robot.theta += (brakes ? kTurn_radps : 0.2 * std::sin(0.02 * k)) * kPeriod_s;
+    speed = brakes ? std::max(0.0, speed - kBraking_mps2 * kPeriod_s) : kSpeed + 0.05 * std::sin(0.03 * k);
+    robot.x += speed * kPeriod_s * std::cos(robot.theta), robot.y += speed * kPeriod_s * std::sin(robot.theta);
+    robot.renew(std::exp(-speed * kPeriod_s / kLasts_m));
+    RobotSighting sighting = sighting_of(Team::kOpponent, 3, robot.sighted());
+    sighting.noise = sighting_noise(std::hypot(kWhite_m, kLasting_m), std::hypot(kWhite_rad, kLasting_rad));
+    sighting.lasting_share = errors.lasting.xx / sighting.noise.xx;
+    sighting.lasts_m = static_cast<float>(kLasts_m);
+    Sightings sightings;
+    sightings.robots.push_back(sighting);
+    Tracks tracks;
+    tracker.update(sightings, at(k * kPeriod_s), at(k * kPeriod_s), tracks);
+    EXPECT_EQ(tracks.robots.size(), 1U);
+    const RobotTrack& track = tracks.robots[0];
+    if (k >= kDrives - kCounts && !brakes) out.nis += static_cast<double>(track.innovation2) / 3.0 / kCounts;
+    if (k < kDrives + 2) continue;
+    out.error_m = std::max(out.error_m, std::hypot(static_cast<double>(track.pose.position.x_m) - robot.x,
+                                                   static_cast<double>(track.pose.position.y_m) - robot.y));
+    out.speed_error_mps = std::max(out.speed_error_mps, std::abs(static_cast<double>(track.twist.v_mps) - speed));
+  }
+  return out;
+}
+
+TEST(Activity, InnovationsOfADrivingOpponentAreAsLargeAsPredictedAndBrakingIsSeenAtOnce) {
+  Braked mean, largest;
+  constexpr unsigned kRuns = 40;
+  for (unsigned run = 0; run < kRuns; ++run) {
+    const Braked braked = drive_and_brake(300 + run);
+    mean.nis += braked.nis / kRuns;
+    largest.error_m = std::max(largest.error_m, braked.error_m);
+    largest.speed_error_mps = std::max(largest.speed_error_mps, braked.speed_error_mps);
+  }
+  std::printf("NIS %.2f, braking: %.2f mm, %.3f m/s\n", mean.nis, 1e3 * largest.error_m, largest.speed_error_mps);
+  EXPECT_GT(mean.nis, 0.5);
+  EXPECT_LT(mean.nis, 1.3);
+  EXPECT_LT(largest.error_m, 0.001);
+  EXPECT_LT(largest.speed_error_mps, 0.15);
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 
 #include <Eigen/Geometry>
 #include <cmath>
+#include <numbers>
 #include <random>
 
 namespace touchline::calibrate {
@@ -125,6 +126,30 @@ TEST(FieldFit, AVerticalCameraNeedsItsHeight) {
   EXPECT_NEAR(fit.height_m, 1.9, 0.005);
   EXPECT_NEAR(static_cast<double>(fit.camera.full.fx_px), 400, 2);
   EXPECT_NEAR(fit.height_sigma_m, kHeightSigma_m, 0.004);
+}
+
+// Offsets that a person makes who takes another corner for the field's, such as that of the goal area.
+TEST(FieldFit, AWrongCornerIsNotTakenForACameraFarAway) {
+  const CameraParameters truth = camera_at(0.05, -0.04, 2.0, 0.05, 500);
+  int refused = 0, accepted = 0;
+  for (std::size_t corner = 0; corner < 4; ++corner) {
+    for (int direction = 0; direction < 8; ++direction) {
+      std::vector<FloorPoint> points = seen_by(truth, corners_of_field());
+      points[corner].u_px += 25 * std::cos(direction * std::numbers::pi / 4);
+      points[corner].v_px += 25 * std::sin(direction * std::numbers::pi / 4);
+      FieldFit fit;
+      const Result<void> result = fit_field(input_of(points), fit);
+      if (result.ok()) {
+        ++accepted;
+        EXPECT_LT(fit.camera.full.fx_px, 2.3f * 640) << "the lens of this camera has 500 px";
+        EXPECT_LT(fit.residual_px.rms, 7 * kClickSigma_px) << "corner " << corner << ", direction " << direction;
+      } else {
+        ++refused;
+        EXPECT_NE(result.text().find("--camera-height"), std::string::npos) << result.text();
+      }
+    }
+  }
+  EXPECT_GT(refused, 20) << accepted;
 }
 
 TEST(FieldFit, BothModelsAgreeForALensWithoutDistortion) {

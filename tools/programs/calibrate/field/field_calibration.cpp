@@ -131,7 +131,8 @@ Result<void> fit_points(const FieldPictures& input, const LightPicture& light, c
   if (refined.ok()) return {};
   fit_input.start_only = false;
   if (const Result<void> fitted = fit_field(fit_input, found.fit); !fitted.ok()) {
-    return Error{fitted.code(), fitted.text() + "; and " + found.unrefined};
+    return Error{fitted.code(), "at the given points, the border was not recognized (" + found.unrefined +
+                                    "), and from the points alone: " + fitted.text()};
   }
   return {};
 }

@@ -166,6 +166,43 @@ double cross(PixelPoint a, PixelPoint b, PixelPoint c) {
   return abu * bcv - abv * bcu;
 }
 
+// Checks that the height is known, and that a lens nobody measured is one that hangs above fields. A wrong corner of
+// four looks like a camera that is tilted and far away.
+Result<void> check_height(const FieldFitInput& input, double misfit_px, double focal_px, const FieldFit& fit) {
+  // Objects are up to a tenth of the camera height tall: an error of 15 % of the height moves them by millimeters at
+  // the border.
+  constexpr double kHeightDoubt = 0.15;
+  // Of the expected focal length's logarithm.
+  constexpr double kFocalSigmas = 3;
+  const double percent = std::min(100 * fit.height_sigma_m / fit.height_m, 999.0);
+  if (!(fit.height_sigma_m < kHeightDoubt * fit.height_m)) {
+    // Clicks on the right places miss by about kClickSigma_px.
+    constexpr double kMissed = 3;
+    if (misfit_px > kMissed * kClickSigma_px) {
+      return failure(
+          ErrorCode::kInconsistent,
+          "no camera fits the given points better than %.1f px (RMS), so its height is uncertain by %.0f %%: "
+          "are all points where they belong? If so, the lens distorts: give more points, or measure the "
+          "height of the lens above the floor and give --camera-height",
+          misfit_px, percent);
+    }
+    return failure(
+        ErrorCode::kInconsistent,
+        "the camera points almost straight down, so its height and its focal length cannot be separated (height "
+        "uncertain by %.0f %%): measure the height of the lens above the floor and give --camera-height",
+        percent);
+  }
+  const double widths = focal_px / input.width_px;
+  if (!input.camera_height_m && std::abs(std::log(widths / kFocalWidths)) > kFocalSigmas * kFocalSigma) {
+    return failure(ErrorCode::kInconsistent,
+                   "the given points fit only a camera %.1f m above the floor with a focal length of %.1f picture "
+                   "widths: are all points where they belong? If so, measure the height of the lens above the floor "
+                   "and give --camera-height",
+                   fit.height_m, widths);
+  }
+  return {};
+}
+
 double distance(PixelPoint a, PixelPoint b) {
   return std::hypot(static_cast<double>(a.u_px) - static_cast<double>(b.u_px),
                     static_cast<double>(a.v_px) - static_cast<double>(b.v_px));
@@ -281,16 +318,8 @@ Result<void> fit_field(const FieldFitInput& input, FieldFit& out) {
   }
   out.height_m = best.position_m[2];
   out.height_sigma_m = solver.height_sigma_m(best);
-  // Objects are up to a tenth of the camera height tall: an error of 15 % of the height moves them by millimeters at
-  // the border.
-  constexpr double kHeightDoubt = 0.15;
-  if (!input.start_only && !(out.height_sigma_m < kHeightDoubt * out.height_m)) {
-    return failure(
-        ErrorCode::kInconsistent,
-        "the camera points almost straight down, so its height and its focal length cannot be separated (height "
-        "uncertain by %.0f %%): measure the height of the lens above the floor and give --camera-height",
-        std::min(100 * out.height_sigma_m / out.height_m, 999.0));
-  }
+  if (!input.camera_height_m) out.height_sigma_m *= std::max(1.0, misfit_px / kClickSigma_px);
+  if (!input.start_only) TOUCHLINE_TRY(check_height(input, misfit_px, best.focal_px, out));
   out.camera.kind = CameraModelKind::kFull;
   out.camera.full = full_model(best, center);
   out.has_distortion = solver.has_distortion();

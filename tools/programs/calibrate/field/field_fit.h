@@ -59,8 +59,9 @@ struct FieldFit {
   CameraParameters camera;                   // both models are set; kind: full
   ResidualSummary residual_px, residual_mm;  // of the full model at the points
   ResidualSummary paper_residual_mm;         // of Klancar's model, eq. (12)-(15) and the affine part
-  double height_m = 0, height_sigma_m = 0;   // of the camera above the floor, for clicks of kClickSigma_px
-  double tilt_rad = 0;                       // of the optical axis against the vertical
+  double height_m = 0,
+         height_sigma_m = 0;  // of the camera above the floor, for clicks of kClickSigma_px or the misfit, if larger
+  double tilt_rad = 0;        // of the optical axis against the vertical
   bool has_distortion = false;
 };
 
@@ -69,8 +70,8 @@ struct FieldFit {
 /// Nonlinear least squares on pixels refine focal length, pose and, with enough points, k1 (Brown 1971) and fy / fx.
 /// Klancar's model is fitted to the same points.
 /// kOutOfRange: picture size, or too few points. kInconsistent, with the reason: points on a line, mirrored, or not
-/// consistent with any camera, or focal length and height cannot be separated (a nearly vertical camera) and no height
-/// is given.
+/// consistent with any camera, or focal length and height cannot be separated (a nearly vertical camera) or are not
+/// those of a camera above a field, and no height is given.
 Result<void> fit_field(const FieldFitInput& input, FieldFit& out);
 
 }  // namespace touchline::calibrate

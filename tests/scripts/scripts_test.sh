@@ -57,6 +57,7 @@ FAKE
   cat >"$work/bin/ctest" <<'FAKE'
 #!/bin/sh
 echo "$2" >>"$work/ctest-calls"
+case " $* " in *" --rerun-failed "*) exit "${second_try:-0}" ;; esac
 while [ "$1" != --output-log ]; do preset=${preset-$2}; shift; done
 mkdir -p "$(dirname "$2")"
 if [ "$preset" = release ]; then
@@ -71,6 +72,10 @@ LOG
 [  SKIPPED ] 1 test, listed below:
 [  SKIPPED ] Sets/Arena.NeedsPictures/0, where GetParam() = r0
 LOG
+  if [ -n "$failing" ]; then
+    printf "%s\n" $failing >"$(dirname "$2")/Testing/Temporary/LastTestsFailed.log"
+    exit 8
+  fi
 fi
 [ "$preset" = asan ] || exit 0
 cat >"$2" <<'LOG'
@@ -106,6 +111,18 @@ ASummaryNamesSkippedTests() {
   for expected in 'skipped: 2,' 'Network.ProtobufjsReadsThePackets$' 'Sets/Arena.NeedsPictures/0$'; do
     grep -qE "$expected" <<<"${output#*== summary}" || fail "the summary lacks $expected: $output"
   done
+}
+
+ATestOfThePageThatFailsRunsAgain() {
+  fake_repository
+  local output
+  output=$(failing=9:Page.Program "$work/tools/test" --quick 2>&1) || fail "the second try did not count: $output"
+  grep -q 'passed only at the second try: Page.Program$' <<<"${output#*== summary}" || fail "the summary lacks it: $output"
+  grep -q 'skipped: 2,' <<<"${output#*== summary}" || fail "the summary lacks what the first try skipped: $output"
+  ! failing=9:Page.Program second_try=8 "$work/tools/test" --quick >/dev/null 2>&1 || fail "two failures are a success"
+  rm "$work/ctest-calls"
+  ! failing='9:Page.Program 3:Pipeline.KeepsItsOrder' "$work/tools/test" --quick >/dev/null 2>&1 || fail "a failure is a success"
+  [ "$(cat "$work/ctest-calls")" = release ] || fail "other tests ran again"
 }
 
 AFailedBuildSkipsOnlyItsTests() {

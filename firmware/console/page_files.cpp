@@ -50,7 +50,8 @@ void PageFiles::scan() {
   }
   if (const auto index = files_.find("/index.html"); index != files_.end()) files_["/"] = index->second;
   // Browsers ask for this name where no page names an icon, such as for a picture alone.
-  if (const auto icon = files_.find("/favicon.svg"); icon != files_.end()) files_["/favicon.ico"] = icon->second;
+  if (const auto icon = files_.find("/favicon.svg"); icon != files_.end())
+    files_.try_emplace("/favicon.ico", icon->second);
 }
 
 const PageFile* PageFiles::find(std::string_view address) const {

@@ -81,6 +81,17 @@ class Solver {
     return covariance ? std::sqrt((*covariance)(kHeight, kHeight)) : std::numeric_limits<double>::infinity();
   }
 
+  // How much larger than kClickSigma_px the errors of the points are, without a given height; 1 or more. What is known
+  // about clicks counts like kPrior further equations, because four points have one more than unknowns.
+  // `misfit_px`: root mean square distance.
+  [[nodiscard]] double deviation_scale(double misfit_px) const {
+    constexpr double kPrior = 4;
+    const auto points = static_cast<double>(input_.points.size());
+    const double unknowns = has_distortion() ? 8 : 7;  // focal length, rotation, position, k1
+    const double ratio = misfit_px / kClickSigma_px;
+    return std::sqrt(std::max(1.0, (kPrior + points * ratio * ratio) / (kPrior + 2 * points - unknowns)));
+  }
+
  private:
   double minimize(CameraUnknowns& x, bool with_distortion) const {
     ceres::Problem problem;
@@ -318,7 +329,7 @@ Result<void> fit_field(const FieldFitInput& input, FieldFit& out) {
   }
   out.height_m = best.position_m[2];
   out.height_sigma_m = solver.height_sigma_m(best);
-  if (!input.camera_height_m) out.height_sigma_m *= std::max(1.0, misfit_px / kClickSigma_px);
+  if (!input.camera_height_m) out.height_sigma_m *= solver.deviation_scale(misfit_px);
   if (!input.start_only) TOUCHLINE_TRY(check_height(input, misfit_px, best.focal_px, out));
   out.camera.kind = CameraModelKind::kFull;
   out.camera.full = full_model(best, center);

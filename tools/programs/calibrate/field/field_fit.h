@@ -59,9 +59,9 @@ struct FieldFit {
   CameraParameters camera;                   // both models are set; kind: full
   ResidualSummary residual_px, residual_mm;  // of the full model at the points
   ResidualSummary paper_residual_mm;         // of Klancar's model, eq. (12)-(15) and the affine part
-  double height_m = 0,
-         height_sigma_m = 0;  // of the camera above the floor, for clicks of kClickSigma_px or the misfit, if larger
-  double tilt_rad = 0;        // of the optical axis against the vertical
+  // Of the camera above the floor; the deviation follows from kClickSigma_px, or from the misfit if that is larger.
+  double height_m = 0, height_sigma_m = 0;
+  double tilt_rad = 0;  // of the optical axis against the vertical
   bool has_distortion = false;
 };
 

@@ -150,9 +150,9 @@ std::string describe_unknowns(const FieldReport& report) {
         fit.height_m);
   } else {
     out += formatted(
-        "unknown: height and tilt follow from the perspective alone; a click that is off by %.1f px changes "
-        "the height by %.2f m, and a robot's position by as many percent; measure it (--camera-height)\n",
-        kClickSigma_px, fit.height_sigma_m);
+        "unknown: height and tilt follow from the perspective alone; what the points leave open changes the height by "
+        "%.2f m (standard deviation), and a robot's position by as many percent; measure it (--camera-height)\n",
+        fit.height_sigma_m);
   }
   return out + formatted(
                    "to measure them: let the program find the border (no --corners), or give at least %zu points, "

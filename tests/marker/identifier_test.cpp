@@ -176,11 +176,21 @@ TEST_F(IdsFromPixels, AreLessCertainOfStripesThanOfRobots) {
       const FieldPoint high{along_m + 0.5f * patch.length_m, 0.5f * patch.width_m};
       for (PaintedField* field : {boxes.get(), shown.get()}) field->paint_part(kMiddle, low, high, kBlue);
     }
+    paint_without_regions(kLeft);
+    shown->paint_patch(kLeft, 1, kGrey);
     const Sightings& seen = look(kLampLight);
+    int robots = 0;
     for (const RobotSighting& robot : seen.robots) {
       EXPECT_EQ(robot.id, kUnknownId);
-      EXPECT_LT(robot.confidence, two ? 0.45f : 0.8f);
+      const bool is_robot = distance_m(robot.pose.position, kLeft.pose.position) < 0.5f * layout.robot_side_m;
+      robots += is_robot ? 1 : 0;
+      if (is_robot) {
+        EXPECT_GT(robot.confidence, 0.9f);
+      } else {
+        EXPECT_LT(robot.confidence, two ? 0.45f : 0.8f);
+      }
     }
+    EXPECT_EQ(robots, 1);
   }
 }
 

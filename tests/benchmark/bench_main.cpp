@@ -16,7 +16,7 @@ constexpr char kProgram[] = "touchline-bench";
 
 struct Options {
   std::string filter, json, once, search_of = "all";
-  std::size_t repetitions = 500;
+  std::size_t repetitions = 500, calls = 1;
   double search_s = 0.0;
   unsigned seed = 1;
   bool quick = false, check = false, list = false;
@@ -42,6 +42,9 @@ void add_options(CLI::App& app, Options& options) {
   app.add_flag("--list", options.list, "List the names that --once accepts");
   app.add_option("--once", options.once, "Call one method once, for a profiler that counts in `counted_call`")
       ->type_name("FRAME/METHOD");
+  app.add_option("--calls", options.calls, "Calls of --once; each takes the next of several pictures")
+      ->check(CLI::Range(std::size_t{1}, kMaxRepetitions))
+      ->capture_default_str();
 }
 
 [[gnu::noinline]] void counted_call(const std::function<void()>& work) { work(); }
@@ -80,7 +83,7 @@ int call_once(const Options& options) {
     for (const Method& method : benchmark->methods) {
       if (options.once.substr(slash + 1) != method.name) continue;
       method.work();  // lets the method allocate its memory
-      counted_call(method.work);
+      for (std::size_t i = 0; i < options.calls; ++i) counted_call(method.work);
       return kExitOk;
     }
   }

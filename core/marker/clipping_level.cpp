@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 
 #include "core/marker/surface_color.h"
 
@@ -19,33 +20,100 @@ constexpr int kLeastClipped = 8;
 // than this many levels below it have together.
 constexpr int kLevelsBelow = 3;
 
+using Bytes16 [[gnu::vector_size(16)]] = std::uint8_t;
+
+// The sampled pixels of one row, in blocks of whole pixels for three and four bytes per pixel. The channels of all RGB
+// formats are in one plane.
+class SampledRow {
+ public:
+  static constexpr std::size_t kVectors = 3, kBlock = kVectors * sizeof(Bytes16);
+
+  explicit SampledRow(const Frame& frame) : info_(info_of(frame.format)), bytes_(frame.width_px * step()) {
+    std::array<std::uint8_t, kBlock> sampled{};
+    for (std::size_t u = 0; u < kBlock / step(); u += kColumnStep) {
+      for (const ChannelLayout& channel : info_.channel) sampled[channel.byte(u)] = 255;
+    }
+    sampled_ = __builtin_bit_cast(Block, sampled);
+  }
+
+  /// Moves to a row, which begins here.
+  void move_to(const std::uint8_t* pixels) { pixels_ = pixels; }
+
+  /// The highest channel of all sampled pixels.
+  [[nodiscard]] std::uint8_t highest() const {
+    Bytes16 most{};
+    std::size_t at = 0;
+    for (; at + kBlock <= bytes_; at += kBlock) {
+      const Bytes16 highest = highest_in(at);
+      most = most > highest ? most : highest;
+    }
+    const auto lanes = __builtin_bit_cast(std::array<std::uint8_t, sizeof most>, most);
+    std::uint8_t out = *std::max_element(lanes.begin(), lanes.end());
+    for_each_pixel(at, bytes_, [&](int highest, int) { out = std::max(out, static_cast<std::uint8_t>(highest)); });
+    return out;
+  }
+
+  /// Calls use(highest, lowest) with the channels of all pixels that may have one from `least` on.
+  template <class Use>
+  void for_each_from(std::uint8_t least, Use use) const {
+    std::size_t at = 0;
+    for (; at + kBlock <= bytes_; at += kBlock) {
+      const auto bright = __builtin_bit_cast(std::array<std::uint64_t, 2>, highest_in(at) >= least);
+      if ((bright[0] | bright[1]) != 0) for_each_pixel(at, at + kBlock, use);
+    }
+    for_each_pixel(at, bytes_, use);
+  }
+
+ private:
+  using Block = std::array<Bytes16, kVectors>;
+
+  [[nodiscard]] std::size_t step() const { return info_.channel[0].step; }
+  // Sampled bytes of a block; others are 0.
+  [[nodiscard]] Bytes16 highest_in(std::size_t at) const {
+    Block block;
+    std::memcpy(&block, pixels_ + at, sizeof block);
+    Bytes16 most = block[0] & sampled_[0];
+    for (std::size_t i = 1; i < kVectors; ++i) {
+      const Bytes16 next = block[i] & sampled_[i];
+      most = most > next ? most : next;
+    }
+    return most;
+  }
+  template <class Use>
+  void for_each_pixel(std::size_t begin, std::size_t end, Use use) const {
+    for (std::size_t at = begin; at < end; at += kColumnStep * step()) {
+      const int red = pixels_[at + info_.channel[0].offset], green = pixels_[at + info_.channel[1].offset],
+                blue = pixels_[at + info_.channel[2].offset];
+      use(std::max({red, green, blue}), std::min({red, green, blue}));
+    }
+  }
+
+  const PixelFormatInfo& info_;
+  std::size_t bytes_;
+  Block sampled_;  // all bits of the bytes of sampled pixels
+  const std::uint8_t* pixels_ = nullptr;
+};
+
 }  // namespace
 
 int saturated_from(const Frame& frame) {
   if (color_space(frame.format) != ColorSpace::kRgb) return kSaturatedValue;
-  const PixelFormatInfo& info = info_of(frame.format);
-  std::array<int, 256> colored{};  // pixels by their highest channel
-  int highest = 0;
+  SampledRow row(frame);
+  std::uint8_t highest = 0;
   for (std::size_t v = 0; v < frame.height_px; v += kRowStep) {
-    std::array<const std::uint8_t*, 3> line{};
-    for (std::size_t c = 0; c < 3; ++c) {
-      const ChannelLayout& channel = info.channel[c];
-      line[c] = frame.plane[channel.plane] + (v >> channel.shift_v) * frame.stride_bytes[channel.plane];
-    }
-    for (std::size_t u = 0; u < frame.width_px; u += kColumnStep) {
-      const int red = line[0][info.channel[0].byte(u)], green = line[1][info.channel[1].byte(u)],
-                blue = line[2][info.channel[2].byte(u)];
-      const int most = std::max({red, green, blue}), least = std::min({red, green, blue});
-      if (most >= kSaturatedValue) return kSaturatedValue;
-      highest = std::max(highest, most);
-      if (most - least >= kColored_levels) ++colored[static_cast<std::size_t>(most)];
-    }
+    row.move_to(frame.plane[0] + v * frame.stride_bytes[0]);
+    highest = std::max(highest, row.highest());
+    if (highest >= kSaturatedValue) return kSaturatedValue;
   }
-  int below = 0;
-  for (int level = std::max(0, highest - kLevelsBelow); level < highest; ++level) {
-    below += colored[static_cast<std::size_t>(level)];
+  const int least = std::max(0, highest - kLevelsBelow);
+  int clipped = 0, below = 0;  // colored pixels
+  for (std::size_t v = 0; v < frame.height_px; v += kRowStep) {
+    row.move_to(frame.plane[0] + v * frame.stride_bytes[0]);
+    row.for_each_from(static_cast<std::uint8_t>(least), [&](int most, int lowest) {
+      if (most < least || most - lowest < kColored_levels) return;
+      ++(most == highest ? clipped : below);
+    });
   }
-  const int clipped = colored[static_cast<std::size_t>(highest)];
   if (clipped < kLeastClipped || clipped <= below) return kSaturatedValue;
   // As far below the highest value as usual.
   return highest * kSaturatedValue / 255;

@@ -35,7 +35,7 @@ OwnedPicture darkened(const std::array<int, 3>& patch, float gain, int noise = 3
 }
 
 TEST(ClippingLevel, IsBelow255InADarkenedPicture) {
-  for (const PixelFormat format : {PixelFormat::kRgb24, PixelFormat::kBgr24}) {
+  for (const PixelFormat format : {PixelFormat::kRgb24, PixelFormat::kBgr24, PixelFormat::kXrgb8888}) {
     const OwnedPicture picture = darkened({270, 180, 200}, 0.7f, 3, format);
     const int level = saturated_from(picture.frame());
     EXPECT_GE(level, 172);

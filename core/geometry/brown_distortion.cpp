@@ -120,7 +120,7 @@ BrownDistortion::Point BrownDistortion::distort(Point ideal) const {
 // of the limit or does not converge.
 bool BrownDistortion::undistort_by_newton(Point distorted, Point& ideal) const {
   // Convergence is quadratic: the error after a step is about the square of the step.
-  constexpr double kConverged = 1e-6 * 1e-6;
+  constexpr double kConverged = 3e-6 * 3e-6;
   const double place = (distorted[0] * distorted[0] + distorted[1] * distorted[1]) * guesses_per_square_;
   const std::size_t below = place < static_cast<double>(kGuesses) ? static_cast<std::size_t>(place) : kGuesses - 1;
   const double part = std::min(place - static_cast<double>(below), 1.0);

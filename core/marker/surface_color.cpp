@@ -32,7 +32,9 @@ struct Samples {
 // Place of sample i in a grid.
 constexpr int in_grid(int i) { return i + kGridReach; }
 
-// Finds the samples whose color has at most this squared distance from that of the surface.
+// Finds the samples whose color has at most this squared distance from that of the surface, and the one in the middle,
+// which may be noise. Beyond a row without a sample below such a one of the row before, none is connected with the
+// middle: no further row is looked at.
 template <bool kIsRgb>
 Grid similar_samples(const Frame& frame, const Samples& columns, const Samples& rows, int step,
                      const SurfaceColor& surface, float allowed) {
@@ -48,8 +50,7 @@ Grid similar_samples(const Frame& frame, const Samples& columns, const Samples& 
     for (std::size_t c = 0; c < 3; ++c) offset[c][i] = static_cast<std::uint32_t>(info.channel[c].byte(u));
   }
   const std::uint64_t inside = (std::uint64_t{1} << end_column) - (std::uint64_t{1} << first_column);
-  Grid mask{};
-  for (int row = rows.first; row <= rows.last; ++row) {
+  const auto similar_in = [&](int row) {
     const auto v = static_cast<std::size_t>(rows.place(row, step));
     std::array<const std::uint8_t*, 3> line{};
     for (std::size_t c = 0; c < 3; ++c) {
@@ -74,7 +75,17 @@ Grid similar_samples(const Frame& frame, const Samples& columns, const Samples& 
       }
       similar |= std::uint64_t{bits_of(distance <= allowed)} << i;
     }
-    mask[static_cast<std::size_t>(in_grid(row))] = similar & inside;
+    return similar & inside;
+  };
+  Grid mask{};
+  mask[kGridReach] = similar_in(0) | std::uint64_t{1} << static_cast<unsigned>(kGridReach);
+  for (const int way : {1, -1}) {
+    const int last = way > 0 ? rows.last : rows.first;
+    for (int row = way; way * row <= way * last; row += way) {
+      std::uint64_t& similar = mask[static_cast<std::size_t>(in_grid(row))];
+      similar = similar_in(row);
+      if ((similar & mask[static_cast<std::size_t>(in_grid(row - way))]) == 0) break;
+    }
   }
   return mask;
 }
@@ -179,11 +190,10 @@ bool grow_patch(const Frame& frame, PixelPoint seed, float reach_px, GrownPatch&
   const int top = first(seed_v), bottom = last(seed_v, frame.height_px);
   const int inside = (right - left + 1) * (bottom - top + 1), all = (2 * reach + 1) * (2 * reach + 1);
   if (5 * (all - inside) > all) return false;
-  Grid mask = space == ColorSpace::kRgb
-                  ? similar_samples<true>(frame, {seed_u, left, right}, {seed_v, top, bottom}, step, surface, allowed)
-                  : similar_samples<false>(frame, {seed_u, left, right}, {seed_v, top, bottom}, step, surface, allowed);
-  // The pixel in the middle may be noise; the mean around it is the color.
-  mask[kGridReach] |= std::uint64_t{1} << static_cast<unsigned>(kGridReach);
+  const Grid mask =
+      space == ColorSpace::kRgb
+          ? similar_samples<true>(frame, {seed_u, left, right}, {seed_v, top, bottom}, step, surface, allowed)
+          : similar_samples<false>(frame, {seed_u, left, right}, {seed_v, top, bottom}, step, surface, allowed);
   const Grid grown = connected(mask, reach);
   // The sums are integers below 2^24, so their order does not matter.
   float n = 0, x = 0, y = 0, xx = 0, xy = 0, yy = 0;

@@ -242,15 +242,8 @@ void DriveFilter::slide(double dt, const DriveInput& input, const Sliding& slidi
       0.5 * dt *
       (x_[3] * std::sin(theta) + x_[5] * std::cos(theta) + v_end * std::sin(theta_end) + u_end * std::cos(theta_end));
   if (extent == Extent::kAll) {
-    Matrix a = Matrix::Identity();
     const double middle = theta + 0.5 * turned, by_w = dt * r.mean_now;
-    a(0, 2) = -dy;
-    a(0, 3) = a(1, 5) = dt * std::cos(middle);
-    a(1, 2) = dx;
-    a(1, 3) = dt * std::sin(middle);
-    a(0, 5) = -a(1, 3);
-    a(2, 4) = by_w;
-    a(4, 4) = r.end_now;
+    const double ahead_x = dt * std::cos(middle), ahead_y = dt * std::sin(middle);
     // The turn, then friction, which changes its direction with the velocity.
     Eigen::Matrix<double, 2, 3> by_velocity;  // of v and u by v, u and w
     by_velocity << c, s, by_w * u, -s, c, -by_w * v;
@@ -261,16 +254,27 @@ void DriveFilter::slide(double dt, const DriveInput& input, const Sliding& slidi
     } else if (!slides_) {
       by_velocity.row(1).setZero();
     }
-    a(3, 3) = by_velocity(0, 0);
-    a(3, 5) = by_velocity(0, 1);
-    a(3, 4) = by_velocity(0, 2);
-    a(5, 3) = by_velocity(1, 0);
-    a(5, 5) = by_velocity(1, 1);
-    a(5, 4) = by_velocity(1, 2);
+    // A P A', computed from the few entries of A beside its diagonal.
+    const auto times_a = [&](auto& m) {
+      m.row(0) += ahead_x * m.row(3) - ahead_y * m.row(5) - dy * m.row(2);
+      m.row(1) += ahead_y * m.row(3) + ahead_x * m.row(5) + dx * m.row(2);
+      m.row(2) += by_w * m.row(4);
+      const auto by = [&](Eigen::Index i) {
+        return (by_velocity(i, 0) * m.row(3) + by_velocity(i, 2) * m.row(4) + by_velocity(i, 1) * m.row(5)).eval();
+      };
+      const auto v_row = by(0), u_row = by(1);
+      m.row(3) = v_row;
+      m.row(4) *= r.end_now;
+      m.row(5) = u_row;
+    };
     MatrixMap p(p_.data());
-    p = (a * p * a.transpose()).eval();
+    Matrix m = p;
+    times_a(m);
+    m.transposeInPlace();
+    times_a(m);
+    p = m;
     LastingMap with_lasting(with_lasting_.data());
-    with_lasting = (a * with_lasting).eval();
+    times_a(with_lasting);
     const double slide = sliding.noise_mps_rts * sliding.noise_mps_rts * dt;
     p(3, 3) += slide;
     if (slides_) p(5, 5) += slide;

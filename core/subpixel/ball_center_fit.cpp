@@ -15,8 +15,8 @@ constexpr float kMinRadiusPx = 2.0f;
 constexpr int kMaxBallIterations = 12;
 constexpr float kConvergedPx = 0.01f;
 constexpr float kSmallStepPx = 0.2f;
-// Largest ratio of a step to the one before it that is used for the extrapolation.
-constexpr float kMaxStepRatio = 0.7f;
+// Range of the factor by which steps are too short; above 1 only for small ones.
+constexpr float kLeastScaled = 0.4f, kMostScaled = 3.3f;
 constexpr float kMaxStepPx = 1.5f;
 // Error of a pixel, as a fraction of the ball's own light, at which its weight is one half.
 constexpr float kHalfWeightError = 0.2f;
@@ -79,7 +79,7 @@ class BallCenterFit::Solver {
     const PixelPoint start = view_.center;
     float step_px = 2.0f * kConvergedPx;
     for (int iteration = 0; iteration < kMaxBallIterations && step_px > kConvergedPx; ++iteration) {
-      if (!kernel_.sample_ball(frame_, view_, disk_) || !shade() || !step(step_px)) return false;
+      if (!sample() || !shade() || !step(step_px)) return false;
     }
     const float moved = std::hypot(center().u_px - start.u_px, center().v_px - start.v_px);
     return moved <= kMaxCorrection * view_.radius_px &&
@@ -102,6 +102,17 @@ class BallCenterFit::Solver {
                           {b.v_px / determinant, -b.u_px / determinant, -a.v_px / determinant, a.u_px / determinant},
                           1.0f + kHidingMarginPx / length_a,
                           1.0f + kHidingMarginPx / length_b});
+  }
+
+  // Collects the ball's pixels, or keeps them after small steps.
+  bool sample() {
+    const float moved = std::hypot(center().u_px - sampled_at_.u_px, center().v_px - sampled_at_.v_px);
+    if (!is_sampled_ || !(moved <= kKeptSamplesPx)) {
+      sampled_at_ = center();
+      return is_sampled_ = kernel_.sample_ball(frame_, view_, disk_);
+    }
+    kernel_.move_ball(view_, disk_);
+    return true;
   }
 
   // Solves for b of every channel at the current center.
@@ -150,7 +161,7 @@ class BallCenterFit::Solver {
                         kErrorWithoutFit * (1.0f - fitting_) * (1.0f - fitting_));
     Step by{(yy * sums.edge.rx - xy * sums.edge.ry) / determinant,
             (xx * sums.edge.ry - xy * sums.edge.rx) / determinant};
-    by = accelerated(by);
+    by = scaled(by);
     step_px = by.norm() * view_.radius_px;
     if (step_px > kMaxStepPx) by *= kMaxStepPx / step_px;
     view_.center.u_px += view_.axis[0].u_px * by[0] + view_.axis[1].u_px * by[1];
@@ -158,21 +169,27 @@ class BallCenterFit::Solver {
     return true;
   }
 
-  // Small steps of this method shrink by a constant ratio. The second step of a pair therefore goes to the limit of
-  // the geometric series (Aitken extrapolation).
-  Step accelerated(const Step& found) {
-    const float before = last_.norm();
-    if (!(found.dot(last_) > 0.0f && before * view_.radius_px < kSmallStepPx)) return last_ = found;
-    last_.setZero();
-    return found / (1.0f - std::min(found.norm() / before, kMaxStepRatio));
+  // Steps of this method are too short or too long by a factor that hardly changes. It follows from how much of a step
+  // the next one finds to be missing (Barzilai and Borwein 1988).
+  Step scaled(const Step& found) {
+    float factor = 1.0f;
+    if (const float size = taken_.squaredNorm(); size > 0.0f) {
+      const float by_step = taken_.dot(found_ - found);
+      const float most = std::sqrt(size) * view_.radius_px < kSmallStepPx ? kMostScaled : 1.0f;
+      factor = by_step * most > size ? std::max(size / by_step, kLeastScaled) : most;
+    }
+    found_ = found;
+    return taken_ = factor * found;
   }
 
   const FitKernel& kernel_;
   const Frame& frame_;
   BallDisk& disk_;
   BallView view_;
+  PixelPoint sampled_at_;
+  bool is_sampled_ = false;
   float fitting_ = 0, sigma_ = 0;
-  Step last_ = Step::Zero();  // in radii; zero after an extrapolated step
+  Step found_ = Step::Zero(), taken_ = Step::Zero();  // in radii: before and after scaling
   Normal inverse_normal_;
   BallShading shading_;  // of the previous iteration until shade() finds new ones
 };

@@ -12,8 +12,8 @@ namespace touchline {
 
 const FitKernel& portable_fit_kernel() {
   using namespace portable;
-  static constexpr FitKernel kKernel{sample_top,  sample_patch,       accumulate_edge,
-                                     sample_ball, accumulate_shading, accumulate_outline};
+  static constexpr FitKernel kKernel{sample_top, sample_patch,       accumulate_edge,   sample_ball,
+                                     move_ball,  accumulate_shading, accumulate_outline};
   return kKernel;
 }
 

@@ -105,8 +105,14 @@ struct BallView {
   FixedVector<HidingTop, kMaxHidingTops> tops;
 };
 
-/// Eight pixels of a row on the ball.
+/// Eight pixels of a row on the ball, or so near that it may reach them after a small step.
 struct BallPixels {
+  // Read from the picture.
+  StoredFloat8 u, v;
+  std::array<StoredFloat8, kLightChannels> light;
+  StoredFloat8 counts;  // 1, or 0 for a pixel that is not used
+  StoredFloat8 apart2;  // squared distance of O from the light of most surroundings
+  // Following from the ball's center.
   StoredFloat8 coverage;                             // w; 0 if the pixel is not used
   std::array<StoredFloat8, kShadeTerms - 1> slopes;  // w n
   std::array<StoredFloat8, kLightChannels> rest;     // measured light - (1 - w) O
@@ -146,6 +152,8 @@ struct FitKernel {
   CenterEquations (*accumulate_edge)(const EdgeFitTask& task);
   /// Collects the pixels of the ball. False if there are too many.
   bool (*sample_ball)(const Frame& frame, const BallView& ball, BallDisk& disk);
+  /// Moves the outline over the collected pixels to a center at most kKeptSamplesPx from the one of sample_ball().
+  void (*move_ball)(const BallView& ball, BallDisk& disk);
   ShadingEquations (*accumulate_shading)(const BallDisk& disk, const BallShading& before);
   BallOutlineEquations (*accumulate_outline)(const BallDisk& disk, const BallShading& shading, float radius_px);
 };
@@ -158,6 +166,9 @@ const FitKernel& fit_kernel(KernelChoice choice);
 /// run on processors with AVX2.
 const FitKernel& portable_fit_kernel();
 const FitKernel& avx2_fit_kernel();
+
+// Steps of the ball's center up to this one keep its pixels and the light of the surroundings.
+constexpr float kKeptSamplesPx = 0.25f;
 
 // Width of an edge: one pixel, and 1.5 pixels for the blur of lens and Bayer pattern.
 constexpr float kRampPx = 2.5f;

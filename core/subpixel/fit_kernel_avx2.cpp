@@ -28,8 +28,8 @@ namespace touchline {
 
 const FitKernel& avx2_fit_kernel() {
   using namespace avx2;
-  static constexpr FitKernel kKernel{sample_top,  sample_patch,       accumulate_edge,
-                                     sample_ball, accumulate_shading, accumulate_outline};
+  static constexpr FitKernel kKernel{sample_top, sample_patch,       accumulate_edge,   sample_ball,
+                                     move_ball,  accumulate_shading, accumulate_outline};
   return kKernel;
 }
 

@@ -29,6 +29,40 @@ inline Integer8 hidden_by(const BallView& ball, Float8 u, Float8 v) {
   return hidden;
 }
 
+inline void store_doubt(BallPixels& pixels) {
+  const Float8 part = broadcast(1.0f) - load(pixels.coverage);
+  store(part * part * load(pixels.apart2), pixels.doubt);
+}
+
+// What follows from the ball's center for eight pixels whose light is known.
+[[gnu::always_inline]] inline void cover(const BallView& ball, BallPixels& pixels) {
+  const Float8 zero = broadcast(0.0f), one = broadcast(1.0f);
+  const std::array<float, 4>& inverse = ball.inverse;
+  const Float8 from_u = load(pixels.u) - broadcast(ball.center.u_px);
+  const Float8 from_v = load(pixels.v) - broadcast(ball.center.v_px);
+  const Float8 x = broadcast(inverse[0]) * from_u + broadcast(inverse[1]) * from_v;
+  const Float8 y = broadcast(inverse[2]) * from_u + broadcast(inverse[3]) * from_v;
+  const Float8 r = sqrt(x * x + y * y), per_r = one / max(r, broadcast(1e-6f));
+  const Float8 counts = load(pixels.counts);
+  const Float8 coverage = counts * clamp_to_unit(broadcast(0.5f) - (r - one) * broadcast(ball.radius_px / kRampPx));
+  const Float8 shrunk = min(one, broadcast(kMaxNormalRadius) * per_r);
+  const Float8 nx = shrunk * x, ny = shrunk * y;
+  store(coverage, pixels.coverage);
+  store(coverage * nx, pixels.slopes[0]);
+  store(coverage * ny, pixels.slopes[1]);
+  store(coverage * sqrt(max(one - nx * nx - ny * ny, zero)), pixels.slopes[2]);
+  if (!pixels.on_edge) {
+    TOUCHLINE_UNROLL for (std::size_t c = 0; c < kLightChannels; ++c) pixels.rest[c] = pixels.light[c];
+    return;
+  }
+  const Float8 out = select((coverage > zero) & (coverage < one), per_r);
+  store(out * x, pixels.out_x);
+  store(out * y, pixels.out_y);
+  TOUCHLINE_UNROLL for (std::size_t c = 0; c < kLightChannels; ++c) {
+    store(load(pixels.light[c]) - (one - coverage) * load(pixels.outside[c]), pixels.rest[c]);
+  }
+}
+
 // Finds the light of most of the surroundings, which is near that of the darkest or the brightest place around the
 // ball. Where the light just outside of a pixel differs from it, a line, a wall or a robot may begin anywhere under the
 // pixel.
@@ -88,8 +122,8 @@ inline void doubt_surroundings(BallDisk& disk) {
   const Light& most = count[1] > count[0] ? mean[1] : mean[0];
   for (BallPixels& pixels : disk) {
     if (!pixels.on_edge) continue;
-    const Float8 part = one - load(pixels.coverage);
-    store(select(is_edge(pixels), part * part * distance2(pixels, most)), pixels.doubt);
+    store(distance2(pixels, most), pixels.apart2);
+    store_doubt(pixels);
   }
 }
 
@@ -98,7 +132,7 @@ inline bool sample_ball(const Frame& frame, const BallView& ball, BallDisk& disk
   const Float8 zero = broadcast(0.0f), one = broadcast(1.0f);
   const std::array<float, 4>& inverse = ball.inverse;
   disk.clear();
-  const float reach = 1.0f + 0.5f * kRampPx / ball.radius_px;
+  const float reach = 1.0f + (0.5f * kRampPx + kKeptSamplesPx) / ball.radius_px;
   const float reach_u = reach * std::hypot(ball.axis[0].u_px, ball.axis[1].u_px);
   const float reach_v = reach * std::hypot(ball.axis[0].v_px, ball.axis[1].v_px);
   // Within a row, the squared distance from the center is a quadratic function of the column.
@@ -123,51 +157,52 @@ inline bool sample_ball(const Frame& frame, const BallView& ball, BallDisk& disk
     const Float8 from_v = to_floats(v) - broadcast(ball.center.v_px);
     const Float8 x = broadcast(inverse[0]) * from_u + broadcast(inverse[1]) * from_v;
     const Float8 y = broadcast(inverse[2]) * from_u + broadcast(inverse[3]) * from_v;
-    const Float8 r = sqrt(x * x + y * y), per_r = one / max(r, broadcast(1e-6f));
-    const Float8 coverage = min(one, broadcast(0.5f) - (r - one) * broadcast(ball.radius_px / kRampPx));
-    counts = counts & (coverage > zero);
+    const Float8 r = sqrt(x * x + y * y);
+    // Completely covered pixels with 1 or more, and others up to 0, by more than the ball may move.
+    const Float8 depth = broadcast(0.5f) - (r - one) * broadcast(ball.radius_px / kRampPx);
+    constexpr float kMoved = kKeptSamplesPx / kRampPx;
+    counts = counts & (depth > broadcast(-kMoved));
     if (!ball.tops.empty()) counts = counts & ~hidden_by(ball, to_floats(u), to_floats(v));
     if (!any(counts)) return true;
     if (disk.full()) return false;
     disk.resize(disk.size() + 1);
     BallPixels& pixels = disk.back();
-    LinearRgb8 rest = picture.at(u, v);
+    const LinearRgb8 light = picture.at(u, v);
     TOUCHLINE_UNROLL for (std::size_t c = 0; c < kLightChannels; ++c) {
-      store(select(rest[c] >= broadcast(kSaturation), broadcast(1e9f), broadcast(-1e9f)), pixels.up_to[c]);
+      store(light[c], pixels.light[c]);
+      store(select(light[c] >= broadcast(kSaturation), broadcast(1e9f), broadcast(-1e9f)), pixels.up_to[c]);
     }
-    const Integer8 edge = counts & (coverage < one);
+    const Integer8 edge = counts & (depth < broadcast(1.0f + kMoved));
     pixels.on_edge = any(edge);
     store(zero, pixels.doubt);
     if (pixels.on_edge) {
-      const Float8 beyond = per_r * broadcast(1.0f + kBeyondBallPx / ball.radius_px);
+      const Float8 beyond = broadcast(1.0f + kBeyondBallPx / ball.radius_px) / max(r, broadcast(1e-6f));
       const Float8 beyond_x = beyond * x, beyond_y = beyond * y;
       const Float8 beyond_u = broadcast(ball.center.u_px) + broadcast(ball.axis[0].u_px) * beyond_x +
                               broadcast(ball.axis[1].u_px) * beyond_y;
       const Float8 beyond_v = broadcast(ball.center.v_px) + broadcast(ball.axis[0].v_px) * beyond_x +
                               broadcast(ball.axis[1].v_px) * beyond_y;
       Integer8 inside;
-      const LinearRgb8 light = picture.nearest(beyond_u, beyond_v, inside);
+      const LinearRgb8 outside = picture.nearest(beyond_u, beyond_v, inside);
       if (!ball.tops.empty()) inside = inside & ~hidden_by(ball, beyond_u, beyond_v);
       counts = counts & (inside | ~edge);
-      store(select(edge & counts, per_r * x), pixels.out_x);
-      store(select(edge & counts, per_r * y), pixels.out_y);
-      TOUCHLINE_UNROLL for (std::size_t c = 0; c < kLightChannels; ++c) {
-        const Float8 outside = select(edge, light[c]);
-        store(outside, pixels.outside[c]);
-        rest[c] -= (one - coverage) * outside;
-      }
+      TOUCHLINE_UNROLL for (std::size_t c = 0; c < kLightChannels; ++c) store(outside[c], pixels.outside[c]);
     }
-    const Float8 counted = select(counts, coverage), shrunk = min(one, broadcast(kMaxNormalRadius) * per_r);
-    const Float8 nx = shrunk * x, ny = shrunk * y;
-    store(counted, pixels.coverage);
-    store(counted * nx, pixels.slopes[0]);
-    store(counted * ny, pixels.slopes[1]);
-    store(counted * sqrt(max(one - nx * nx - ny * ny, zero)), pixels.slopes[2]);
-    TOUCHLINE_UNROLL for (std::size_t c = 0; c < kLightChannels; ++c) store(rest[c], pixels.rest[c]);
+    store(to_floats(u), pixels.u);
+    store(to_floats(v), pixels.v);
+    store(select(counts, one), pixels.counts);
+    cover(ball, pixels);
     return true;
   });
   if (is_collected) doubt_surroundings(disk);
   return is_collected;
+}
+
+inline void move_ball(const BallView& ball, BallDisk& disk) {
+  for (BallPixels& pixels : disk) {
+    cover(ball, pixels);
+    if (pixels.on_edge) store_doubt(pixels);
+  }
 }
 
 /// Eight pixels of the ball compared with the shading model.

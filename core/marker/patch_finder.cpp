@@ -217,19 +217,24 @@ bool PatchFinder::split_touching(const PatchKind& kind, const Runs& runs, const 
   return true;
 }
 
-// Weighted refinement (section 5, before eq. (3)): the mean of both centers, weighted by their areas.
-bool PatchFinder::merge(const PatchKind& kind, const PatchCandidate& from, PatchCandidate& into,
-                        float largest_ratio) const {
+// Weighted refinement (section 5, before eq. (3)): the mean of both centers, weighted by their areas. On the field it
+// is accurate enough for the distances to other fragments. find() places the patch exactly when it knows all of them.
+bool PatchFinder::merge(const PatchKind& kind, const PatchCandidate& from, PatchCandidate& into, float largest_ratio) {
   const float area = into.area_px + from.area_px;
   const float square = into.scale_px_per_m * into.scale_px_per_m;
   if (area > largest_ratio * kind.largest_area_m2 * square) return false;
+  const float share = from.area_px / area;
   into.center.u_px += (from.center.u_px - into.center.u_px) * from.area_px / area;
   into.center.v_px += (from.center.v_px - into.center.v_px) * from.area_px / area;
+  for (std::size_t team = 0; team < into.at.size(); ++team) {
+    into.at[team].x_m += (from.at[team].x_m - into.at[team].x_m) * share;
+    into.at[team].y_m += (from.at[team].y_m - into.at[team].y_m) * share;
+  }
   // With a large fragment, the axis of the larger part is not that of the patch.
   if (from.area_px > 0.2f * area) into.has_axis = into.has_rough_axis = false;
   into.area_px = area;
   into.ratio = std::max(area / (kind.largest_area_m2 * square), std::min(1.0f, area / (kind.least_area_m2 * square)));
-  place(kind, into);
+  into.is_merged = true;
   return true;
 }
 
@@ -241,11 +246,14 @@ void PatchFinder::find(const PatchKind& kind, const Runs& runs, const Regions& r
   std::sort(out.begin(), out.end(), is_larger);
   merge_close(kind, verdicts, out);
   merge_small(kind, verdicts, out);
+  for (PatchCandidate& patch : out) {
+    if (patch.is_merged) place(kind, patch);
+  }
 }
 
 // Applies eq. (1) from the largest patch to the smallest: removes those that are too close to a larger one, merged with
 // it if they are its fragments.
-void PatchFinder::merge_close(const PatchKind& kind, Sightings& verdicts, ColorPatches& out) const {
+void PatchFinder::merge_close(const PatchKind& kind, Sightings& verdicts, ColorPatches& out) {
   const float reach = std::max(kK1 * kind.side_m, kHalvesApart * kind.length_m);
   std::size_t kept = 0;
   for (std::size_t i = 0; i < out.size(); ++i) {
@@ -274,7 +282,7 @@ void PatchFinder::merge_close(const PatchKind& kind, Sightings& verdicts, ColorP
 
 // Merges patches that are too small with a complete one at a distance below d1. Otherwise they are noise, or partly
 // visible patches.
-void PatchFinder::merge_small(const PatchKind& kind, Sightings& verdicts, ColorPatches& out) const {
+void PatchFinder::merge_small(const PatchKind& kind, Sightings& verdicts, ColorPatches& out) {
   std::size_t count = 0;
   for (std::size_t i = 0; i < out.size(); ++i) {
     const PatchCandidate patch = out[i];

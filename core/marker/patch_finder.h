@@ -39,6 +39,7 @@ struct PatchCandidate {
   bool has_rough_axis = false;  // axis_rad is valid, but the patch may be partly hidden
   bool is_split_part = false;
   bool is_partly_visible = false;  // too small for a complete patch, but possibly the visible part of one
+  bool is_merged = false;          // of several fragments
   std::uint16_t region = 0;
   ColorId color = kBackground;
 };
@@ -88,9 +89,9 @@ class PatchFinder {
   void place(const PatchKind& kind, PatchCandidate& patch) const;
   [[nodiscard]] bool is_isolated_noise(const PatchKind& kind, const Regions& regions, std::uint16_t number,
                                        std::span<const std::uint16_t> candidates, const ColorPatches& larger) const;
-  void merge_close(const PatchKind& kind, Sightings& verdicts, ColorPatches& out) const;
-  void merge_small(const PatchKind& kind, Sightings& verdicts, ColorPatches& out) const;
-  bool merge(const PatchKind& kind, const PatchCandidate& from, PatchCandidate& into, float largest_ratio) const;
+  static void merge_close(const PatchKind& kind, Sightings& verdicts, ColorPatches& out);
+  static void merge_small(const PatchKind& kind, Sightings& verdicts, ColorPatches& out);
+  static bool merge(const PatchKind& kind, const PatchCandidate& from, PatchCandidate& into, float largest_ratio);
   float field_axis(const PatchKind& kind, const PatchCandidate& patch, const RegionShape& shape) const;
 
   CameraModel camera_;

@@ -101,15 +101,18 @@ void PatchFinder::configure(const CameraModel& camera, const FieldParameters& fi
   }
 }
 
-// True for a region that is too small for a partly visible patch anywhere on the field, and too far from every larger
-// patch and every other region of its color to be a fragment. Most noise is rejected here, before it is projected to
-// the field.
+// True for a region that is too small for a partly visible patch anywhere on the field.
+bool PatchFinder::is_fragment(const PatchKind& kind, const Region& region) const {
+  return static_cast<float>(region.area_px) <
+         kMinVisibleRatio * kind.least_area_m2 * least_scale_px_per_m_ * least_scale_px_per_m_;
+}
+
+// True for a fragment that is too far from every larger patch and every other region of its color to belong to one.
+// Most noise is rejected here, before it is projected to the field.
 bool PatchFinder::is_isolated_noise(const PatchKind& kind, const Regions& regions, std::uint16_t number,
                                     std::span<const std::uint16_t> candidates,
                                     const ColorPatches& larger_patches) const {
   const Region& region = regions[number];
-  const float area = static_cast<float>(region.area_px);
-  if (area >= kMinVisibleRatio * kind.least_area_m2 * least_scale_px_per_m_ * least_scale_px_per_m_) return false;
   const float reach_m = kReachMargin * std::max(kind.side_m, kHalvesApart * kind.length_m);
   const auto is_near = [&](PixelPoint other, float scale_px_per_m) {
     const float du = other.u_px - region.centroid.u_px, dv = other.v_px - region.centroid.v_px;
@@ -130,7 +133,10 @@ void PatchFinder::place(const PatchKind& kind, PatchCandidate& patch) const {
   patch.at = {here, here};
   const std::size_t other = 1 - kind.plane;
   if (kind.height_m[other] != height) patch.at[other] = camera_.to_field(patch.center, kind.height_m[other]);
-  patch.scale_px_per_m = camera_.scale_px_per_m(here, height);
+}
+
+void PatchFinder::find_scale(const PatchKind& kind, PatchCandidate& patch) const {
+  patch.scale_px_per_m = camera_.scale_px_per_m(patch.at[kind.plane], kind.height_m[kind.plane]);
 }
 
 float PatchFinder::field_axis(const PatchKind& kind, const PatchCandidate& patch, const RegionShape& shape) const {
@@ -146,7 +152,8 @@ void PatchFinder::examine(const PatchKind& kind, const Runs& runs, const Regions
                           std::span<const std::uint16_t> candidates, std::uint16_t number, Sightings& verdicts,
                           SplitBudget& budget, ColorPatches& out) const {
   const Region& region = regions[number];
-  if (is_isolated_noise(kind, regions, number, candidates, out)) {
+  const bool is_small = is_fragment(kind, region);
+  if (is_small && is_isolated_noise(kind, regions, number, candidates, out)) {
     verdicts.verdicts[number] = Verdict::kTooSmall;
     return;
   }
@@ -160,6 +167,11 @@ void PatchFinder::examine(const PatchKind& kind, const Runs& runs, const Regions
     verdicts.verdicts[number] = Verdict::kOutsideField;
     return;
   }
+  if (is_small) {
+    out.push_back(patch);  // its ratio matters only if others are merged into it
+    return;
+  }
+  find_scale(kind, patch);
   const float square = patch.scale_px_per_m * patch.scale_px_per_m;
   const float of_largest = patch.area_px / (kind.largest_area_m2 * square);
   const float of_least = patch.area_px / (kind.least_area_m2 * square);
@@ -212,6 +224,7 @@ bool PatchFinder::split_touching(const PatchKind& kind, const Runs& runs, const 
     patch.ratio = std::min(1.0f, part.area_px / (kind.least_area_m2 * square));
     patch.is_split_part = true;
     place(kind, patch);
+    find_scale(kind, patch);
     if (!out.push_back(patch)) break;
   }
   return true;
@@ -219,8 +232,10 @@ bool PatchFinder::split_touching(const PatchKind& kind, const Runs& runs, const 
 
 // Weighted refinement (section 5, before eq. (3)): the mean of both centers, weighted by their areas. On the field it
 // is accurate enough for the distances to other fragments. find() places the patch exactly when it knows all of them.
-bool PatchFinder::merge(const PatchKind& kind, const PatchCandidate& from, PatchCandidate& into, float largest_ratio) {
+bool PatchFinder::merge(const PatchKind& kind, const PatchCandidate& from, PatchCandidate& into,
+                        float largest_ratio) const {
   const float area = into.area_px + from.area_px;
+  if (into.scale_px_per_m == 0.0f) find_scale(kind, into);
   const float square = into.scale_px_per_m * into.scale_px_per_m;
   if (area > largest_ratio * kind.largest_area_m2 * square) return false;
   const float share = from.area_px / area;
@@ -247,13 +262,15 @@ void PatchFinder::find(const PatchKind& kind, const Runs& runs, const Regions& r
   merge_close(kind, verdicts, out);
   merge_small(kind, verdicts, out);
   for (PatchCandidate& patch : out) {
-    if (patch.is_merged) place(kind, patch);
+    if (!patch.is_merged) continue;
+    place(kind, patch);
+    find_scale(kind, patch);
   }
 }
 
 // Applies eq. (1) from the largest patch to the smallest: removes those that are too close to a larger one, merged with
 // it if they are its fragments.
-void PatchFinder::merge_close(const PatchKind& kind, Sightings& verdicts, ColorPatches& out) {
+void PatchFinder::merge_close(const PatchKind& kind, Sightings& verdicts, ColorPatches& out) const {
   const float reach = std::max(kK1 * kind.side_m, kHalvesApart * kind.length_m);
   std::size_t kept = 0;
   for (std::size_t i = 0; i < out.size(); ++i) {
@@ -282,7 +299,7 @@ void PatchFinder::merge_close(const PatchKind& kind, Sightings& verdicts, ColorP
 
 // Merges patches that are too small with a complete one at a distance below d1. Otherwise they are noise, or partly
 // visible patches.
-void PatchFinder::merge_small(const PatchKind& kind, Sightings& verdicts, ColorPatches& out) {
+void PatchFinder::merge_small(const PatchKind& kind, Sightings& verdicts, ColorPatches& out) const {
   std::size_t count = 0;
   for (std::size_t i = 0; i < out.size(); ++i) {
     const PatchCandidate patch = out[i];

@@ -32,8 +32,8 @@ struct PatchCandidate {
   PixelPoint center;
   std::array<FieldPoint, 2> at{};  // by Team: projection to the plane of that team's patches
   float area_px = 0;
-  float ratio = 0;  // area / expected area
-  float scale_px_per_m = 0;
+  float ratio = 0;              // area / expected area
+  float scale_px_per_m = 0;     // 0: a fragment, of which it is not needed
   float axis_rad = 0;           // direction of the longer side on the field, modulo pi
   bool has_axis = false;        // the shape is that of one complete patch
   bool has_rough_axis = false;  // axis_rad is valid, but the patch may be partly hidden
@@ -87,11 +87,13 @@ class PatchFinder {
                       const PatchCandidate& whole, float ratio_to_largest, SplitBudget& budget,
                       ColorPatches& out) const;
   void place(const PatchKind& kind, PatchCandidate& patch) const;
+  void find_scale(const PatchKind& kind, PatchCandidate& patch) const;
+  [[nodiscard]] bool is_fragment(const PatchKind& kind, const Region& region) const;
   [[nodiscard]] bool is_isolated_noise(const PatchKind& kind, const Regions& regions, std::uint16_t number,
                                        std::span<const std::uint16_t> candidates, const ColorPatches& larger) const;
-  static void merge_close(const PatchKind& kind, Sightings& verdicts, ColorPatches& out);
-  static void merge_small(const PatchKind& kind, Sightings& verdicts, ColorPatches& out);
-  static bool merge(const PatchKind& kind, const PatchCandidate& from, PatchCandidate& into, float largest_ratio);
+  void merge_close(const PatchKind& kind, Sightings& verdicts, ColorPatches& out) const;
+  void merge_small(const PatchKind& kind, Sightings& verdicts, ColorPatches& out) const;
+  bool merge(const PatchKind& kind, const PatchCandidate& from, PatchCandidate& into, float largest_ratio) const;
   float field_axis(const PatchKind& kind, const PatchCandidate& patch, const RegionShape& shape) const;
 
   CameraModel camera_;

@@ -58,6 +58,80 @@ TEST(FisherInformation, IsZeroForNoiseAlone) {
   EXPECT_LT(std::abs(i.vv), 60.0);
 }
 
+// A slanted edge of 80 levels with a Gaussian blur of 0.7 pixels.
+double slanted_edge(double u, double v) {
+  return 80.0 +
+         40.0 * std::erf((std::cos(0.4) * (u - 32.0) + std::sin(0.4) * (v - 24.0)) / (0.7 * std::numbers::sqrt2));
+}
+
+// Along its normal: the squared slope's integral over the edge's blur, for an edge of 2 * 10 pixels.
+double information_of_the_edge(double values_per_pixel) {
+  const double across = 80.0 * 80.0 / (2.0 * std::sqrt(std::numbers::pi) * 0.7);
+  return values_per_pixel * 20.0 * across / (kSigma * kSigma + 1.0 / 12.0);
+}
+
+TEST(FisherInformation, DoesNotDependOnTheDistanceOfPixels) {
+  const StaticPictures pictures = pictures_of(12, slanted_edge);
+  EXPECT_FALSE(pictures.is_bayer());
+  EXPECT_NEAR(pictures.correlation(), 1.0, 0.05);
+  const StaticPictures::FisherInformation i = pictures.fisher_information({32.0, 24.0}, 10.0);
+  EXPECT_NEAR((i.uu + i.vv) / information_of_the_edge(3.0), 1.0, 0.12);
+}
+
+// Each pixel measures one color; bilinear interpolation of the others adds nothing.
+TEST(FisherInformation, InterpolatedColorsAreNoInformation) {
+  std::mt19937 random(5);
+  StaticPictures pictures(kWidth, kHeight);
+  const auto color = [](std::size_t u, std::size_t v) { return v % 2 == u % 2 ? 2 * (v % 2) : 1; };
+  for (int picture = 0; picture < 12; ++picture) {
+    const std::vector<std::uint8_t> all = noisy(random, slanted_edge);
+    std::vector<std::uint8_t> rgb = all;
+    for (std::size_t v = 1; v + 1 < kHeight; ++v) {
+      for (std::size_t u = 1; u + 1 < kWidth; ++u) {
+        for (std::size_t c = 0; c < 3; ++c) {
+          if (color(u, v) == c) continue;
+          double sum = 0.0, count = 0.0;
+          for (std::size_t y = v - 1; y <= v + 1; ++y) {
+            for (std::size_t x = u - 1; x <= u + 1; ++x) {
+              if (color(x, y) != c) continue;
+              sum += all[3 * (y * kWidth + x) + c];
+              count += 1.0;
+            }
+          }
+          rgb[3 * (v * kWidth + u) + c] = static_cast<std::uint8_t>(std::lround(sum / count));
+        }
+      }
+    }
+    pictures.add(rgb);
+  }
+  pictures.estimate_noise();
+  EXPECT_TRUE(pictures.is_bayer());
+  EXPECT_NEAR(pictures.correlation(), 1.0, 0.08);
+  const StaticPictures::FisherInformation i = pictures.fisher_information({32.0, 24.0}, 10.0);
+  EXPECT_NEAR((i.uu + i.vv) / information_of_the_edge(1.0), 1.0, 0.15);
+}
+
+// Where pairs of columns share their noise, they say half as much.
+TEST(FisherInformation, SharedNoiseIsLessInformation) {
+  std::mt19937 random(7);
+  StaticPictures pictures(kWidth, kHeight);
+  for (int picture = 0; picture < 12; ++picture) {
+    std::vector<std::uint8_t> rgb = noisy(random, [](double, double) { return 100.0; });
+    for (std::size_t i = 0; i < rgb.size(); ++i) {
+      const std::size_t u = i / 3 % kWidth;
+      if (u % 2 == 1) rgb[i] = rgb[i - 3];
+    }
+    for (std::size_t i = 0; i < rgb.size(); ++i) {
+      rgb[i] = static_cast<std::uint8_t>(rgb[i] + 2 * (i / 3 % kWidth));
+    }
+    pictures.add(rgb);
+  }
+  pictures.estimate_noise();
+  EXPECT_NEAR(pictures.correlation(), 2.0, 0.15);
+  const StaticPictures::FisherInformation i = pictures.fisher_information({32.0, 24.0}, 10.0);
+  EXPECT_NEAR(i.uu / (3.0 * 317.0 * 4.0 / (kSigma * kSigma + 1.0 / 12.0)), 0.5, 0.1);
+}
+
 class CramerRaoBound : public ::testing::Test {
  protected:
   void SetUp() override {

@@ -19,8 +19,6 @@ namespace {
 
 // A variance estimated from two pictures would be too uncertain.
 constexpr std::size_t kLeastPictures = 3;
-// Variance of a rounded value without other noise.
-constexpr double kRoundingVariance = 1.0 / 12.0;
 
 // Poses and patch centers of one robot in all results.
 struct StaticRobot {
@@ -166,58 +164,6 @@ std::map<std::string, StaticRobot> static_robots(const std::vector<FrameRecord>&
 }
 
 }  // namespace
-
-StaticPictures::StaticPictures(std::size_t width_px, std::size_t height_px)
-    : width_(width_px), height_(height_px), mean_(3 * width_px * height_px), squares_(mean_.size()) {}
-
-void StaticPictures::add(const std::vector<std::uint8_t>& rgb) {
-  ++count_;
-  for (std::size_t i = 0; i < mean_.size(); ++i) {
-    const double value = rgb[i], before = value - mean_[i];
-    mean_[i] += before / static_cast<double>(count_);
-    squares_[i] += before * (value - mean_[i]);
-  }
-}
-
-void StaticPictures::estimate_noise() {
-  std::array<std::array<double, kLevels>, 3> pixels{};
-  variance_ = {};
-  for (std::size_t i = 0; i < mean_.size(); ++i) {
-    const std::size_t level = level_of(mean_[i]);
-    variance_[i % 3][level] += squares_[i] / static_cast<double>(count_ - 1);
-    pixels[i % 3][level] += 1.0;
-  }
-  for (std::size_t c = 0; c < 3; ++c) {
-    for (std::size_t level = 0; level < kLevels; ++level) {
-      variance_[c][level] = std::max(kRoundingVariance, variance_[c][level] / std::max(1.0, pixels[c][level]));
-    }
-  }
-}
-
-StaticPictures::FisherInformation StaticPictures::fisher_information(Vector2 center_px, double radius_px) const {
-  FisherInformation sum;
-  const double n = static_cast<double>(count_);
-  for (std::size_t v = 1; v + 1 < height_; ++v) {
-    const double dv = static_cast<double>(v) - center_px.y;
-    if (std::abs(dv) > radius_px) continue;
-    for (std::size_t u = 1; u + 1 < width_; ++u) {
-      const double du = static_cast<double>(u) - center_px.x;
-      if (du * du + dv * dv > radius_px * radius_px) continue;
-      for (std::size_t c = 0; c < 3; ++c) {
-        const double here = mean(u, v, c);
-        const double right = mean(u + 1, v, c) - here, left = here - mean(u - 1, v, c);
-        const double below = mean(u, v + 1, c) - here, above = here - mean(u, v - 1, c);
-        const double variance = variance_[c][level_of(here)];
-        // The mean of both one-sided squares preserves the height of a steep edge. The expectation of each includes a
-        // noise term of 2 variance / n.
-        sum.uu += 0.5 * (right * right + left * left) / variance - 2.0 / n;
-        sum.vv += 0.5 * (below * below + above * above) / variance - 2.0 / n;
-        sum.uv += 0.25 * (right + left) * (below + above) / variance;
-      }
-    }
-  }
-  return sum;
-}
 
 Result<std::vector<PoseBound>> cramer_rao_bounds(const std::vector<FrameRecord>& results, const std::string& folder,
                                                  const BoundInputs& inputs) {

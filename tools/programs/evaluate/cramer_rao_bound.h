@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <array>
 #include <cstdint>
 #include <optional>
@@ -14,40 +15,72 @@
 // The Cramer-Rao bound: the smallest possible error of a robot's pose, given the noise of the pictures.
 namespace touchline::evaluate {
 
-/// Mean and noise of pictures of a stationary scene. Memory: 48 bytes per pixel.
+/// Mean and noise of pictures of a stationary scene. Memory: 48 bytes per pixel, and 3 per pixel of each picture.
 class StaticPictures {
  public:
   StaticPictures(std::size_t width_px, std::size_t height_px);
 
   /// Adds a picture. `rgb`: R, G, B interleaved, rows without padding, 3 * width * height values.
-  void add(const std::vector<std::uint8_t>& rgb);
-  [[nodiscard]] std::size_t count() const { return count_; }
-  /// Estimates the variance of each channel as a function of its mean value, pooled over all pixels of a similar value:
-  /// from twelve pictures, the variance of a single pixel is known only to 40 %. The result is at least the variance of
-  /// rounding, 1/12. Call once after the last add().
+  void add(std::vector<std::uint8_t> rgb);
+  [[nodiscard]] std::size_t count() const { return pictures_.size(); }
+  /// Estimates the noise. Call once after the last add().
+  ///
+  /// The variance of each channel is a function of its mean value, pooled over all pixels of a similar value: from
+  /// twelve pictures, the variance of a single pixel is known only to 40 %. It is at least that of rounding, 1/12.
+  ///
+  /// Behind a Bayer pattern, two thirds of the values are interpolated from the others and say nothing new. They have
+  /// less noise, which tells where each color was measured; then only the measured values count.
+  ///
+  /// The noise of values that count may still be correlated, as after JPEG, or where pixels share chroma. Edges are
+  /// long, so the spectral density of the noise at low frequencies counts: the sum of its correlations with the
+  /// neighbors.
   void estimate_noise();
+  /// True if a Bayer pattern was found.
+  [[nodiscard]] bool is_bayer() const { return step_ == 2; }
+  /// Ratio of this spectral density to that of independent noise, mean of the channels.
+  [[nodiscard]] double correlation() const { return density_.trace() / 3.0; }
 
   /// Fisher information (1 / px^2) about a small shift of the image content within `radius_px` of a point: the sum over
-  /// pixels and channels of g g' / variance, where g is the gradient of the mean picture. The noise that remains in the
-  /// mean is subtracted from the squared gradient. Noise is assumed to be independent between pixels. Cameras that
-  /// interpolate colors violate this, and the true bound is somewhat higher.
+  /// values of g g' / variance, where g is the gradient of the mean picture. The noise that remains in the mean is
+  /// subtracted from the squared gradient.
+  ///
+  /// A difference between values at the distance h is less steep than the edge between them: the information of an edge
+  /// with a Gaussian blur of the variance s^2 is proportional to (s^2 + h^2 / 12)^(-1/2). Two distances, h and 2 h,
+  /// give that of h = 0.
   struct FisherInformation {
     double uu = 0.0, uv = 0.0, vv = 0.0;
   };
   [[nodiscard]] FisherInformation fisher_information(Vector2 center_px, double radius_px) const;
 
  private:
-  static constexpr std::size_t kLevels = 32;
+  static constexpr std::size_t kLevels = 32, kReach = 2;
+  using Channels = Eigen::Matrix3d;
+
   [[nodiscard]] double mean(std::size_t u, std::size_t v, std::size_t channel) const {
     return mean_[(v * width_ + u) * 3 + channel];
   }
   [[nodiscard]] static std::size_t level_of(double value) {
     return static_cast<std::size_t>(value * static_cast<double>(kLevels) / 256.0);
   }
+  [[nodiscard]] bool is_measured(std::size_t u, std::size_t v, std::size_t channel) const {
+    return measured_[channel][2 * (v % 2) + u % 2];
+  }
+  [[nodiscard]] double deviation(std::size_t u, std::size_t v, std::size_t channel) const;
+  void find_bayer_pattern();
+  void estimate_variance();
+  void estimate_correlation();
+  // Mean product of the noise at pixels this far apart, relative to the standard deviations.
+  [[nodiscard]] Channels correlation_at(std::ptrdiff_t du, std::ptrdiff_t dv) const;
+  [[nodiscard]] FisherInformation information_at(Vector2 center_px, double radius_px, std::size_t distance) const;
 
-  std::size_t width_, height_, count_ = 0;
+  std::size_t width_, height_, step_ = 1;  // step: distance of values of one color
+  std::vector<std::vector<std::uint8_t>> pictures_;
   std::vector<double> mean_, squares_;  // Welford's algorithm
   std::array<std::array<double, kLevels>, 3> variance_{};
+  std::array<std::array<bool, 4>, 3> measured_{};  // by the pixel's place in a square of 2 x 2
+  Channels density_ = Channels::Identity();
+  // Of noise between a pixel and its neighbors at the distance of one and two steps, along u and v.
+  std::array<std::array<Channels, 2>, kReach> neighbors_{};
 };
 
 /// Smallest standard deviations of any unbiased estimator for one stationary robot, and the measured ones.

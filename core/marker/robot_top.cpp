@@ -31,7 +31,9 @@ FixedVector<RobotTop, kMaxRobots> tops_near(FieldPoint ball, const CameraModel& 
     const PixelPoint left = camera.to_pixel({at.x_m - s, at.y_m + c}, height_m);
     tops.push_back(
         {center,
-         {{{ahead.u_px - center.u_px, ahead.v_px - center.v_px}, {left.u_px - center.u_px, left.v_px - center.v_px}}}});
+         {{{ahead.u_px - center.u_px, ahead.v_px - center.v_px}, {left.u_px - center.u_px, left.v_px - center.v_px}}},
+         camera.to_pixel(at, 0.0f),
+         height_m});
   }
   return tops;
 }

@@ -13,6 +13,8 @@ namespace touchline {
 struct RobotTop {
   PixelPoint center;
   std::array<PixelPoint, 2> half_side;  // from the center to the middle of two adjacent sides
+  PixelPoint foot;                      // center of the robot's square on the floor
+  float height_m = 0;
 };
 
 /// Size of a team's robots; a side of 0: they are unknown and hide nothing.

@@ -4,6 +4,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <span>
 
 namespace touchline {
@@ -18,19 +19,37 @@ constexpr float kSmallStepPx = 0.2f;
 // Range of the factor by which steps are too short; above 1 only for small ones.
 constexpr float kLeastScaled = 0.4f, kMostScaled = 3.3f;
 constexpr float kMaxStepPx = 1.5f;
-// Error of a pixel, as a fraction of the ball's own light, at which its weight is one half.
-constexpr float kHalfWeightError = 0.2f;
+// Error of a pixel, as a fraction of the mean of the ball's own light, at which its weight is one half.
+constexpr float kHalfWeightError = 0.26f;
+// Number of completely covered pixels that a light without a dependence on the normal counts like: in b0, and in the
+// parts of b along the picture and along the line of sight. A ball of which little is seen has no other shading.
+constexpr std::array<float, kShadeTerms> kEvenLight{1e-3f, 0.1f, 0.1f, 0.05f};
+// Weight of the center at which the fit begins, relative to the squared error of a pixel with the weight one half: a
+// standard deviation of 0.2 radii against errors of 0.16 of the ball's light, which neighboring pixels share.
+constexpr float kStartWeight = 10.0f, kStartSigma = 0.2f;
+// Determinant of the normal matrix, relative to the squared trace without the shading, below which the shading is not
+// fitted together with the center.
+constexpr float kLeastDeterminant = 1e-5f;
 // Minimum mean weight of the covered pixels. A ball that is half hidden by a robot still reaches it.
 constexpr float kMinFittingFraction = 0.4f;
 // The same of a ball that only known robots hide: all pixels that count show it.
 constexpr float kMinFittingBesideTops = 0.7f;
+// The same of a fit that cannot be much better; else other centers are tried, at this distance in radii.
+constexpr float kClearFit = 0.85f, kOtherStart = 0.3f;
+// Largest share of the ball that robots leave when other centers are tried. They are not tried for a ball so large that
+// not all of its pixels are sampled: it shows enough.
+constexpr float kLittleSeen = 0.6f, kLargeRadiusPx = 14.0f;
 // Largest error of a center, in radii, if no pixel fits.
 constexpr float kErrorWithoutFit = 2.0f;
 // Largest correction in radii. Shading hides at most the side that the lamp does not reach.
 constexpr float kMaxCorrection = 0.6f;
 
-// The robot's edge is as blurred as the ball's.
-constexpr float kHidingMarginPx = 0.5f * kRampPx;
+// Width of the outline: at the beginning, of one pixel with a sharp lens, and the largest one.
+constexpr float kFirstRampPx = 2.0f, kLeastRampPx = 1.2f, kMostRampPx = 2.8f;
+// Pixels this far from a robot's top may still show it.
+constexpr float kHidingMarginPx = 0.3f;
+// A viewing ray that falls more steeply along a robot, in half sides, counts as vertical.
+constexpr float kLeastFall = 1e-3f;
 // Ratio of the variance of the center to that of a fit whose pixels have independent errors: those of neighboring
 // pixels have the same cause. Measured in the arena (tests/tools/motion_evaluation_test.cpp).
 constexpr float kNeighborsAlike = 2.0f;
@@ -45,7 +64,7 @@ class BallCenterFit::Solver {
  public:
   Solver(const FitKernel& kernel, const CameraModel& camera, float radius_m, const Frame& frame,
          const BallSighting& ball, std::span<const RobotTop> tops, BallDisk& disk)
-      : kernel_(kernel), frame_(frame), disk_(disk) {
+      : kernel_(kernel), frame_(frame), disk_(disk), radius_m_(radius_m) {
     // Two directions perpendicular to the line of sight: a horizontal one, and the one perpendicular to both.
     const Ray ray = camera.ray(ball.center);
     const std::array<float, 3>& d = ray.direction;
@@ -69,7 +88,18 @@ class BallCenterFit::Solver {
              {axis[1].v_px / determinant, -axis[1].u_px / determinant, -axis[0].v_px / determinant,
               axis[0].u_px / determinant},
              std::sqrt(std::abs(determinant)),
+             kFirstRampPx,
+             {},
              {}};
+    const FieldPoint under = camera.to_field(ball.center, 0.0f);
+    const auto direction = [&](float x_m, float y_m) {
+      const PixelPoint there = camera.to_pixel({under.x_m + x_m, under.y_m + y_m}, 0.0f);
+      const PixelPoint back = camera.to_pixel({under.x_m - x_m, under.y_m - y_m}, 0.0f);
+      const float u = there.u_px - back.u_px, v = there.v_px - back.v_px;
+      const Step way{view_.inverse[0] * u + view_.inverse[1] * v, view_.inverse[2] * u + view_.inverse[3] * v};
+      return std::array{way[0] / way.norm(), way[1] / way.norm()};
+    };
+    view_.lines = {direction(radius_m, 0.0f), direction(0.0f, radius_m)};
     for (const RobotTop& top : tops) add(top);
   }
 
@@ -77,10 +107,20 @@ class BallCenterFit::Solver {
   bool run() {
     if (!(view_.radius_px >= kMinRadiusPx) || !std::isfinite(view_.radius_px)) return false;
     const PixelPoint start = view_.center;
-    float step_px = 2.0f * kConvergedPx;
-    for (int iteration = 0; iteration < kMaxBallIterations && step_px > kConvergedPx; ++iteration) {
-      if (!sample() || !shade() || !step(step_px)) return false;
+    Outcome best = converge_from(start);
+    if (!view_.tops.empty() && best.fitting < kClearFit && best.seen < kLittleSeen &&
+        view_.radius_px < kLargeRadiusPx) {
+      // Where robots leave little of the ball, the first center may be far from the best one.
+      for (const PixelPoint& axis : view_.axis) {
+        for (const float way : {-kOtherStart, kOtherStart}) {
+          const Outcome other = converge_from({start.u_px + way * axis.u_px, start.v_px + way * axis.v_px});
+          if (other.fitting > best.fitting) best = other;
+        }
+      }
     }
+    view_.center = best.center;
+    fitting_ = best.fitting;
+    sigma_ = best.sigma;
     const float moved = std::hypot(center().u_px - start.u_px, center().v_px - start.v_px);
     return moved <= kMaxCorrection * view_.radius_px &&
            fitting_ >= (view_.tops.empty() ? kMinFittingFraction : kMinFittingBesideTops);
@@ -91,6 +131,27 @@ class BallCenterFit::Solver {
   [[nodiscard]] float sigma() const { return sigma_; }
 
  private:
+  struct Outcome {
+    PixelPoint center;
+    float fitting = 0, sigma = 0;  // fitting: 0 if there is no center
+    float seen = 0;                // share of the ball that counts
+  };
+
+  Outcome converge_from(PixelPoint start) {
+    view_.center = start;
+    view_.ramp_px = kFirstRampPx;
+    moved_.setZero();
+    found_.setZero();
+    taken_.setZero();
+    is_sampled_ = false;
+    shading_ = {};
+    float step_px = 2.0f * kConvergedPx;
+    for (int iteration = 0; iteration < kMaxBallIterations && step_px > kConvergedPx; ++iteration) {
+      if (!sample() || !shade() || !step(step_px)) return {};
+    }
+    return {view_.center, fitting_, sigma_, seen_};
+  }
+
   // Adds a top that the ball reaches.
   void add(const RobotTop& top) {
     const PixelPoint &a = top.half_side[0], &b = top.half_side[1];
@@ -98,17 +159,27 @@ class BallCenterFit::Solver {
     const float length_a = std::hypot(a.u_px, a.v_px), length_b = std::hypot(b.u_px, b.v_px);
     const float apart = std::hypot(top.center.u_px - view_.center.u_px, top.center.v_px - view_.center.v_px);
     if (!(std::abs(determinant) > 1e-6f) || !(apart < length_a + length_b + 2.0f * view_.radius_px)) return;
-    view_.tops.push_back({top.center,
-                          {b.v_px / determinant, -b.u_px / determinant, -a.v_px / determinant, a.u_px / determinant},
-                          1.0f + kHidingMarginPx / length_a,
-                          1.0f + kHidingMarginPx / length_b});
+    HidingTop hiding;
+    hiding.center = top.center;
+    hiding.inverse = {b.v_px / determinant, -b.u_px / determinant, -a.v_px / determinant, a.u_px / determinant};
+    hiding.reach_x = 1.0f + kHidingMarginPx / length_a;
+    hiding.reach_y = 1.0f + kHidingMarginPx / length_b;
+    // Below the ball's top, a ray that meets the robot may have met the ball before.
+    const float down = std::max(0.0f, 1.0f - 2.0f * radius_m_ / top.height_m);
+    const float u = down * (top.center.u_px - top.foot.u_px), v = down * (top.center.v_px - top.foot.v_px);
+    const auto inverted = [](float fall) { return 1.0f / (std::abs(fall) > kLeastFall ? fall : kLeastFall); };
+    hiding.per_fall_x = inverted(hiding.inverse[0] * u + hiding.inverse[1] * v);
+    hiding.per_fall_y = inverted(hiding.inverse[2] * u + hiding.inverse[3] * v);
+    view_.tops.push_back(hiding);
   }
 
   // Collects the ball's pixels, or keeps them after small steps.
   bool sample() {
-    const float moved = std::hypot(center().u_px - sampled_at_.u_px, center().v_px - sampled_at_.v_px);
+    const float moved = std::hypot(center().u_px - sampled_at_.u_px, center().v_px - sampled_at_.v_px) +
+                        0.5f * std::max(0.0f, view_.ramp_px - sampled_ramp_px_);
     if (!is_sampled_ || !(moved <= kKeptSamplesPx)) {
       sampled_at_ = center();
+      sampled_ramp_px_ = view_.ramp_px;
       return is_sampled_ = kernel_.sample_ball(frame_, view_, disk_);
     }
     kernel_.move_ball(view_, disk_);
@@ -125,24 +196,27 @@ class BallCenterFit::Solver {
         sums(row, column) = sums(column, row) = found.normal[i][j];
       }
     }
-    // If one side is hidden, a direction of b is undetermined. A small regularization does not harm the others.
-    sums.diagonal().array() += 1e-4f * sums(0, 0) + 1e-9f;
+    // If one side is hidden, a direction of b is undetermined.
+    sums.diagonal() += Terms::Map(kEvenLight.data());
     inverse_normal_ = sums.cast<double>().inverse().cast<float>();
     shading_.allowed = 0;
     for (std::size_t c = 0; c < kLightChannels; ++c) {
       std::array<float, kShadeTerms>& of = shading_.of[c];
       Terms::Map(of.data()) = inverse_normal_ * Terms::Map(found.right[c].data());
-      const float facing = of[0] + of[3];
-      shading_.allowed += kHalfWeightError * kHalfWeightError * facing * facing;
+      // The mean: a part that is hidden has no known light.
+      const float light = found.right[c][0] / found.normal[0][0];
+      shading_.allowed += kHalfWeightError * kHalfWeightError * light * light;
     }
     return shading_.allowed > 0.0f;
   }
 
   bool step(float& step_px) {
-    const BallOutlineEquations sums = kernel_.accumulate_outline(disk_, shading_, view_.radius_px);
+    const BallOutlineEquations sums = kernel_.accumulate_outline(disk_, shading_, view_);
     if (sums.covered <= 0.0f) return false;
     fitting_ = sums.fitting / sums.covered;
-    float xx = sums.edge.xx, xy = sums.edge.xy, yy = sums.edge.yy;
+    seen_ = sums.covered / (std::numbers::pi_v<float> * view_.radius_px * view_.radius_px);
+    const float prior = kStartWeight * shading_.allowed;
+    float xx = sums.edge.xx + prior, xy = sums.edge.xy, yy = sums.edge.yy + prior;
     const float scale = xx + yy;
     // Project out the changes that different shading would explain as well.
     for (std::size_t c = 0; c < kLightChannels; ++c) {
@@ -152,20 +226,31 @@ class BallCenterFit::Solver {
       xy -= by_x.dot(solved_y);
       yy -= by_y.dot(solved_y);
     }
+    if (!(xx > 0.0f && xx * yy - xy * xy > kLeastDeterminant * scale * scale)) {
+      xx = sums.edge.xx + prior;
+      xy = sums.edge.xy;
+      yy = sums.edge.yy + prior;
+    }
     const float determinant = xx * yy - xy * xy;
-    if (!(determinant > 1e-4f * scale * scale)) return false;
+    if (!(determinant > 0.0f)) return false;
     // Half the trace of N^-1 P N^-1 with the normal matrix N and the pulls P.
+    const float start_pull = prior * prior * kStartSigma * kStartSigma;
     const float by_xx = yy * yy + xy * xy, by_yy = xx * xx + xy * xy, by_xy = -xy * (xx + yy);
-    const float pulled = by_xx * sums.pull_xx + 2.0f * by_xy * sums.pull_xy + by_yy * sums.pull_yy;
+    const float pulled =
+        by_xx * (sums.pull_xx + start_pull) + 2.0f * by_xy * sums.pull_xy + by_yy * (sums.pull_yy + start_pull);
     sigma_ = std::hypot(std::sqrt(std::max(0.0f, 0.5f * kNeighborsAlike * pulled)) / determinant,
                         kErrorWithoutFit * (1.0f - fitting_) * (1.0f - fitting_));
-    Step by{(yy * sums.edge.rx - xy * sums.edge.ry) / determinant,
-            (xx * sums.edge.ry - xy * sums.edge.rx) / determinant};
-    by = scaled(by);
+    const float rx = sums.edge.rx - prior * moved_[0], ry = sums.edge.ry - prior * moved_[1];
+    const Step by = scaled({(yy * rx - xy * ry) / determinant, (xx * ry - xy * rx) / determinant});
     step_px = by.norm() * view_.radius_px;
-    if (step_px > kMaxStepPx) by *= kMaxStepPx / step_px;
-    view_.center.u_px += view_.axis[0].u_px * by[0] + view_.axis[1].u_px * by[1];
-    view_.center.v_px += view_.axis[0].v_px * by[0] + view_.axis[1].v_px * by[1];
+    const Step limited = step_px > kMaxStepPx ? Step(by * (kMaxStepPx / step_px)) : by;
+    moved_ += limited;
+    view_.center.u_px += view_.axis[0].u_px * limited[0] + view_.axis[1].u_px * limited[1];
+    view_.center.v_px += view_.axis[0].v_px * limited[0] + view_.axis[1].v_px * limited[1];
+    if (sums.ramp_power > 0.0f) {
+      const float wider = view_.radius_px * sums.ramp_pull / sums.ramp_power;
+      view_.ramp_px = std::clamp(view_.ramp_px + wider, kLeastRampPx, kMostRampPx);
+    }
     return true;
   }
 
@@ -185,10 +270,13 @@ class BallCenterFit::Solver {
   const FitKernel& kernel_;
   const Frame& frame_;
   BallDisk& disk_;
+  float radius_m_;
   BallView view_;
+  float fitting_ = 0, sigma_ = 0, seen_ = 0;
   PixelPoint sampled_at_;
+  float sampled_ramp_px_ = 0;
   bool is_sampled_ = false;
-  float fitting_ = 0, sigma_ = 0;
+  Step moved_ = Step::Zero();                         // since the beginning, in radii
   Step found_ = Step::Zero(), taken_ = Step::Zero();  // in radii: before and after scaling
   Normal inverse_normal_;
   BallShading shading_;  // of the previous iteration until shade() finds new ones

@@ -18,9 +18,12 @@ namespace touchline {
 ///   w (b0 + b . n) + (1 - w) O,
 /// where O is the light of the surroundings just outside the ball. For a given center, the best b is the solution of a
 /// linear problem. The center is found by Gauss-Newton with the linear part projected out (variable projection, Kaufman
-/// 1975). Pixels that do not fit have a lower weight, and so do those on the outline where O differs from the floor
-/// around the rest of the ball: a line, a wall or a robot begins somewhere under the ball. Pixels on the tops of the
-/// robots that were seen do not count, because they hide the ball.
+/// 1975). The width of the edge, over which w changes from 0 to 1, is fitted at the same time. Pixels that do not fit
+/// have a lower weight, and so do those on the outline where O differs from the floor around the rest of the ball: a
+/// line, a wall or a robot begins somewhere under the ball. Lines and walls are parallel to the field's axes, so an O
+/// that is the same on both sides of the ball along an axis is known between. Pixels of the robots that were seen do
+/// not count where they hide the ball. If they leave too little of it, its shading and its place are not far from the
+/// expected ones.
 ///
 /// The covariance of the center follows from the errors that the pixels really have, without the assumption that they
 /// are equal (the sandwich estimator: White 1980), because most of them come from the surroundings and the shading.

@@ -16,6 +16,9 @@ namespace touchline {
 /// Number of pixels that are processed together.
 constexpr int kLanes = 8;
 
+// Width of an edge: one pixel, and 1.5 pixels for the blur of lens and Bayer pattern.
+constexpr float kRampPx = 2.5f;
+
 /// Eight values in memory.
 struct alignas(32) StoredFloat8 {
   std::array<float, kLanes> value;
@@ -89,11 +92,12 @@ constexpr std::size_t kShadeTerms = 4, kLightChannels = 3;
 /// Robots that touch one ball in a picture.
 constexpr std::size_t kMaxHidingTops = 4;
 
-/// The top of a robot that may hide a part of the ball.
+/// A robot that may hide a part of the ball: with its top, or with a side that the camera sees.
 struct HidingTop {
   PixelPoint center;
-  std::array<float, 4> inverse{};  // from pixels to half sides
-  float reach_x = 0, reach_y = 0;  // half size of what the top's pixels may show, in half sides
+  std::array<float, 4> inverse{};        // from pixels to half sides
+  float reach_x = 0, reach_y = 0;        // half size of what the top's pixels may show, in half sides
+  float per_fall_x = 0, per_fall_y = 0;  // 1 / motion of a viewing ray in half sides from the top down to the ball
 };
 
 /// A ball's outline in one picture.
@@ -102,6 +106,8 @@ struct BallView {
   std::array<PixelPoint, 2> axis{};  // projections of two radii perpendicular to the line of sight
   std::array<float, 4> inverse{};    // from pixels to radii
   float radius_px = 0;
+  float ramp_px = 0;  // width of the outline, over which the covered fraction changes from 0 to 1
+  std::array<std::array<float, 2>, 2> lines{};  // directions of the field's axes, unit vectors in the ball's axes
   FixedVector<HidingTop, kMaxHidingTops> tops;
 };
 
@@ -111,7 +117,7 @@ struct BallPixels {
   StoredFloat8 u, v;
   std::array<StoredFloat8, kLightChannels> light;
   StoredFloat8 counts;  // 1, or 0 for a pixel that is not used
-  StoredFloat8 apart2;  // squared distance of O from the light of most surroundings
+  StoredFloat8 apart2;  // squared light by which O may be wrong
   // Following from the ball's center.
   StoredFloat8 coverage;                             // w; 0 if the pixel is not used
   std::array<StoredFloat8, kShadeTerms - 1> slopes;  // w n
@@ -140,6 +146,7 @@ struct BallOutlineEquations {
   std::array<std::array<float, kShadeTerms>, kLightChannels> shared_x{}, shared_y{};  // derivatives times terms
   float fitting = 0, covered = 0;  // sum of the covered fractions, with and without the weights of their errors
   float pull_xx = 0, pull_xy = 0, pull_yy = 0;  // (w r s)^2: the squared contributions to rx and ry
+  float ramp_power = 0, ramp_pull = 0;          // w s s and w r s for the ramp's width, in radii
 };
 
 /// Frames must be ones that the scan accepted, and wider than one pixel.
@@ -152,10 +159,10 @@ struct FitKernel {
   CenterEquations (*accumulate_edge)(const EdgeFitTask& task);
   /// Collects the pixels of the ball. False if there are too many.
   bool (*sample_ball)(const Frame& frame, const BallView& ball, BallDisk& disk);
-  /// Moves the outline over the collected pixels to a center at most kKeptSamplesPx from the one of sample_ball().
+  /// Moves the outline over the collected pixels, at most by kKeptSamplesPx from where it was in sample_ball().
   void (*move_ball)(const BallView& ball, BallDisk& disk);
   ShadingEquations (*accumulate_shading)(const BallDisk& disk, const BallShading& before);
-  BallOutlineEquations (*accumulate_outline)(const BallDisk& disk, const BallShading& shading, float radius_px);
+  BallOutlineEquations (*accumulate_outline)(const BallDisk& disk, const BallShading& shading, const BallView& ball);
 };
 
 /// The kernel of the chosen instruction set; the portable one if this processor lacks the set. All kernels give
@@ -167,11 +174,8 @@ const FitKernel& fit_kernel(KernelChoice choice);
 const FitKernel& portable_fit_kernel();
 const FitKernel& avx2_fit_kernel();
 
-// Steps of the ball's center up to this one keep its pixels and the light of the surroundings.
+// Motion of the ball's outline up to which its pixels and the light of the surroundings are kept.
 constexpr float kKeptSamplesPx = 0.25f;
-
-// Width of an edge: one pixel, and 1.5 pixels for the blur of lens and Bayer pattern.
-constexpr float kRampPx = 2.5f;
 
 /// Sampling stride for a square with half side `reach_px`: 1 (every pixel) if `reach_px` is below `all_px`, then 2, 3,
 /// ...

@@ -181,7 +181,7 @@ struct RobotFilterParameters {
 
 /// The filter of the ball, eq. (10), (11).
 struct BallFilterParameters {
-  double position_sigma_m = 0.0005;
+  double position_sigma_m = 0.0001;
   double damping_per_s = 0.4;
   double noise_mps_rts = 0.5;
   double start_speed_sigma_mps = 1.0;

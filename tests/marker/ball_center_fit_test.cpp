@@ -88,7 +88,7 @@ TEST_F(BallCenterTest, IsNotBiasedTowardsTheLamp) {
                                        0.64 * std::sin(static_cast<double>(azimuth)), 0.768};
       const Photograph picture = photograph(format, at, lamp);
       const bool rgb = color_space(format) == ColorSpace::kRgb;
-      EXPECT_LT(error_px(picture, at, 0.8f * std::cos(azimuth), -0.8f * std::sin(azimuth)), rgb ? 0.25f : 0.35f)
+      EXPECT_LT(error_px(picture, at, 0.8f * std::cos(azimuth), -0.8f * std::sin(azimuth)), rgb ? 0.12f : 0.22f)
           << name_of(format) << ' ' << n;
     }
   }
@@ -141,7 +141,7 @@ TEST_F(BallCenterTest, IsNotBiasedTowardsAWhiteBorder) {
         },
         1e6f);
     const float error = error_px(picture, at, 0.6f * std::cos(way), -0.6f * std::sin(way));
-    EXPECT_LT(error, 0.4f) << n;
+    EXPECT_LT(error, 0.25f) << n;
     const float scale = camera_.scale_px_per_m(at, ball_.radius_m);
     EXPECT_GT(3.0f * std::hypot(sightings_.ball.sigma_m, 0.0005f) * scale, error) << n;
   }

@@ -3,8 +3,8 @@
 namespace touchline {
 namespace TOUCHLINE_SIMD {
 
-// Distance beyond the outline at which the surroundings are sampled: outside the ramp.
-constexpr float kBeyondBallPx = 2.25f;
+// Distance beyond the ramp at which the surroundings are sampled: the nearest pixel shows nothing of the ball.
+constexpr float kBeyondRampPx = 1.0f;
 // Up to this radius, all pixels of the ball are sampled; of a larger ball every second, third, ...
 constexpr float kFullBallReachPx = 18.0f;
 // From this light upwards a channel counts as saturated: the surface is at least as bright.
@@ -14,23 +14,45 @@ constexpr float kMaxNormalRadius = 0.98f;
 
 // Squared distance from the most frequent surroundings, as a part of the largest one, at which others count half.
 constexpr float kOtherSurroundings = 0.02f;
+// Squared distance from the most frequent surroundings below which others are the same.
+constexpr float kSameSurroundings = 0.004f;
 // Weight of the error that wrong surroundings may cause against an error that is seen; errors below the one
 // at which the weight is one half count less.
 constexpr float kDoubtWeight = 64.0f, kNegligibleDoubt = 1.0f;
 
+// The pixels whose viewing ray meets a robot above the ball: the slab test of Kay and Kajiya (1986) between its top and
+// the height of the ball.
 inline Integer8 hidden_by(const BallView& ball, Float8 u, Float8 v) {
   Integer8 hidden = broadcast_integer(0);
   for (const HidingTop& top : ball.tops) {
     const Float8 from_u = u - broadcast(top.center.u_px), from_v = v - broadcast(top.center.v_px);
     const Float8 x = broadcast(top.inverse[0]) * from_u + broadcast(top.inverse[1]) * from_v;
     const Float8 y = broadcast(top.inverse[2]) * from_u + broadcast(top.inverse[3]) * from_v;
-    hidden = hidden | ((abs(x) < broadcast(top.reach_x)) & (abs(y) < broadcast(top.reach_y)));
+    Float8 enter = broadcast(0.0f), leave = broadcast(1.0f);
+    const auto cross = [&](Float8 from, float reach, float per_fall) {
+      const Float8 near = (broadcast(-reach) - from) * broadcast(per_fall);
+      const Float8 far = (broadcast(reach) - from) * broadcast(per_fall);
+      enter = max(enter, min(near, far));
+      leave = min(leave, max(near, far));
+    };
+    cross(x, top.reach_x, top.per_fall_x);
+    cross(y, top.reach_y, top.per_fall_y);
+    hidden = hidden | (enter < leave);
   }
   return hidden;
 }
 
-inline void store_doubt(BallPixels& pixels) {
+// Radius at which the surroundings are sampled, in radii of the ball.
+inline float sampled_radius(const BallView& ball) {
+  return 1.0f + (0.5f * ball.ramp_px + kBeyondRampPx) / ball.radius_px;
+}
+
+// Subtracts the surroundings' light from eight pixels on the outline, and finds the error if it is wrong.
+inline void subtract_surroundings_of_ball(BallPixels& pixels) {
   const Float8 part = broadcast(1.0f) - load(pixels.coverage);
+  TOUCHLINE_UNROLL for (std::size_t c = 0; c < kLightChannels; ++c) {
+    store(load(pixels.light[c]) - part * load(pixels.outside[c]), pixels.rest[c]);
+  }
   store(part * part * load(pixels.apart2), pixels.doubt);
 }
 
@@ -44,7 +66,8 @@ inline void store_doubt(BallPixels& pixels) {
   const Float8 y = broadcast(inverse[2]) * from_u + broadcast(inverse[3]) * from_v;
   const Float8 r = sqrt(x * x + y * y), per_r = one / max(r, broadcast(1e-6f));
   const Float8 counts = load(pixels.counts);
-  const Float8 coverage = counts * clamp_to_unit(broadcast(0.5f) - (r - one) * broadcast(ball.radius_px / kRampPx));
+  const Float8 coverage =
+      counts * clamp_to_unit(broadcast(0.5f) - (r - one) * broadcast(ball.radius_px / ball.ramp_px));
   const Float8 shrunk = min(one, broadcast(kMaxNormalRadius) * per_r);
   const Float8 nx = shrunk * x, ny = shrunk * y;
   store(coverage, pixels.coverage);
@@ -58,36 +81,36 @@ inline void store_doubt(BallPixels& pixels) {
   const Float8 out = select((coverage > zero) & (coverage < one), per_r);
   store(out * x, pixels.out_x);
   store(out * y, pixels.out_y);
+  subtract_surroundings_of_ball(pixels);
+}
+
+// Squared distance of each pixel's surroundings from a light.
+inline Float8 surroundings_distance2(const BallPixels& pixels, const std::array<float, kLightChannels>& light) {
+  Float8 sum = broadcast(0.0f);
   TOUCHLINE_UNROLL for (std::size_t c = 0; c < kLightChannels; ++c) {
-    store(load(pixels.light[c]) - (one - coverage) * load(pixels.outside[c]), pixels.rest[c]);
+    const Float8 difference = load(pixels.outside[c]) - broadcast(light[c]);
+    sum += difference * difference;
   }
+  return sum;
+}
+
+inline Integer8 is_on_outline(const BallPixels& pixels) {
+  const Float8 x = load(pixels.out_x), y = load(pixels.out_y);
+  return x * x + y * y > broadcast(0.5f);
 }
 
 // Finds the light of most of the surroundings, which is near that of the darkest or the brightest place around the
-// ball. Where the light just outside of a pixel differs from it, a line, a wall or a robot may begin anywhere under the
-// pixel.
-inline void doubt_surroundings(BallDisk& disk) {
+// ball. False if the ball has no outline.
+inline bool find_most_frequent(const BallDisk& disk, std::array<float, kLightChannels>& most) {
   const Float8 zero = broadcast(0.0f), one = broadcast(1.0f);
   using Light = std::array<float, kLightChannels>;
-  const auto distance2 = [&](const BallPixels& pixels, const Light& from) {
-    Float8 sum = zero;
-    TOUCHLINE_UNROLL for (std::size_t c = 0; c < kLightChannels; ++c) {
-      const Float8 difference = load(pixels.outside[c]) - broadcast(from[c]);
-      sum += difference * difference;
-    }
-    return sum;
-  };
-  const auto is_edge = [&](const BallPixels& pixels) {
-    const Float8 x = load(pixels.out_x), y = load(pixels.out_y);
-    return x * x + y * y > broadcast(0.5f);
-  };
   float darkest = 1e9f, brightest = -1.0f;
   std::array<Light, 2> ends{};
   for (const BallPixels& pixels : disk) {
     if (!pixels.on_edge) continue;
     StoredFloat8 sums, edge;
     store(load(pixels.outside[0]) + load(pixels.outside[1]) + load(pixels.outside[2]), sums);
-    store(select(is_edge(pixels), one), edge);
+    store(select(is_on_outline(pixels), one), edge);
     for (std::size_t i = 0; i < kLanes; ++i) {
       if (edge.value[i] == 0.0f) continue;
       const Light light{pixels.outside[0].value[i], pixels.outside[1].value[i], pixels.outside[2].value[i]};
@@ -101,7 +124,7 @@ inline void doubt_surroundings(BallDisk& disk) {
       }
     }
   }
-  if (brightest < darkest) return;
+  if (brightest < darkest) return false;
   float apart2 = 1e-6f;
   for (std::size_t c = 0; c < kLightChannels; ++c) apart2 += (ends[1][c] - ends[0][c]) * (ends[1][c] - ends[0][c]);
   const Float8 scale2 = broadcast(kOtherSurroundings * apart2);
@@ -112,18 +135,72 @@ inline void doubt_surroundings(BallDisk& disk) {
     LinearRgb8 sum{zero, zero, zero};
     for (const BallPixels& pixels : disk) {
       if (!pixels.on_edge) continue;
-      const Float8 weight = select(is_edge(pixels), scale2 / (scale2 + distance2(pixels, ends[end])));
+      const Float8 weight =
+          select(is_on_outline(pixels), scale2 / (scale2 + surroundings_distance2(pixels, ends[end])));
       weights += weight;
       TOUCHLINE_UNROLL for (std::size_t c = 0; c < kLightChannels; ++c) sum[c] += weight * load(pixels.outside[c]);
     }
     count[end] = horizontal_sum(weights);
     for (std::size_t c = 0; c < kLightChannels; ++c) mean[end][c] = horizontal_sum(sum[c]) / count[end];
   }
-  const Light& most = count[1] > count[0] ? mean[1] : mean[0];
+  most = count[1] > count[0] ? mean[1] : mean[0];
+  return true;
+}
+
+// Improves the light of the surroundings under the outline's pixels, and tells how doubtful it is. Where the light just
+// outside of a pixel differs from that of most places around the ball, a line, a wall or a robot begins anywhere under
+// the pixel. Lines and walls are parallel to the field's axes: where the light is the same on both sides of the ball
+// along one of them, it is also that of the pixels between.
+inline void follow_lines(const LinearRgbImage& picture, const BallView& ball, BallDisk& disk) {
+  std::array<float, kLightChannels> most{};
+  if (!find_most_frequent(disk, most)) return;
+  const Float8 zero = broadcast(0.0f);
+  const float beyond = sampled_radius(ball);
+  const std::array<float, 4>& inverse = ball.inverse;
   for (BallPixels& pixels : disk) {
     if (!pixels.on_edge) continue;
-    store(distance2(pixels, most), pixels.apart2);
-    store_doubt(pixels);
+    Float8 least = surroundings_distance2(pixels, most);
+    store(least, pixels.apart2);
+    if (!any(least > broadcast(kSameSurroundings))) {
+      subtract_surroundings_of_ball(pixels);
+      continue;
+    }
+    const Float8 from_u = load(pixels.u) - broadcast(ball.center.u_px);
+    const Float8 from_v = load(pixels.v) - broadcast(ball.center.v_px);
+    const Float8 x = broadcast(inverse[0]) * from_u + broadcast(inverse[1]) * from_v;
+    const Float8 y = broadcast(inverse[2]) * from_u + broadcast(inverse[3]) * from_v;
+    LinearRgb8 light{load(pixels.outside[0]), load(pixels.outside[1]), load(pixels.outside[2])};
+    for (const std::array<float, 2>& axis : ball.lines) {
+      const Float8 along = broadcast(axis[0]) * x + broadcast(axis[1]) * y;
+      const Float8 wide = sqrt(max(broadcast(beyond * beyond) - (x * x + y * y - along * along), zero));
+      std::array<LinearRgb8, 2> end;
+      const std::array<Float8, 2> way{wide - along, zero - wide - along};
+      Integer8 both = wide > zero;
+      for (std::size_t i = 0; i < 2; ++i) {
+        const Float8 at_x = x + way[i] * broadcast(axis[0]), at_y = y + way[i] * broadcast(axis[1]);
+        const Float8 u =
+            broadcast(ball.center.u_px) + broadcast(ball.axis[0].u_px) * at_x + broadcast(ball.axis[1].u_px) * at_y;
+        const Float8 v =
+            broadcast(ball.center.v_px) + broadcast(ball.axis[0].v_px) * at_x + broadcast(ball.axis[1].v_px) * at_y;
+        Integer8 inside;
+        end[i] = picture.nearest(u, v, inside);
+        both = both & inside;
+        if (!ball.tops.empty()) both = both & ~hidden_by(ball, u, v);
+      }
+      Float8 apart2 = zero;
+      TOUCHLINE_UNROLL for (std::size_t c = 0; c < kLightChannels; ++c) {
+        apart2 += (end[0][c] - end[1][c]) * (end[0][c] - end[1][c]);
+      }
+      const Integer8 better = both & (apart2 < least);
+      const Float8 first = (zero - way[1]) / (way[0] - way[1]);
+      least = select(better, apart2, least);
+      TOUCHLINE_UNROLL for (std::size_t c = 0; c < kLightChannels; ++c) {
+        light[c] = select(better, end[1][c] + first * (end[0][c] - end[1][c]), light[c]);
+      }
+    }
+    TOUCHLINE_UNROLL for (std::size_t c = 0; c < kLightChannels; ++c) store(light[c], pixels.outside[c]);
+    store(least, pixels.apart2);
+    subtract_surroundings_of_ball(pixels);
   }
 }
 
@@ -132,7 +209,7 @@ inline bool sample_ball(const Frame& frame, const BallView& ball, BallDisk& disk
   const Float8 zero = broadcast(0.0f), one = broadcast(1.0f);
   const std::array<float, 4>& inverse = ball.inverse;
   disk.clear();
-  const float reach = 1.0f + (0.5f * kRampPx + kKeptSamplesPx) / ball.radius_px;
+  const float reach = 1.0f + (0.5f * ball.ramp_px + kKeptSamplesPx) / ball.radius_px;
   const float reach_u = reach * std::hypot(ball.axis[0].u_px, ball.axis[1].u_px);
   const float reach_v = reach * std::hypot(ball.axis[0].v_px, ball.axis[1].v_px);
   // Within a row, the squared distance from the center is a quadratic function of the column.
@@ -159,9 +236,9 @@ inline bool sample_ball(const Frame& frame, const BallView& ball, BallDisk& disk
     const Float8 y = broadcast(inverse[2]) * from_u + broadcast(inverse[3]) * from_v;
     const Float8 r = sqrt(x * x + y * y);
     // Completely covered pixels with 1 or more, and others up to 0, by more than the ball may move.
-    const Float8 depth = broadcast(0.5f) - (r - one) * broadcast(ball.radius_px / kRampPx);
-    constexpr float kMoved = kKeptSamplesPx / kRampPx;
-    counts = counts & (depth > broadcast(-kMoved));
+    const Float8 depth = broadcast(0.5f) - (r - one) * broadcast(ball.radius_px / ball.ramp_px);
+    const float may_move = kKeptSamplesPx / ball.ramp_px;
+    counts = counts & (depth > broadcast(-may_move));
     if (!ball.tops.empty()) counts = counts & ~hidden_by(ball, to_floats(u), to_floats(v));
     if (!any(counts)) return true;
     if (disk.full()) return false;
@@ -172,11 +249,12 @@ inline bool sample_ball(const Frame& frame, const BallView& ball, BallDisk& disk
       store(light[c], pixels.light[c]);
       store(select(light[c] >= broadcast(kSaturation), broadcast(1e9f), broadcast(-1e9f)), pixels.up_to[c]);
     }
-    const Integer8 edge = counts & (depth < broadcast(1.0f + kMoved));
+    const Integer8 edge = counts & (depth < broadcast(1.0f + may_move));
     pixels.on_edge = any(edge);
     store(zero, pixels.doubt);
+    store(zero, pixels.apart2);
     if (pixels.on_edge) {
-      const Float8 beyond = broadcast(1.0f + kBeyondBallPx / ball.radius_px) / max(r, broadcast(1e-6f));
+      const Float8 beyond = broadcast(sampled_radius(ball)) / max(r, broadcast(1e-6f));
       const Float8 beyond_x = beyond * x, beyond_y = beyond * y;
       const Float8 beyond_u = broadcast(ball.center.u_px) + broadcast(ball.axis[0].u_px) * beyond_x +
                               broadcast(ball.axis[1].u_px) * beyond_y;
@@ -194,14 +272,13 @@ inline bool sample_ball(const Frame& frame, const BallView& ball, BallDisk& disk
     cover(ball, pixels);
     return true;
   });
-  if (is_collected) doubt_surroundings(disk);
+  if (is_collected) follow_lines(picture, ball, disk);
   return is_collected;
 }
 
 inline void move_ball(const BallView& ball, BallDisk& disk) {
   for (BallPixels& pixels : disk) {
     cover(ball, pixels);
-    if (pixels.on_edge) store_doubt(pixels);
   }
 }
 
@@ -254,10 +331,11 @@ inline ShadingEquations accumulate_shading(const BallDisk& disk, const BallShadi
   return sums;
 }
 
-inline BallOutlineEquations accumulate_outline(const BallDisk& disk, const BallShading& shading, float radius_px) {
-  const Float8 zero = broadcast(0.0f), steepness = broadcast(radius_px / kRampPx);
+inline BallOutlineEquations accumulate_outline(const BallDisk& disk, const BallShading& shading, const BallView& ball) {
+  const Float8 zero = broadcast(0.0f), steepness = broadcast(ball.radius_px / ball.ramp_px);
   Float8 xx = zero, xy = zero, yy = zero, rx = zero, ry = zero, fitting = zero, covered = zero;
   Float8 pull_xx = zero, pull_xy = zero, pull_yy = zero;
+  Float8 ramp_power = zero, ramp_pull = zero;
   std::array<std::array<Float8, kShadeTerms>, kLightChannels> shared_x, shared_y;
   for (auto& row : shared_x) row.fill(zero);
   for (auto& row : shared_y) row.fill(zero);
@@ -290,6 +368,9 @@ inline BallOutlineEquations accumulate_outline(const BallDisk& disk, const BallS
     pull_xx += pull_x * pull_x;
     pull_xy += pull_x * pull_y;
     pull_yy += pull_y * pull_y;
+    const Float8 widened = select(is_on_outline(stored), pixels.weight * (broadcast(0.5f) - coverage));
+    ramp_pull += widened * along;
+    ramp_power += widened * (broadcast(0.5f) - coverage) * power;
   }
   BallOutlineEquations sums;
   sums.edge = {
@@ -303,6 +384,8 @@ inline BallOutlineEquations accumulate_outline(const BallDisk& disk, const BallS
   sums.pull_xx = horizontal_sum(pull_xx);
   sums.pull_xy = horizontal_sum(pull_xy);
   sums.pull_yy = horizontal_sum(pull_yy);
+  sums.ramp_pull = horizontal_sum(ramp_pull);
+  sums.ramp_power = horizontal_sum(ramp_power);
   sums.fitting = horizontal_sum(fitting);
   sums.covered = horizontal_sum(covered);
   return sums;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <utility>
 
@@ -20,6 +21,11 @@ constexpr float kTintEffect = 0.5f;
 constexpr float kWhite = 255.0f, kHaze = 0.01f, kHazeOfTeamPatch = 0.02f;
 // One patch in five mirrors a lamp, a tenth of its light on average (exponential distribution). As log likelihood.
 constexpr float kGlareIsRare = 1.6f, kMeanGlare = 0.1f;
+// Glare on the team patch is measured in channels that are this dark in its color, relative to the brightest one. Less
+// glare than this is stray light and gloss.
+constexpr float kDarkInColor = 0.4f, kLeastGlare = 0.02f;
+// The light of a saturated channel may be brighter by this factor.
+constexpr float kSaturatedGain = 1.5f;
 // Of a channel's gain, if its value is saturated.
 constexpr float kSaturatedSigma = 0.5f;
 
@@ -48,6 +54,26 @@ constexpr float square(float x) { return x * x; }
 // for dark values.
 float haze_variance(float value, float white, float share) {
   return square(0.5f * share * square(white) / square(value + kStrayLight_levels));
+}
+
+// Share of the lamps' light that a patch of this color mirrors: the least that its dark channels show, because a lamp
+// of another tint makes one of them brighter, but not all. In linear light, as a share of `white`.
+float glare_on(const SurfaceColor& patch, const std::array<float, 3>& typical, const LightPrior& prior) {
+  const float brightest = std::max({typical[0], typical[1], typical[2]});
+  // The brighter channels tell how bright the light is, unless they are saturated.
+  float gain = 0;
+  for (std::size_t c = 0; c < 3; ++c) {
+    if (typical[c] < kDarkInColor * brightest) continue;
+    const float seen = patch.rgb[c] / (prior.gain[c] * typical[c]);
+    gain = std::max(gain, patch.saturated[c] ? kSaturatedGain * seen : seen);
+  }
+  float glare = std::numeric_limits<float>::max();
+  for (std::size_t c = 0; c < 3; ++c) {
+    if (typical[c] >= kDarkInColor * brightest) continue;
+    const float white = prior.gain[c] * kWhite, expected = gain * prior.gain[c] * typical[c];
+    glare = std::min(glare, (square(patch.rgb[c]) - square(expected)) / square(white));
+  }
+  return glare < 1.0f ? std::max(0.0f, glare - kLeastGlare) : 0.0f;
 }
 
 // Logarithm of the probability that a standard normal variable exceeds z.
@@ -114,10 +140,16 @@ void ColorEvidence::configure(const TypicalColors& typical) {
   }
 }
 
-LocalLight ColorEvidence::light_on(const SurfaceColor& team_patch, ColorId team_color, ColorSpace space,
+LocalLight ColorEvidence::light_on(const SurfaceColor& seen_patch, ColorId team_color, ColorSpace space,
                                    const LightPrior& prior) const {
   const std::array<float, 3>& typical = typical_rgb(team_color, space);
   LocalLight light;
+  light.glare = glare_on(seen_patch, typical, prior);
+  SurfaceColor team_patch = seen_patch;
+  for (std::size_t c = 0; c < 3 && light.glare > 0.0f; ++c) {
+    const float white = prior.gain[c] * kWhite;
+    team_patch.rgb[c] = std::sqrt(std::max(0.0f, square(seen_patch.rgb[c]) - light.glare * square(white)));
+  }
   std::array<float, 3> deviation{}, weight{};  // of the logarithm of the gain from the prior's
   std::array<bool, 3> counts{};
   float sum = 0, weights = 0;
@@ -172,12 +204,15 @@ ExpectedColor ColorEvidence::expected_color(const LocalLight& light, ColorId col
         light.ratio_variance + light.variance[c] + haze_variance(expected.rgb[c], expected.white[c], kHaze);
     expected.common_sigma[c] = std::sqrt(square(kCommonSigma) + light.common_variance[c]);
   }
+  expected.glare = light.glare;
   return expected;
 }
 
 float ColorEvidence::log_likelihood(const SurfaceColor& surface, const ExpectedColor& expected, bool in_box) {
-  float density = log_density(surface, expected);
-  if (in_box) {
+  const bool is_glossy = expected.glare > 0.0f;
+  // Glare differs little between the patches of a robot.
+  float density = log_density(surface, expected) - expected.glare / kMeanGlare;
+  if (in_box || is_glossy) {
     // A share of the lamps' light that brings the patch nearest to what is seen (least squares in linear light).
     float sum = 0, weights = 0;
     for (std::size_t c = 0; c < 3; ++c) {
@@ -192,7 +227,8 @@ float ColorEvidence::log_likelihood(const SurfaceColor& surface, const ExpectedC
       for (std::size_t c = 0; c < 3; ++c) {
         whiter.rgb[c] = std::sqrt(square(expected.rgb[c]) + glare * square(expected.white[c]));
       }
-      density = std::max(density, log_density(surface, whiter) - kGlareIsRare - glare / kMeanGlare);
+      const float doubt = is_glossy ? std::abs(glare - expected.glare) / kMeanGlare : kGlareIsRare + glare / kMeanGlare;
+      density = std::max(density, log_density(surface, whiter) - doubt);
     }
   }
   return std::max(density, kFloor);

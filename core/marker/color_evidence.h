@@ -14,12 +14,14 @@ struct LocalLight {
   std::array<float, 3> gain{};
   std::array<float, 3> variance{}, common_variance{};  // of its logarithm: independent, and common to all channels
   float ratio_variance = 0;  // of the logarithm of ratios of two paints, relative to that at calibration
+  float glare = 0;           // share of the lamps' light that the team patch mirrors, in linear light
 };
 
 /// How a paint looks in a light: R, G, B, and relative errors.
 struct ExpectedColor {
   std::array<float, 3> rgb{}, white{};              // white: of a white surface
   std::array<float, 3> variance{}, common_sigma{};  // independent, and of what is common to all channels
+  float glare = 0;                                  // as in LocalLight
 };
 
 /// What is known about the light on a robot before its team patch is looked at.
@@ -57,8 +59,8 @@ class ColorEvidence {
   }
 
   /// Light on a team patch of this color. A channel that says little (too dark, saturated) follows the others and what
-  /// is known before.
-  [[nodiscard]] LocalLight light_on(const SurfaceColor& team_patch, ColorId team_color, ColorSpace space,
+  /// is known before. A channel that is dark in this color shows whether the patch mirrors a lamp.
+  [[nodiscard]] LocalLight light_on(const SurfaceColor& seen_patch, ColorId team_color, ColorSpace space,
                                     const LightPrior& prior) const;
 
   /// Log likelihood of the surface's color, if it is the same surface as `other`, a few centimeters away.
@@ -67,7 +69,8 @@ class ColorEvidence {
   [[nodiscard]] ExpectedColor expected_color(const LocalLight& light, ColorId color, ColorSpace space) const;
 
   /// Log likelihood of the surface's color, if it is this one. `in_box`: its region has the color's class; then it may
-  /// be whiter, because it mirrors a lamp. (Without that, any gray surface might be a dark paint.)
+  /// be whiter, because it mirrors a lamp. (Without that, any gray surface might be a dark paint.) It may as well if
+  /// the robot's team patch mirrors one.
   [[nodiscard]] static float log_likelihood(const SurfaceColor& surface, const ExpectedColor& expected, bool in_box);
 
   /// Log likelihood ratio of the border of a patch with saturated pixels: the patch has `color` in this light, or none

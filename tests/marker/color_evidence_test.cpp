@@ -100,6 +100,24 @@ TEST_F(PaintedPatches, MayStandInAShadowThatTheFieldDoesNotShow) {
   }
 }
 
+// Without a region of the right color, a whitened patch looks like another paint, unless the team patch is whitened as
+// well.
+TEST_F(PaintedPatches, AreWhitenedByTheGlareOnTheTeamPatch) {
+  const Values gain{1, 1, 1};
+  constexpr float kGlare = 0.12f;
+  const LocalLight matt = light(seen(kBluePaint, gain), kBluePaint, field(gain));
+  const LocalLight glossy = light(seen(kBluePaint, gain, kGlare), kBluePaint, field(gain));
+  EXPECT_EQ(matt.glare, 0.0f);
+  EXPECT_NEAR(glossy.glare, kGlare, 0.05f);
+  float least_matt = kClear;
+  for (ColorId paint = kPinkPaint; paint < kPaints; ++paint) {
+    const SurfaceColor patch = seen(paint, gain, kGlare);
+    least_matt = std::min(least_matt, margin(paint, patch, matt));
+    EXPECT_GT(margin(paint, patch, glossy), 1.0f) << int{paint};
+  }
+  EXPECT_LT(least_matt, 0.0f) << "glare confuses some of them";
+}
+
 // The channels that are left decide, and a saturated one only excludes what is darker.
 TEST_F(PaintedPatches, ASaturatedChannelIsALowerBound) {
   const LocalLight found = light(seen(kBluePaint, {1, 1, 1}), kBluePaint, field({1, 1, 1}));

@@ -46,6 +46,17 @@ TEST(SelfCheck, NamesRobotsThatAreInNoPicture) {
       << check.text();
 }
 
+TEST(SelfCheck, LetsARobotInGlareStayUnknown) {
+  const std::set<std::string> all = {"own 0", "own 1", "opponent 0", "opponent 1"};
+  CheckedPicture glare = seen_in("c.png", {"own 0"});
+  glare.visible = 2;
+  glare.unknown = 1;
+  EXPECT_TRUE(check_of({seen_in("a.png", all), seen_in("b.png", all), glare}).passed()) << "nine of ten";
+  EXPECT_FALSE(
+      check_of({seen_in("a.png", all), seen_in("b.png", {"own 1", "opponent 0", "opponent 1"}), glare}).passed())
+      << "eight of nine";
+}
+
 // Each defect of one picture fails by itself, though all robots are explained in another one.
 TEST(SelfCheck, FailsForEachVisibleRobotThatIsNotExplained) {
   const CheckedPicture all = seen_in("a.png", {"own 0", "own 1", "opponent 0", "opponent 1"});

@@ -126,5 +126,26 @@ TEST(BoxLearning, RejectsColorsThatCannotBeLearned) {
   EXPECT_EQ(learn_boxes(input, {}).code(), ErrorCode::kOutOfRange);
 }
 
+// In a shade of half the light, and in glare, a team color is in a box, and another color is not.
+TEST(BoxLearning, FindsTeamColorsInOtherLight) {
+  LearningInput input;
+  input.colors = {{"blue", cloud({20, 90, 200}, 4, 2000, 1), ColorUse::kTeam},
+                  {"red", cloud({200, 30, 30}, 4, 2000, 2), ColorUse::kIdentification}};
+  input.background = cloud({60, 62, 60}, 6, 100000, 3);
+  const auto shade = cloud({14, 64, 142}, 3, 500, 4), glare = cloud({100, 132, 228}, 3, 500, 5);
+  const auto gray = cloud({150, 150, 152}, 3, 500, 6);
+  const Result<LearnedColors> team = learn_boxes(input, {});
+  ASSERT_TRUE(team.ok()) << team.text();
+  EXPECT_GT(caught(team.value(), 1, shade), 0.95);
+  EXPECT_GT(caught(team.value(), 1, glare), 0.95);
+  EXPECT_EQ(caught(team.value(), 1, gray), 0.0);
+  EXPECT_LT(caught(team.value(), 1, input.background), 1e-4);
+  input.colors[0].use = ColorUse::kOther;
+  const Result<LearnedColors> other = learn_boxes(input, {});
+  ASSERT_TRUE(other.ok()) << other.text();
+  EXPECT_EQ(caught(other.value(), 1, shade), 0.0);
+  EXPECT_EQ(caught(other.value(), 1, glare), 0.0);
+}
+
 }  // namespace
 }  // namespace touchline::calibrate

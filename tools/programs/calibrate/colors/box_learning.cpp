@@ -5,6 +5,7 @@
 
 #include "tools/programs/calibrate/colors/box_separation.h"
 #include "tools/programs/calibrate/colors/initial_boxes.h"
+#include "tools/programs/calibrate/colors/light_boxes.h"
 
 namespace touchline::calibrate {
 namespace {
@@ -25,9 +26,14 @@ class Grower {
     for (const ColorSamples& color : input.colors) color_total_.push_back(total(color.pixels));
   }
 
-  void grow(ColorBoxes& boxes) const {
+  // `fixed`: further boxes that do not grow.
+  void grow(ColorBoxes& boxes, const ColorBoxes& fixed) const {
     std::vector<Growing> growing;
     for (const ColorBox& box : boxes) growing.push_back({box, box, {}, 0.0, std::vector<double>(color_total_.size())});
+    for (const ColorBox& box : fixed) {
+      growing.push_back({box, box, {}, 0.0, {}});
+      growing.back().stopped.fill(true);
+    }
     bool any = true;
     while (any) {
       any = false;
@@ -145,8 +151,18 @@ Result<LearnedColors> learn_boxes(const LearningInput& input, const LearningRule
   TOUCHLINE_TRY(separate_boxes(input, rules, cores));
   covered(after);
   for (std::size_t c = 0; c < before.size(); ++c) out.cut_share.push_back(before[c] - after[c]);
-  Grower(input, rules).grow(cores);
+  const Grower grower(input, rules);
+  ColorBoxes known = cores;
+  grower.grow(known, {});
+  for (std::size_t i = 0; i < known.size(); ++i) {
+    if (input.colors[known[i].color - 1U].use == ColorUse::kIdentification) known[i] = cores[i];
+  }
+  const ColorBoxes in_other_light = light_boxes(input, rules, known);
+  grower.grow(cores, in_other_light);
   out.boxes = cores;
+  for (const ColorBox& box : in_other_light) out.boxes.push_back(box);
+  std::stable_sort(out.boxes.begin(), out.boxes.end(),
+                   [](const ColorBox& a, const ColorBox& b) { return a.color < b.color; });
   return out;
 }
 

@@ -18,15 +18,21 @@ struct ColorCount {
 /// Counts equal values; the result is in ascending order.
 std::vector<ColorCount> count_colors(const std::vector<Channels>& pixels);
 
+/// What a color is for. Robots are found by the color of their team, in any light; the patches that tell them apart are
+/// looked at wherever a team patch predicts them, whatever box they are in.
+enum class ColorUse : std::uint8_t { kOther, kTeam, kIdentification };
+
 struct ColorSamples {
   std::string name;
   std::vector<ColorCount> pixels;  // of the patches
+  ColorUse use = ColorUse::kOther;
 };
 
 struct LearningInput {
   ColorSpace space = ColorSpace::kRgb;
   std::vector<ColorSamples> colors;    // ColorId of colors[i] is i + 1
   std::vector<ColorCount> background;  // pixels away from all patches
+  int brightest = 255;                 // brightest value in the pictures, R, G or B
 };
 
 // Parameters of box learning. The defaults are for all cameras; tests check them with synthetic pictures.
@@ -56,9 +62,9 @@ struct LearnedColors {
 /// Learns color boxes from samples. Each color starts with a core box (percentiles). If the core contains pixels of
 /// another color or of the background, the color is split into several boxes; cores that still overlap are cut where
 /// the loss is least. Then all boxes grow together, level by level, until they meet a sample or another box, and keep
-/// half of that distance.
-/// kOutOfRange: no colors, or more than kMaxColors. kNotFound: a color without pixels. kFull: more boxes than
-/// kMaxColorBoxes. kInconsistent: two colors cannot be distinguished. The message names the color.
+/// half of that distance. Team colors get further boxes for other light (light_boxes()), for which identification
+/// colors make room. kOutOfRange: no colors, or more than kMaxColors. kNotFound: a color without pixels. kFull: more
+/// boxes than kMaxColorBoxes. kInconsistent: two colors cannot be distinguished. The message names the color.
 Result<LearnedColors> learn_boxes(const LearningInput& input, const LearningRules& rules);
 
 }  // namespace touchline::calibrate

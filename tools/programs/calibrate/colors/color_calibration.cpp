@@ -106,6 +106,17 @@ Result<VisibleRobots> take_detected(const DetectedColors& found, ColorFitInput& 
   }
   input.clicks = found.clicks;
   input.unclear = found.unclear;
+  for (const TeamMarking& marking : found.input.teams) {
+    if (marking.team_color == kBackground) continue;
+    input.uses[found.input.colors[marking.team_color - 1U].name] = ColorUse::kTeam;
+    for (const RobotMarking& robot : marking.robots) {
+      for (const ColorId color : robot.colors) {
+        if (color != found.input.ball) {
+          input.uses.try_emplace(found.input.colors[color - 1U].name, ColorUse::kIdentification);
+        }
+      }
+    }
+  }
   VisibleRobots robots;
   for (std::size_t t = 0; t < found.input.teams.size(); ++t) {
     const TeamMarking& marking = found.input.teams[t];

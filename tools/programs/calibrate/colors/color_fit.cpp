@@ -98,6 +98,7 @@ class Fitter {
     // Finds similar regions first: a patch without a click would push the boxes away from its own color.
     TOUCHLINE_TRY(reserve_look_alikes(learning));
     learning.background = background();
+    learning.brightest = brightest();
     if (!learning.background.empty()) out_.background = median(learning.background);
     TOUCHLINE_TRY_ASSIGN(out_.learned, learn_boxes(learning, input_.rules));
     out_.advice = advise(learning, input_.rules, out_.shown_rgb, out_.learned.margins, kLeastPairMargin);
@@ -204,16 +205,19 @@ class Fitter {
     LearningInput learning;
     learning.space = out_.space;
     for (std::size_t c = 0; c < pixels.size(); ++c) {
-      learning.colors.push_back({out_.names[c], count_colors(pixels[c])});
+      const auto use = input_.uses.find(out_.names[c]);
+      learning.colors.push_back(
+          {out_.names[c], count_colors(pixels[c]), use == input_.uses.end() ? ColorUse::kOther : use->second});
       out_.typical.push_back(median(learning.colors.back().pixels));
       out_.shown_rgb.push_back(to_rgb8(out_.typical.back(), out_.space));
     }
     return learning;
   }
 
-  Result<void> reserve_look_alikes(const LearningInput& learning) {
+  Result<void> reserve_look_alikes(LearningInput learning) {
     LearningRules rules = input_.rules;
-    rules.max_margin = 6;  // noise between two patches of a color
+    rules.max_margin = 6;                                                      // noise between two patches of a color
+    for (ColorSamples& color : learning.colors) color.use = ColorUse::kOther;  // in this light
     TOUCHLINE_TRY_ASSIGN(const LearnedColors cores, learn_boxes(learning, rules));
     for (Scene& scene : scenes_) {
       if (Status s = scan(input_, cores.boxes, *scene.picture, *scan_); !s.ok()) return scan_error(s);
@@ -232,6 +236,23 @@ class Fitter {
   // Larger regions are floor or furniture.
   [[nodiscard]] bool is_look_alike(const Region& region) const {
     return is_patch_sized(region) && region.area_px <= 2 * patch_area_[region.color - 1U];
+  }
+
+  // A few brighter pixels are mirrored lamps or noise.
+  [[nodiscard]] int brightest() const {
+    constexpr double kShare = 0.999;
+    std::vector<std::uint8_t> values;
+    for (const Scene& scene : scenes_) {
+      for (std::size_t i = 0; i < scene.channels.pixels.size(); ++i) {
+        if (inside_[i] == 0) continue;
+        const Channels rgb = to_rgb8(scene.channels.pixels[i], out_.space);
+        values.push_back(*std::max_element(rgb.begin(), rgb.end()));
+      }
+    }
+    if (values.empty()) return 255;
+    const auto top = values.begin() + static_cast<std::ptrdiff_t>(kShare * static_cast<double>(values.size()));
+    std::nth_element(values.begin(), top, values.end());
+    return *top;
   }
 
   std::vector<ColorCount> background() const {

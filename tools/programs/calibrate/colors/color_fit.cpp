@@ -21,6 +21,10 @@ constexpr double kEdgeShare = 0.03;
 // Least distance of two colors in levels: twice the change by lamp flicker and a tilted robot.
 constexpr int kLeastPairMargin = 20;
 
+// So many patches show the light on the field: a team color needs no boxes for other light, in which mixed pixels of
+// edges could join patches.
+constexpr int kManyPatches = 15;
+
 // Reasons why a pixel is not background; a later one overrides an earlier one.
 enum Reserved : std::uint8_t { kFree, kLookAlike, kNearClick };
 
@@ -191,6 +195,14 @@ class Fitter {
     return {};
   }
 
+  [[nodiscard]] ColorUse use_of(std::size_t color) const {
+    const auto use = input_.uses.find(out_.names[color]);
+    if (use == input_.uses.end()) return ColorUse::kOther;
+    const auto count = std::count_if(patches_.begin(), patches_.end(),
+                                     [&](const Grown& g) { return g.color == color && !g.patch.pixels.empty(); });
+    return use->second == ColorUse::kTeam && count >= kManyPatches ? ColorUse::kOther : use->second;
+  }
+
   LearningInput samples() {
     std::vector<std::vector<Channels>> pixels(out_.names.size());
     for (const Grown& g : patches_) {
@@ -205,9 +217,7 @@ class Fitter {
     LearningInput learning;
     learning.space = out_.space;
     for (std::size_t c = 0; c < pixels.size(); ++c) {
-      const auto use = input_.uses.find(out_.names[c]);
-      learning.colors.push_back(
-          {out_.names[c], count_colors(pixels[c]), use == input_.uses.end() ? ColorUse::kOther : use->second});
+      learning.colors.push_back({out_.names[c], count_colors(pixels[c]), use_of(c)});
       out_.typical.push_back(median(learning.colors.back().pixels));
       out_.shown_rgb.push_back(to_rgb8(out_.typical.back(), out_.space));
     }

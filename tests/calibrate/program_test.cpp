@@ -297,7 +297,7 @@ TEST_F(Program, LeavesOutAClickThatMakesTheResultWorse) {
                                        {"blue", {40, 80, 200}, 187, 163},
                                        {"orange", {240, 120, 40}, 250, 60, true},
                                        {"violet", {88, 65, 149}, 280, 200},
-                                       {"dark red", {150, 35, 36}, 40, 200}};
+                                       {"wine", {150, 35, 80}, 40, 200}};
   write_png("robots.png", painted_field(patches, PixelFormat::kRgb24, 3, [](int, int) { return 1.0; }));
   write("team.toml",
         "version = 1\n[own]\ncolor = \"red\"\n[[own.robot]]\nid = 0\ncolors = [\"green\"]\n"

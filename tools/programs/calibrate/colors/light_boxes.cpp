@@ -12,13 +12,13 @@ namespace touchline::calibrate {
 namespace {
 
 // Approximates the sRGB transfer function.
-constexpr double kGamma = 2.2;
+constexpr double kPaintGamma = 2.2;
 // Light on a field: factor of the whole light, its tint (of red, and its inverse of blue), and glare as share of white.
-constexpr std::array kGains = {0.3, 0.38, 0.46, 0.55, 0.65, 0.77, 0.9, 1.05, 1.25, 1.45, 1.7};
-constexpr std::array kTints = {0.8, 1.0, 1.25};
-constexpr std::array kGlares = {0.0, 0.02, 0.04, 0.07, 0.1, 0.14, 0.18};
+constexpr std::array kLitGains = {0.3, 0.38, 0.46, 0.55, 0.65, 0.77, 0.9, 1.05, 1.25, 1.45, 1.7};
+constexpr std::array kLitTints = {0.8, 1.0, 1.25};
+constexpr std::array kLitGlares = {0.0, 0.02, 0.04, 0.07, 0.1, 0.14, 0.18};
 // Standard deviations of their logarithms; mean of the glare.
-constexpr double kGainSigma = 0.5, kTintSigma = 0.2, kMeanGlare = 0.06;
+constexpr double kLogGainSigma = 0.5, kLogTintSigma = 0.2, kMeanLitGlare = 0.06;
 // Pixels of a color that stand for all.
 constexpr std::size_t kShades = 16;
 // Least share of a color's light that a further box must add, and the number of such boxes of a color.
@@ -121,20 +121,20 @@ std::vector<Channels> shades_of(const std::vector<ColorCount>& pixels) {
 
 // Adds a color in all light of a camera that clips at `white`.
 void add_lit(const std::vector<Channels>& shades, ColorSpace space, int white, std::vector<LitShades>& out) {
-  const double brightest = std::pow(white / 255.0, kGamma);
-  for (const double gain : kGains) {
-    for (const double tint : kTints) {
-      for (const double glare : kGlares) {
-        const double weight = std::exp(-std::pow(std::log(gain) / kGainSigma, 2) / 2 -
-                                       std::pow(std::log(tint) / kTintSigma, 2) / 2 - glare / kMeanGlare);
+  const double brightest = std::pow(white / 255.0, kPaintGamma);
+  for (const double gain : kLitGains) {
+    for (const double tint : kLitTints) {
+      for (const double glare : kLitGlares) {
+        const double weight = std::exp(-std::pow(std::log(gain) / kLogGainSigma, 2) / 2 -
+                                       std::pow(std::log(tint) / kLogTintSigma, 2) / 2 - glare / kMeanLitGlare);
         const std::array<double, 3> factor = {gain * tint, gain, gain / tint};
         LitShades here;
         for (const Channels& shade : shades) {
           const Channels rgb = to_rgb8(shade, space);
           std::array<double, 3> seen{};
           for (std::size_t c = 0; c < 3; ++c) {
-            const double linear = factor[c] * std::pow(rgb[c] / 255.0, kGamma) + glare;
-            seen[c] = 255 * std::pow(std::min(linear, brightest), 1 / kGamma);
+            const double linear = factor[c] * std::pow(rgb[c] / 255.0, kPaintGamma) + glare;
+            seen[c] = 255 * std::pow(std::min(linear, brightest), 1 / kPaintGamma);
           }
           here.push_back({in_space(seen, space), weight});
         }

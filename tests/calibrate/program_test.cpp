@@ -291,10 +291,13 @@ TEST_F(Program, AsksBeforeItWritesDetectedColors) {
 // Things beside the robots that somebody clicks on: a violet one called blue, which is learned as blue and then makes
 // the blue patch unlike its color, and one of the team's color, which is then a robot without an id.
 TEST_F(Program, LeavesOutAClickThatMakesTheResultWorse) {
-  std::vector<PaintedPatch> patches = {
-      {"red", {200, 30, 30}, 80, 60},    {"green", {30, 180, 60}, 93, 73},          {"red", {200, 30, 30}, 200, 150},
-      {"blue", {40, 80, 200}, 187, 163}, {"orange", {240, 120, 40}, 250, 60, true}, {"violet", {88, 65, 149}, 280, 200},
-      {"wine", {150, 35, 80}, 40, 200}};
+  std::vector<PaintedPatch> patches = {{"red", {200, 30, 30}, 80, 60},
+                                       {"green", {30, 180, 60}, 93, 73},
+                                       {"red", {200, 30, 30}, 200, 150},
+                                       {"blue", {40, 80, 200}, 187, 163},
+                                       {"orange", {240, 120, 40}, 250, 60, true},
+                                       {"violet", {88, 65, 149}, 280, 200},
+                                       {"dark red", {150, 35, 36}, 40, 200}};
   write_png("robots.png", painted_field(patches, PixelFormat::kRgb24, 3, [](int, int) { return 1.0; }));
   write("team.toml",
         "version = 1\n[own]\ncolor = \"red\"\n[[own.robot]]\nid = 0\ncolors = [\"green\"]\n"

@@ -25,6 +25,9 @@ struct DetectedColors {
   // Per picture, pixels that are neither sample nor background: patches that are not learned from, and the areas where
   // other patches of an incompletely detected robot must be.
   std::map<std::string, std::vector<std::size_t>> unclear;
+  // Per picture, those of `unclear` that look like a team's color, while all robots of this team are recognized
+  // elsewhere.
+  std::map<std::string, std::vector<std::size_t>> things;
   std::vector<DetectionDoubt> doubts;  // why the result is uncertain; if empty, a person only has to confirm it
 };
 

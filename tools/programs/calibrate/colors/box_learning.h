@@ -32,6 +32,7 @@ struct LearningInput {
   ColorSpace space = ColorSpace::kRgb;
   std::vector<ColorSamples> colors;    // ColorId of colors[i] is i + 1
   std::vector<ColorCount> background;  // pixels away from all patches
+  std::vector<ColorCount> things;      // in no box for other light, but no background either
   int brightest = 255;                 // brightest value in the pictures, R, G or B
 };
 

@@ -106,6 +106,7 @@ Result<VisibleRobots> take_detected(const DetectedColors& found, ColorFitInput& 
   }
   input.clicks = found.clicks;
   input.unclear = found.unclear;
+  input.things = found.things;
   for (const TeamMarking& marking : found.input.teams) {
     if (marking.team_color == kBackground) continue;
     input.uses[found.input.colors[marking.team_color - 1U].name] = ColorUse::kTeam;

@@ -102,6 +102,7 @@ class Fitter {
     // Finds similar regions first: a patch without a click would push the boxes away from its own color.
     TOUCHLINE_TRY(reserve_look_alikes(learning));
     learning.background = background();
+    learning.things = things();
     learning.brightest = brightest();
     if (!learning.background.empty()) out_.background = median(learning.background);
     TOUCHLINE_TRY_ASSIGN(out_.learned, learn_boxes(learning, input_.rules));
@@ -246,6 +247,16 @@ class Fitter {
   // Larger regions are floor or furniture.
   [[nodiscard]] bool is_look_alike(const Region& region) const {
     return is_patch_sized(region) && region.area_px <= 2 * patch_area_[region.color - 1U];
+  }
+
+  [[nodiscard]] std::vector<ColorCount> things() const {
+    std::vector<Channels> pixels;
+    for (const Scene& scene : scenes_) {
+      const auto found = input_.things.find(scene.image);
+      if (found == input_.things.end()) continue;
+      for (const std::size_t pixel : found->second) pixels.push_back(scene.channels.pixels[pixel]);
+    }
+    return count_colors(pixels);
   }
 
   // A few brighter pixels are mirrored lamps or noise.

@@ -19,8 +19,9 @@ struct ColorFitInput {
   std::vector<Click> clicks;
   std::map<std::string, CameraPicture> pictures;  // by Click::image; all with the same format and size
   std::map<std::string, std::vector<std::size_t>>
-      unclear;                           // per picture: pixels that are neither sample nor background
-  std::map<std::string, ColorUse> uses;  // of colors; those that are missing are for something else
+      unclear;                                             // per picture: pixels that are neither sample nor background
+  std::map<std::string, std::vector<std::size_t>> things;  // per picture: those of `unclear` that are no robots
+  std::map<std::string, ColorUse> uses;                    // of colors; those that are missing are for something else
   LightMap light;
   Polygon region_of_interest;
   GrowthLimits growth;

@@ -166,6 +166,8 @@ class Widening {
       : input_(input), rules_(rules), boxes_(boxes), real_(input.colors.size()), lit_volume_(input.colors.size()) {
     for (const ColorCount& p : input.background) background_.add(p.value, p.count);
     background_.sum_up();
+    for (const ColorCount& p : input.things) things_.add(p.value, p.count);
+    things_.sum_up();
     for (std::size_t c = 0; c < input.colors.size(); ++c) {
       for (const ColorCount& p : input.colors[c].pixels) real_[c].add(p.value, p.count);
       real_[c].sum_up();
@@ -224,6 +226,7 @@ class Widening {
 
   [[nodiscard]] bool is_allowed(std::size_t color, const CellBox& box) const {
     if (background_.in(box) > rules_.background_share * background_.total()) return false;
+    if (things_.in(box) > rules_.other_share * things_.total()) return false;
     const ColorBox levels = levels_of(box, static_cast<ColorId>(color + 1));
     if (contains_gray(levels)) return false;
     const double own = lit_volume_[color].in(box);
@@ -292,7 +295,7 @@ class Widening {
   const LearningInput& input_;
   const LearningRules& rules_;
   ColorBoxes& boxes_;
-  WeightVolume background_;
+  WeightVolume background_, things_;
   std::vector<WeightVolume> real_, lit_volume_;  // per color: its pixels, and those in all light
   std::vector<std::vector<LitShades>> lit_;
 };

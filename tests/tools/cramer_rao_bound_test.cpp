@@ -70,12 +70,17 @@ double information_of_the_edge(double values_per_pixel) {
   return values_per_pixel * 20.0 * across / (kSigma * kSigma + 1.0 / 12.0);
 }
 
+// What these pictures of the edge say, relative to that.
+double found_of_the_edge(const StaticPictures& pictures, double values_per_pixel) {
+  const StaticPictures::FisherInformation i = pictures.fisher_information({32.0, 24.0}, 10.0);
+  return (i.uu + i.vv) / information_of_the_edge(values_per_pixel);
+}
+
 TEST(FisherInformation, DoesNotDependOnTheDistanceOfPixels) {
   const StaticPictures pictures = pictures_of(12, slanted_edge);
   EXPECT_FALSE(pictures.is_bayer());
   EXPECT_NEAR(pictures.correlation(), 1.0, 0.05);
-  const StaticPictures::FisherInformation i = pictures.fisher_information({32.0, 24.0}, 10.0);
-  EXPECT_NEAR((i.uu + i.vv) / information_of_the_edge(3.0), 1.0, 0.12);
+  EXPECT_NEAR(found_of_the_edge(pictures, 3.0), 1.0, 0.12);
 }
 
 // Each pixel measures one color; bilinear interpolation of the others adds nothing.
@@ -107,8 +112,7 @@ TEST(FisherInformation, InterpolatedColorsAreNoInformation) {
   pictures.estimate_noise();
   EXPECT_TRUE(pictures.is_bayer());
   EXPECT_NEAR(pictures.correlation(), 1.0, 0.08);
-  const StaticPictures::FisherInformation i = pictures.fisher_information({32.0, 24.0}, 10.0);
-  EXPECT_NEAR((i.uu + i.vv) / information_of_the_edge(1.0), 1.0, 0.15);
+  EXPECT_NEAR(found_of_the_edge(pictures, 1.0), 1.0, 0.15);
 }
 
 // Where pairs of columns share their noise, they say half as much.

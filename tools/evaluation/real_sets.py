@@ -50,10 +50,10 @@ def learn(tools, venue, team, pictures):
 
 
 def turns(names, calibrate, judge):
-    """Uses each picture in turn as the only one that the colors are from.
+    """Uses each picture, or each group of them, in turn as the only one that the colors are from.
 
     `calibrate`: of a name, returns the reason of a refusal or None. `judge`: of a name, returns the verdicts in all other
-    pictures. Returns the row of all accepted calibrations, whose note counts them, and the details of each picture.
+    pictures. Returns the row of all accepted calibrations, whose note counts them, and the details of each.
     """
     judged, details = [], {}
     for name in names:
@@ -132,26 +132,32 @@ class PictureSet:
         case = f"no clicks, {' and '.join(n.split('.')[0] for n in self.learned[:count])}"
         self.report.attempt(self.name, case, IDS, run)
 
-    def each_in_turn(self):
-        """Colors from each picture without a click. A refused one is judged by its advice only, which is in the details."""
+    def each_in_turn(self, count):
+        """Colors from each picture, or from each two successive ones (`count` 2), without a click.
+
+        Refused ones are judged by their advice only, which is in the details.
+        """
         def run():
             venue = self.tools.out / f"{self.name}-each-venue.toml"
+            names = [p.stem for p in self.pictures]
+            groups = {" and ".join(names[i:i + count]): self.pictures[i:i + count] for i in range(len(names) - count + 1)}
 
-            def calibrate(name):
+            def calibrate(group):
                 field_only(self.made, venue)
-                return self.tools.unclicked_colors(venue, self.team, [p for p in self.pictures if p.name == name])
+                return self.tools.unclicked_colors(venue, self.team, groups[group])
 
-            def judge(name):
+            def judge(group):
                 judged = []
                 for other in self.pictures:
-                    if other.name != name:
+                    if other not in groups[group]:
                         _, lines = self.tools.replay(other, venue, self.team, f"{self.name}-each")
                         judged.append(self.judge(other.name, lines[-1]))
                 return judged
-            row, details = turns([p.name for p in self.pictures], calibrate, judge)
+            row, details = turns(list(groups), calibrate, judge)
             self.report.add(self.name, case, row, {"wrong": 0})
-            self.report.details.setdefault("each picture", {})[self.name] = details
-        case = "no clicks, each picture in turn"
+            self.report.details.setdefault(of, {})[self.name] = details
+        of = "each picture" if count == 1 else "each two successive pictures"
+        case = f"no clicks, {of} in turn"
         self.report.attempt(self.name, case, {"wrong": 0}, run)
 
     def clicked(self):
@@ -197,7 +203,8 @@ class PictureSet:
         if len(self.learned) > 1 and not quick:
             self.unclicked(2)
         if not quick:
-            self.each_in_turn()
+            self.each_in_turn(1)
+            self.each_in_turn(2)
         if self.name == "mirosot-triangles":
             self.clicked_once()
             if not quick:

@@ -97,6 +97,18 @@ TEST_F(FieldReference, IsTheMedianOfThePictures) {
   EXPECT_NEAR(at(160, 120), 1.5 * kFloorSum, kTolerance);
 }
 
+// Where a robot covers the floor in one of two pictures, the other one's light does not fill the gap.
+TEST_F(FieldReference, MixesNoLights) {
+  show("a.png", {kFirst}, 1.0);
+  show("b.png", {}, 2.0);
+  made();
+  EXPECT_EQ(at(80, 120), 0);
+  EXPECT_NEAR(at(160, 120), kFloorSum, kTolerance);
+  show("b.png", {}, 1.02);
+  made();
+  EXPECT_NEAR(at(80, 120), kFloorSum, kTolerance) << "lamps flicker";
+}
+
 TEST_F(FieldReference, EndsAQuarterOfAMeterOutsideTheField) {
   // A camera 2 m above the floor, 3 mm per pixel.
   draft_.exists = true;

@@ -148,6 +148,9 @@ Result<void> learn_colors(const ColorRequest& request, const JobInput& input, co
   output.progress("patches and robots are being searched", 0.1);
   fit_input.clicks = clicks;
   TOUCHLINE_TRY_ASSIGN(const calibrate::DetectedColors found, calibrate::detect_with_clicks(files, fit_input));
+  if (const std::string left_out = calibrate::describe_left_out(found, fit_input); !left_out.empty()) {
+    measured["notes"].push_back(note("warning", left_out));
+  }
   measured["clicks"] = clicks_json(clicks, found.uses, measured["pictures"]);
   std::error_code error;
   fs::create_directories(folder, error);

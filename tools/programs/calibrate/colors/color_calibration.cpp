@@ -12,13 +12,16 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Colors that some of the clicks lead to, and how well they do.
-struct ClickTrial {
+// More pictures than these show the lamps as they are, and take time.
+constexpr std::size_t kMostTriedPictures = 4;
+
+// Colors that some of the clicks or pictures lead to, and how well they do.
+struct Trial {
   DetectedColors found;
   std::optional<int> recognized;  // SelfCheck::recognized(); empty: nothing can be learned
   bool passed = false;            // SelfCheck::passed()
 
-  [[nodiscard]] bool is_worse_than(const ClickTrial& other) const {
+  [[nodiscard]] bool is_worse_than(const Trial& other) const {
     return recognized < other.recognized || (recognized == other.recognized && other.passed && !passed);
   }
   [[nodiscard]] std::string text() const {
@@ -29,7 +32,7 @@ struct ClickTrial {
 };
 
 // Leaves `trial` as it is if nothing can be learned.
-Result<void> check_trial(const ColorFiles& files, ColorFitInput input, ClickTrial& trial) {
+Result<void> check_trial(const ColorFiles& files, ColorFitInput input, Trial& trial) {
   TOUCHLINE_TRY_ASSIGN(const VisibleRobots robots, take_detected(trial.found, input));
   TOUCHLINE_TRY(check_all_colors(files.team, files.colors, input.clicks));
   TOUCHLINE_TRY_ASSIGN(const ColorFit fit, fit_colors(input));
@@ -48,23 +51,40 @@ Result<void> check_trial(const ColorFiles& files, ColorFitInput input, ClickTria
   return {};
 }
 
-Result<ClickTrial> try_clicks(const ColorFiles& files, const ColorFitInput& input, const std::vector<Click>& clicks) {
-  ClickTrial trial;
+Result<Trial> try_clicks(const ColorFiles& files, const ColorFitInput& input, const std::vector<Click>& clicks) {
+  Trial trial;
   TOUCHLINE_TRY_ASSIGN(trial.found, auto_detect_colors(files.draft, files.colors, clicks, input.pictures));
   static_cast<void>(check_trial(files, input, trial));  // colors from which nothing can be learned are worst
   return trial;
 }
 
+// Colors from all pictures, or from one of them if more is recognized with these: under other lamps, patches of one
+// color may look like those of another.
+Result<DetectedColors> detect_without_clicks(const ColorFiles& files, const ColorFitInput& input) {
+  TOUCHLINE_TRY_ASSIGN(Trial best, try_clicks(files, input, {}));
+  if (input.pictures.size() == 1 || input.pictures.size() > kMostTriedPictures) return std::move(best.found);
+  for (const auto& [image, picture] : input.pictures) {
+    Trial one;
+    Result<DetectedColors> found = auto_detect_colors(files.draft, files.colors, {}, {{image, picture}});
+    if (!found.ok()) return found.error();
+    one.found = std::move(found).value();
+    static_cast<void>(check_trial(files, input, one));
+    if (best.is_worse_than(one)) best = std::move(one);
+  }
+  return std::move(best.found);
+}
+
 }  // namespace
 
 Result<DetectedColors> detect_with_clicks(const ColorFiles& files, const ColorFitInput& input) {
+  if (input.clicks.empty()) return detect_without_clicks(files, input);
   TOUCHLINE_TRY_ASSIGN(DetectedColors all, auto_detect_colors(files.draft, files.colors, input.clicks, input.pictures));
   if (std::none_of(all.uses.begin(), all.uses.end(), [](const ClickUse& use) { return use.used; })) return all;
-  ClickTrial with_all;
+  Trial with_all;
   with_all.found = std::move(all);
   static_cast<void>(check_trial(files, input, with_all));
   if (with_all.passed) return std::move(with_all.found);
-  TOUCHLINE_TRY_ASSIGN(ClickTrial best, try_clicks(files, input, {}));
+  TOUCHLINE_TRY_ASSIGN(Trial best, try_clicks(files, input, {}));
   if (!with_all.is_worse_than(best)) return std::move(with_all.found);
   std::vector<Click> kept;
   std::vector<std::size_t> numbers;
@@ -72,7 +92,7 @@ Result<DetectedColors> detect_with_clicks(const ColorFiles& files, const ColorFi
   for (std::size_t i = 0; i < input.clicks.size(); ++i) {
     if (!uses[i].used) continue;
     kept.push_back(input.clicks[i]);
-    TOUCHLINE_TRY_ASSIGN(ClickTrial trial, try_clicks(files, input, kept));
+    TOUCHLINE_TRY_ASSIGN(Trial trial, try_clicks(files, input, kept));
     if (trial.is_worse_than(best)) {
       kept.pop_back();
       uses[i] = {false, formatted("with it, the self-check %s; without it, it %s; is its color right?",
@@ -96,6 +116,14 @@ Result<void> write_copy(const std::string& venue, const std::vector<Section>& se
   return {};
 }
 
+std::string describe_left_out(const DetectedColors& found, const ColorFitInput& input) {
+  if (found.images.size() == input.pictures.size()) return "";
+  return formatted(
+      "colors are from %s alone: with colors from all %zu pictures, less is recognized in them; is their light the "
+      "same?",
+      found.images.front().c_str(), input.pictures.size());
+}
+
 Result<VisibleRobots> take_detected(const DetectedColors& found, ColorFitInput& input) {
   if (!found.doubts.empty()) {
     std::string text = "the colors are not certain:";
@@ -107,6 +135,7 @@ Result<VisibleRobots> take_detected(const DetectedColors& found, ColorFitInput& 
   input.clicks = found.clicks;
   input.unclear = found.unclear;
   input.things = found.things;
+  input.learned_from = found.images;
   for (const TeamMarking& marking : found.input.teams) {
     if (marking.team_color == kBackground) continue;
     input.uses[found.input.colors[marking.team_color - 1U].name] = ColorUse::kTeam;

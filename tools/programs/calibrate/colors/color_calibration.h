@@ -21,12 +21,17 @@ struct ColorFiles {
 
 /// Detects colors (auto_detect_colors) with the clicks of `input`. If a self-check with the colors that follow does not
 /// pass, and one without any click recognizes more (or as much, and passes), the clicks are added one by one, and those
-/// that make the self-check worse are left out: a click can only improve the result. Errors of auto_detect_colors().
+/// that make the self-check worse are left out: a click can only improve the result. Without clicks, each of up to four
+/// pictures is also tried alone, and learned from if a self-check in all of them recognizes more
+/// (DetectedColors::images). Errors of auto_detect_colors().
 Result<DetectedColors> detect_with_clicks(const ColorFiles& files, const ColorFitInput& input);
 
 /// Copies the venue file and replaces these sections of the copy, which is to be in the folder of the venue file,
 /// because the venue file names others relative to it. kIo: the copy cannot be written. Errors of write_sections().
 Result<void> write_copy(const std::string& venue, const std::vector<Section>& sections, const std::string& copy);
+
+/// Says that colors are not learned from all pictures; empty if they are.
+std::string describe_left_out(const DetectedColors& found, const ColorFitInput& input);
 
 /// Replaces the clicks of `input` by the patches that were detected with their help, and returns the robots in the
 /// pictures. kInconsistent: the detection has doubts; the message lists them.

@@ -133,6 +133,7 @@ class Fitter {
                        image.c_str(), frame.width_px, frame.height_px, input_.pictures.begin()->first.c_str(),
                        first.width_px, first.height_px);
       }
+      if (!input_.learns_from(image)) continue;
       Scene scene{image, &picture, corrected_channels(frame, *shading), {}, {}};
       scene.owner.assign(scene.channels.pixels.size(), 0);
       scene.reserved.assign(scene.channels.pixels.size(), kFree);

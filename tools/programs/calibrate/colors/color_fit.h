@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <map>
 #include <string>
 #include <vector>
@@ -18,6 +19,7 @@ namespace touchline::calibrate {
 struct ColorFitInput {
   std::vector<Click> clicks;
   std::map<std::string, CameraPicture> pictures;  // by Click::image; all with the same format and size
+  std::vector<std::string> learned_from;          // of these pictures; empty: from all
   std::map<std::string, std::vector<std::size_t>>
       unclear;                                             // per picture: pixels that are neither sample nor background
   std::map<std::string, std::vector<std::size_t>> things;  // per picture: those of `unclear` that are no robots
@@ -26,6 +28,10 @@ struct ColorFitInput {
   Polygon region_of_interest;
   GrowthLimits growth;
   LearningRules rules;
+
+  [[nodiscard]] bool learns_from(const std::string& image) const {
+    return learned_from.empty() || std::find(learned_from.begin(), learned_from.end(), image) != learned_from.end();
+  }
 };
 
 /// Result of a click.

@@ -125,6 +125,9 @@ Result<void> ColorsCommand::detect_colors(const VenueDraft& draft, ColorFitInput
   TOUCHLINE_TRY_ASSIGN(TeamColors wanted, read_team_colors(team));
   TOUCHLINE_TRY_ASSIGN(const DetectedColors found, detect_with_clicks({venue, team, draft, std::move(wanted)}, input));
   print_detected(found);
+  if (const std::string left_out = describe_left_out(found, input); !left_out.empty()) {
+    std::printf("%s\n", left_out.c_str());
+  }
   print_unused(input.clicks, found.uses);
   const std::string folder = preview_folder();
   std::error_code error;

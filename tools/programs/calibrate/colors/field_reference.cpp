@@ -2,13 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <memory>
 #include <optional>
+#include <utility>
 
 #include "core/geometry/camera_model.h"
 #include "core/region/region_of_interest.h"
 #include "firmware/config/light_map_file.h"
 #include "firmware/config/light_writer.h"
+#include "tools/programs/statistics/statistics.h"
 
 namespace touchline::calibrate {
 namespace {
@@ -80,6 +83,32 @@ class Coverage {
   std::vector<bool> near_field_, covered_;
 };
 
+// The cells of a picture that show the field: R, G, B.
+using FieldCells = std::vector<std::optional<std::array<std::uint16_t, 3>>>;
+
+double brightness_of(const FieldCells& field) {
+  std::vector<double> sums;
+  for (const auto& cell : field) {
+    if (cell) sums.push_back(static_cast<double>((*cell)[0] + (*cell)[1] + (*cell)[2]));
+  }
+  return sums.empty() ? 0.0 : statistics::median(sums);
+}
+
+// Whether both pictures were taken in the same light: most of the cells that both show differ little in each channel.
+bool has_light_of(const FieldCells& field, const FieldCells& other) {
+  constexpr double kMostChange = 0.1;  // logarithm of the ratio
+  constexpr double kDark = 2.0;        // of a cell's sum, hardly more than noise
+  for (std::size_t c = 0; c < 3; ++c) {
+    std::vector<double> ratios;
+    for (std::size_t cell = 0; cell < field.size(); ++cell) {
+      if (!field[cell] || !other[cell]) continue;
+      ratios.push_back(((*field[cell])[c] + kDark) / ((*other[cell])[c] + kDark));
+    }
+    if (!ratios.empty() && std::abs(std::log(statistics::median(ratios))) > kMostChange) return false;
+  }
+  return true;
+}
+
 struct ColoredRegions {
   RegionScanner scanner;
   Runs runs;
@@ -109,18 +138,17 @@ void cover_colors(const ColorFitInput& input, const ColorFit& fit, const Frame& 
   }
 }
 
-}  // namespace
-
-LightReference field_reference(const VenueDraft& draft, const ColorFitInput& input, const ColorFit& fit) {
-  LightReference out;
-  if (input.pictures.empty()) return out;
-  const Frame first = input.pictures.begin()->second.frame();
-  Coverage coverage(draft, first);
+// The field in the pictures that have the light of the one with most patches, because the typical colors have it. Of
+// several, it is the one with the median brightness. A mix of cells from two lamps would be like none of them.
+std::vector<FieldCells> fields_in_one_light(const VenueDraft& draft, const ColorFitInput& input, const ColorFit& fit) {
+  Coverage coverage(draft, input.pictures.begin()->second.frame());
   const ReferenceGrid grid = coverage.grid();
-  std::vector<std::array<std::vector<std::uint16_t>, 3>> sums(grid.cells());
   const auto scan = std::make_unique<ColoredRegions>();
   const auto colors = std::make_unique<CellColors>();
+  std::vector<FieldCells> fields;
+  std::vector<std::pair<std::ptrdiff_t, double>> order;  // most patches, then brightness
   for (const auto& [name, picture] : input.pictures) {
+    if (!input.learns_from(name)) continue;
     const Frame frame = picture.frame();
     coverage.begin();
     cover_colors(input, fit, frame, *scan, coverage);
@@ -129,16 +157,44 @@ LightReference field_reference(const VenueDraft& draft, const ColorFitInput& inp
       if (click.image == name) coverage.cover(at, at);
     }
     for (std::size_t row = 0; row < grid.rows; ++row) sample_cells(frame, grid, row, *colors);
+    FieldCells field(grid.cells());
     for (std::size_t cell = 0; cell < grid.cells(); ++cell) {
       if (!coverage.usable(cell)) continue;
-      for (std::size_t c = 0; c < 3; ++c) sums[cell][c].push_back(colors->sum[c][cell]);
+      field[cell] = std::array{colors->sum[0][cell], colors->sum[1][cell], colors->sum[2][cell]};
     }
+    const auto patches = std::count_if(input.clicks.begin(), input.clicks.end(),
+                                       [&](const Click& click) { return click.image == name; });
+    order.emplace_back(-patches, brightness_of(field));
+    fields.push_back(std::move(field));
   }
+  std::vector<std::pair<std::ptrdiff_t, double>> sorted = order;
+  std::sort(sorted.begin(), sorted.end());
+  const auto most =
+      std::count_if(sorted.begin(), sorted.end(), [&](const auto& one) { return one.first == sorted.front().first; });
+  const auto usual = std::find(order.begin(), order.end(), sorted[static_cast<std::size_t>(most - 1) / 2]);
+  const FieldCells light = fields[static_cast<std::size_t>(usual - order.begin())];
+  std::vector<FieldCells> out;
+  std::copy_if(fields.begin(), fields.end(), std::back_inserter(out),
+               [&](const FieldCells& field) { return has_light_of(field, light); });
+  return out;
+}
+
+}  // namespace
+
+LightReference field_reference(const VenueDraft& draft, const ColorFitInput& input, const ColorFit& fit) {
+  LightReference out;
+  if (input.pictures.empty()) return out;
+  const std::vector<FieldCells> fields = fields_in_one_light(draft, input, fit);
+  const Frame first = input.pictures.begin()->second.frame();
+  const ReferenceGrid grid = ReferenceGrid::of(first.width_px, first.height_px);
   out.columns = grid.columns;
   out.rows = grid.rows;
   for (std::size_t cell = 0; cell < grid.cells(); ++cell) {
     for (std::size_t c = 0; c < 3; ++c) {
-      std::vector<std::uint16_t>& all = sums[cell][c];
+      std::vector<std::uint16_t> all;
+      for (const FieldCells& field : fields) {
+        if (field[cell]) all.push_back((*field[cell])[c]);
+      }
       if (all.empty()) continue;
       const auto middle = all.begin() + static_cast<std::ptrdiff_t>((all.size() - 1) / 2);
       std::nth_element(all.begin(), middle, all.end());

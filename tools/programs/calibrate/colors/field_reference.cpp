@@ -152,9 +152,12 @@ std::vector<FieldCells> fields_in_one_light(const VenueDraft& draft, const Color
     const Frame frame = picture.frame();
     coverage.begin();
     cover_colors(input, fit, frame, *scan, coverage);
+    std::ptrdiff_t patches = 0;
     for (const Click& click : input.clicks) {
+      if (click.image != name) continue;
       const PixelPoint at{static_cast<float>(click.u_px), static_cast<float>(click.v_px)};
-      if (click.image == name) coverage.cover(at, at);
+      coverage.cover(at, at);
+      ++patches;
     }
     for (std::size_t row = 0; row < grid.rows; ++row) sample_cells(frame, grid, row, *colors);
     FieldCells field(grid.cells());
@@ -162,8 +165,6 @@ std::vector<FieldCells> fields_in_one_light(const VenueDraft& draft, const Color
       if (!coverage.usable(cell)) continue;
       field[cell] = std::array{colors->sum[0][cell], colors->sum[1][cell], colors->sum[2][cell]};
     }
-    const auto patches = std::count_if(input.clicks.begin(), input.clicks.end(),
-                                       [&](const Click& click) { return click.image == name; });
     order.emplace_back(-patches, brightness_of(field));
     fields.push_back(std::move(field));
   }

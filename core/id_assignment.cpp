@@ -24,8 +24,7 @@ class Assignment {
     }
   }
 
-  // Returns the least cost.
-  float solve() {
+  void solve() {
     const std::size_t columns = columns_ + 1;
     solve_assignment<float>(rows_, columns_, [this](std::size_t row, std::size_t column) { return cost_[row][column]; },
                             {{row_potential_.data(), rows_ + 1},
@@ -34,27 +33,45 @@ class Assignment {
                              {row_of_.data(), columns},
                              {before_.data(), columns},
                              {visited_.data(), columns}});
-    float cost = 0;
     for (std::size_t j = 1; j <= columns_; ++j) {
-      if (row_of_[j] == 0) continue;
-      column_of_[row_of_[j] - 1] = j - 1;
-      cost += cost_[row_of_[j] - 1][j - 1];
+      if (row_of_[j] != 0) column_of_[row_of_[j] - 1] = j - 1;
     }
-    return cost;
-  }
-  // The least cost if this row has another column than the given one.
-  float solve_without(std::size_t row, std::size_t column) {
-    const float allowed = cost_[row][column];
-    cost_[row][column] = kForbidden;
-    const float cost = solve();
-    cost_[row][column] = allowed;
-    return cost;
+    find_margins();
   }
 
+  // By how much the least cost grows if this row has another column.
+  [[nodiscard]] float margin_of(std::size_t row) const { return way_[row][row]; }
   [[nodiscard]] std::size_t column_of(std::size_t row) const { return column_of_[row]; }
   [[nodiscard]] int robot_of(std::size_t column) const { return column < known_ ? static_cast<int>(column) : kNoRobot; }
 
  private:
+  // If a row takes the column of another row, that one takes a third row's, and so on until the column of the first row
+  // is taken, the cost grows by the sum of the reduced costs. The shortest of these cycles through each row is looked
+  // for in the graph of all rows (Floyd 1962, Warshall 1962). Columns without a row are those of one more row, to which
+  // all columns cost the same.
+  void find_margins() {
+    const std::size_t free = rows_;
+    for (auto& from : way_) from.fill(std::numeric_limits<float>::max());
+    for (std::size_t column = 0; column < columns_; ++column) {
+      const bool is_free = row_of_[column + 1] == 0;
+      const std::size_t owner = is_free ? free : row_of_[column + 1] - 1;
+      for (std::size_t row = 0; row < rows_; ++row) {
+        if (row == owner) continue;
+        const float reduced = cost_[row][column] - row_potential_[row + 1] - column_potential_[column + 1];
+        way_[row][owner] = std::min(way_[row][owner], std::max(0.0f, reduced));
+      }
+      // The potential of a free column is 0, that of any other is not above 0.
+      if (!is_free) way_[free][owner] = -column_potential_[column + 1];
+    }
+    for (std::size_t by = 0; by <= rows_; ++by) {
+      for (std::size_t from = 0; from <= rows_; ++from) {
+        for (std::size_t to = 0; to <= rows_; ++to) {
+          way_[from][to] = std::min(way_[from][to], way_[from][by] + way_[by][to]);
+        }
+      }
+    }
+  }
+
   std::size_t rows_, known_, columns_;
   std::array<std::array<float, kMaxColumns>, kMaxRobotsPerTeam> cost_{};
   std::array<float, kMaxRobotsPerTeam + 1> row_potential_{};
@@ -62,6 +79,7 @@ class Assignment {
   std::array<std::size_t, kMaxColumns + 1> row_of_{}, before_{};
   std::array<bool, kMaxColumns + 1> visited_{};
   std::array<std::size_t, kMaxRobotsPerTeam> column_of_{};
+  std::array<std::array<float, kMaxRobotsPerTeam + 1>, kMaxRobotsPerTeam + 1> way_{};  // length, from row to row
 };
 
 // The best name of a robot by itself, and its margin to the next one.
@@ -99,12 +117,10 @@ void assign_ids(const IdEvidences& evidence, std::size_t known, float clear_marg
   // least the robot's own margin.
   if (distinct && clear) return;
   Assignment assignment(evidence, known);
-  const float cost = assignment.solve();
-  std::array<std::size_t, kMaxRobotsPerTeam> column{};
-  for (std::size_t i = 0; i < evidence.size(); ++i) column[i] = assignment.column_of(i);
+  assignment.solve();
   for (std::size_t i = 0; i < evidence.size(); ++i) {
     if (distinct && out[i].margin >= clear_margin) continue;
-    out[i] = {assignment.robot_of(column[i]), assignment.solve_without(i, column[i]) - cost};
+    out[i] = {assignment.robot_of(assignment.column_of(i)), assignment.margin_of(i)};
   }
 }
 

@@ -31,8 +31,8 @@ using BoxSightings = FixedVector<BoxSighting, kMaxRobots>;
 /// patch without an axis, if their colors leave no doubt.
 ///
 /// A team keeps the result of the boxes if the typical value of one of its colors was not measured. The work is
-/// bounded: nine pixels per patch, the borders of 64 saturated ones, at most kMaxPoses poses per robot, two assignments
-/// of at most 11 robots per name.
+/// bounded: nine pixels per patch, the borders of 64 saturated ones, at most kMaxPoses poses per robot, four
+/// assignments of at most 11 robots per team.
 class Identifier {
  public:
   void configure(const CameraModel& camera) { camera_ = camera; }

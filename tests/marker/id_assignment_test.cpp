@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
 #include <random>
 #include <set>
@@ -35,12 +36,15 @@ TEST(IdAssignment, IsTheBestOfAllAndItsMarginsAreExact) {
   std::uniform_real_distribution<float> value(-8.0f, 8.0f);
   int exact = 0, lower = 0;
   for (int trial = 0; trial < 300; ++trial) {
-    const std::size_t robots = 1 + static_cast<std::size_t>(trial) % 4, known = 1 + static_cast<std::size_t>(trial) % 5;
+    const std::size_t robots = 1 + static_cast<std::size_t>(trial) % 5, known = 1 + static_cast<std::size_t>(trial) % 4;
+    // Whole numbers have several best assignments.
+    const bool has_ties = trial % 3 == 0;
+    const auto draw = [&] { return has_ties ? std::round(value(random)) : value(random); };
     IdEvidences evidence;
     for (std::size_t i = 0; i < robots; ++i) {
       IdEvidence one;
-      for (std::size_t j = 0; j < known; ++j) one.value[j] = value(random);
-      one.unknown = value(random);
+      for (std::size_t j = 0; j < known; ++j) one.value[j] = draw();
+      one.unknown = draw();
       evidence.push_back(one);
     }
     constexpr float kClear = 3.0f;

@@ -18,14 +18,14 @@ constexpr int kMaxChange = 2 * kStepsPerOctave;
 // Sums of four pixels. Below the first, a reference's step is more than 10 %; below the second, the present one's.
 constexpr std::uint16_t kLeastReference = 40, kLeastNow = 10;
 
-// A row is measured in every eighth frame.
-constexpr std::size_t kRowStep = 8;
 // Largest difference between the change of a cell and of its place, which noise and the texture of a floor cause.
 constexpr int kFit = 6 * kStepsPerLevel;
 // A step of the light: this mean difference, or so much fewer fitting cells than usual.
 constexpr int kStep = 5 * kStepsPerLevel / 2;
 constexpr std::int32_t kFewer_percent = 75;
 constexpr std::int32_t kLeastCells = 20;
+// Units of an agreement: of the share of the cells, and parts of a step.
+constexpr std::int32_t kWhole = 1024, kParts = 16;
 
 // Largest difference of a cell's tint from that of most cells. Lamps of different colors differ less.
 constexpr int kMaxTint = 10 * kStepsPerLevel;
@@ -193,7 +193,6 @@ void FieldLight::reset() {
   mean_ = 0;
   channel_means_.fill(0);
   started_ = false;
-  usual_fit_ = 0;
 }
 
 bool FieldLight::measure(const Frame& frame) {
@@ -202,12 +201,10 @@ bool FieldLight::measure(const Frame& frame) {
   bool changed = false;
   if (started_) {
     for (std::size_t row = next_; row < grid_.rows; row += kRowStep) compare(frame, row);
-    const Agreement now = agreement(next_, kRowStep);
-    const auto differs = [&now](std::int32_t sum) { return std::abs(sum) > kStep * now.fitting; };
-    const bool step = now.cells >= kLeastCells && (100 * now.fitting < kFewer_percent * usual_fit_ * now.cells / 1024 ||
-                                                   std::any_of(now.deviation.begin(), now.deviation.end(), differs));
-    if (!step) {
-      if (now.cells > 0) usual_fit_ += (1024 * now.fitting / now.cells - usual_fit_) / 16;
+    const Agreement now = agreement(next_);
+    Agreement& usual = usual_[next_];
+    if (!differs(now, usual)) {
+      if (now.cells >= kLeastCells) usual.approach(now);
       if (next_ == 0) find_tint();
       for (std::size_t row = next_; row < grid_.rows; row += kRowStep) find_brightness(row);
       for (std::size_t row = next_; row < grid_.rows; row += kRowStep) changed = find_change(row) || changed;
@@ -221,8 +218,7 @@ bool FieldLight::measure(const Frame& frame) {
   for (std::size_t row = 0; row < grid_.rows; ++row) find_brightness(row);
   for (std::size_t row = 0; row < grid_.rows; ++row) changed = find_change(row) || changed;
   changed = changed && interpolate();
-  const Agreement all = agreement(0, 1);
-  usual_fit_ = 1024 * all.fitting / std::max(1, all.cells);
+  for (std::size_t row = 0; row < kRowStep; ++row) usual_[row] = agreement(row);
   return changed;
 }
 
@@ -295,9 +291,11 @@ void FieldLight::find_brightness(std::size_t row) {
   }
 }
 
-FieldLight::Agreement FieldLight::agreement(std::size_t first_row, std::size_t row_step) const {
+FieldLight::Agreement FieldLight::agreement(std::size_t first_row) const {
   Agreement out;
-  for (std::size_t row = first_row; row < grid_.rows; row += row_step) {
+  std::int32_t fitting = 0;
+  std::array<std::int32_t, 3> sum{};
+  for (std::size_t row = first_row; row < grid_.rows; row += kRowStep) {
     for (std::size_t cell = row * grid_.columns; cell < (row + 1) * grid_.columns; ++cell) {
       if (measured_[cell] == 0) continue;
       std::array<int, 3> deviation{};
@@ -306,11 +304,24 @@ FieldLight::Agreement FieldLight::agreement(std::size_t first_row, std::size_t r
       }
       ++out.cells;
       if (std::any_of(deviation.begin(), deviation.end(), [](int d) { return std::abs(d) > kFit; })) continue;
-      ++out.fitting;
-      for (std::size_t c = 0; c < 3; ++c) out.deviation[c] += deviation[c];
+      ++fitting;
+      for (std::size_t c = 0; c < 3; ++c) sum[c] += deviation[c];
     }
   }
+  out.fitting = kWhole * fitting / std::max(1, out.cells);
+  for (std::size_t c = 0; c < 3; ++c) out.deviation[c] = kParts * sum[c] / std::max(1, fitting);
   return out;
+}
+
+// Whether the light of these rows is another one than before. What did not agree when all rows were measured last will
+// not agree after the next time either: a floor that is covered, or full of things.
+bool FieldLight::differs(const Agreement& now, const Agreement& usual) {
+  if (now.cells < kLeastCells) return false;
+  if (100 * now.fitting < kFewer_percent * usual.fitting) return true;
+  for (std::size_t c = 0; c < 3; ++c) {
+    if (std::abs(now.deviation[c] - usual.deviation[c]) > kParts * kStep) return true;
+  }
+  return false;
 }
 
 // Finds the change at each cell of a row. Returns true if it differs from the known one.

@@ -16,8 +16,9 @@ namespace touchline {
 /// count unless they are the majority of the window; cells of another tint than most of the field do not count at all.
 /// Where no level is frequent enough, the change is interpolated (Gortler et al. 1996, pull-push).
 ///
-/// Every frame, an eighth of the rows is measured. If many of their cells disagree with the known change, the whole
-/// field is measured at once, so that a step of the light is known before the colors of the same frame are classified.
+/// Every frame, an eighth of the rows is measured. If more of their cells disagree with the known change than usual,
+/// the whole field is measured at once, so that a step of the light is known before the colors of the same frame are
+/// classified.
 /// A change smaller than 1.5 levels (3 %) counts as none. The work is bounded, and its result does not depend on
 /// floating point. The object is large (fixed memory).
 class FieldLight {
@@ -52,9 +53,17 @@ class FieldLight {
   // Fixed point: 1/8 level.
   using Steps = std::int16_t;
   using Plane = std::array<Steps, kMaxReferenceCells>;
+  // A row is measured in every eighth frame.
+  static constexpr std::size_t kRowStep = 8;
+  // How well the measured cells of some rows agree with the known change.
   struct Agreement {
-    std::int32_t cells = 0, fitting = 0;
-    std::array<std::int32_t, 3> deviation{};  // sum over the fitting ones
+    std::int32_t cells = 0, fitting = 0;      // number; share of them that nearly agree
+    std::array<std::int32_t, 3> deviation{};  // mean of those
+
+    void approach(const Agreement& now) {
+      fitting += (now.fitting - fitting) / 2;
+      for (std::size_t c = 0; c < 3; ++c) deviation[c] += (now.deviation[c] - deviation[c]) / 2;
+    }
   };
   // Weight, and the sums of weight * ratio of each channel.
   using Sums [[gnu::vector_size(16)]] = std::int32_t;
@@ -63,7 +72,8 @@ class FieldLight {
   void compare(const Frame& frame, std::size_t row);
   void find_tint();
   void find_brightness(std::size_t row);
-  [[nodiscard]] Agreement agreement(std::size_t first_row, std::size_t row_step) const;
+  [[nodiscard]] Agreement agreement(std::size_t first_row) const;
+  static bool differs(const Agreement& now, const Agreement& usual);
   [[nodiscard]] bool find_change(std::size_t row);
   bool interpolate();
 
@@ -95,7 +105,7 @@ class FieldLight {
   std::array<float, 3> channel_means_{};
   std::size_t next_ = 0;
   bool started_ = false;
-  std::int32_t usual_fit_ = 0;
+  std::array<Agreement, kRowStep> usual_{};  // of the rows of each frame; valid if started_
 };
 
 }  // namespace touchline

@@ -162,6 +162,34 @@ TEST_F(FieldLightTest, RobotsThatComeGoAndCrowdAreNoChangeOfLight) {
   EXPECT_LT(error(uniform(0.5, 0.5, 0.5)), kAccuracy_levels) << "also below the robots";
 }
 
+// Rows in which nothing fits look as after a step of the light, but measuring all rows again changes nothing.
+TEST_F(FieldLightTest, WhatNeverFitsIsNoStepAndHidesNone) {
+  start();
+  constexpr int kCell_px = 16, kRowsOfAFrame = 8;
+  double light = 1;
+  const auto is_covered = [](int v) { return v / kCell_px % kRowsOfAFrame == 3; };
+  const Light things = [&](int u, int v) {
+    constexpr std::array kThings{0.4, 1.7, 0.6, 2.2};
+    const double factor = is_covered(v) ? light * kThings[static_cast<std::size_t>(u / kCell_px) % 4] : light;
+    return Factors{factor, factor, factor};
+  };
+  const Light with_shadow = [&](int u, int v) {
+    const bool is_dark = u < kPictureWidth / 4 && v < kPictureHeight / 2 && !is_covered(v);
+    const Factors factor = things(u, v);
+    return is_dark ? Factors{0.5 * factor[0], 0.5 * factor[1], 0.5 * factor[2]} : factor;
+  };
+  for (int i = 0; i < 2 * kRowsOfAFrame; ++i) field_->measure(show(things));
+  for (int i = 0; i < 2 * kRowsOfAFrame; ++i) {
+    field_->measure(show(with_shadow));
+    int changed = 0;
+    for (std::uint16_t row = 0; row < kPictureHeight / kTileHeight; row += 2) changed += field_->changed(row) ? 1 : 0;
+    EXPECT_LE(changed, 4) << "only the rows of this frame, " << i;
+  }
+  light = 0.6;
+  field_->measure(show(things));
+  EXPECT_LT(error(uniform(light, light, light)), kAccuracy_levels) << "all rows at once";
+}
+
 TEST_F(FieldLightTest, UnusablePartsAreInterpolated) {
   start();
   for (auto& sums : reference_->colors.sum) {

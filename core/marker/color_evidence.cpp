@@ -3,24 +3,16 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
-#include <utility>
+
+#include "core/marker/color_errors.h"
 
 namespace touchline {
 namespace {
 
-// Black level and stray light: added to both sides of a ratio, so that ratios of dark values mean less.
-constexpr float kStrayLight_levels = 6.0f;
-constexpr float kNoise_levels = 5.0f;
-// Standard deviations of log ratios between the same two colors: per channel, under the lamps of calibration and under
-// lamps of any other spectrum (metamerism), and common to all channels (patches of different gloss and height).
-constexpr float kRatioSigma = 0.08f, kOtherLampsSigma = 0.15f, kCommonSigma = 0.15f;
 // Part of a tint of the light by which the ratios of paints may change.
 constexpr float kTintEffect = 0.5f;
 // Value of a white surface, and the share of the lamps' light that any patch mirrors.
 constexpr float kWhite = 255.0f, kHaze = 0.01f, kHazeOfTeamPatch = 0.02f;
-// One patch in five mirrors a lamp, a tenth of its light on average (exponential distribution). As log likelihood.
-constexpr float kGlareIsRare = 1.6f, kMeanGlare = 0.1f;
 // Glare on the team patch is measured in channels that are this dark in its color, relative to the brightest one. Less
 // glare than this is stray light and gloss.
 constexpr float kDarkInColor = 0.4f, kLeastGlare = 0.02f;
@@ -29,18 +21,9 @@ constexpr float kSaturatedGain = 1.5f;
 // Of a channel's gain, if its value is saturated.
 constexpr float kSaturatedSigma = 0.5f;
 
-// Between two places of the floor, per channel.
-constexpr float kFloorSigma = 0.12f;
-
 // A gain far from the expected one widens the prior as a Student distribution of these degrees of freedom does: a
 // robot may stand in a shadow that the field around it does not show.
 constexpr float kDegreesOfFreedom = 3.0f;
-// Log likelihood ratio of the first and of each further saturated channel that a color predicts with certainty: about
-// one surface of no color in seven saturates a channel, but white lines saturate all. A channel's part of kNoColor is
-// included.
-constexpr float kFirstSaturated = 1.9f + ColorEvidence::kNoColor / 3.0f;
-constexpr float kNextSaturated = 0.7f + ColorEvidence::kNoColor / 3.0f;
-
 // Of a patch's color from its border, beyond the error that its pixels show, and how often something else is beside it.
 constexpr float kBorderSigma = 0.06f, kForeignBorder = 0.05f;
 // kNoColor for the two ratios of channels alone.
@@ -74,41 +57,6 @@ float glare_on(const SurfaceColor& patch, const std::array<float, 3>& typical, c
     glare = std::min(glare, (square(patch.rgb[c]) - square(expected)) / square(white));
   }
   return glare < 1.0f ? std::max(0.0f, glare - kLeastGlare) : 0.0f;
-}
-
-// Logarithm of the probability that a standard normal variable exceeds z.
-float log_upper_tail(float z) {
-  constexpr float kFarthest = 6.0f;
-  return std::log(0.5f * std::erfc(std::min(z, kFarthest) / std::numbers::sqrt2_v<float>));
-}
-
-// Errors are relative: 2 (a - b) / (a + b), which is nearly log(a / b). Their covariance is diagonal plus that of a
-// factor that is common to all channels; it is inverted with the formula of Sherman and Morrison. A saturated value is
-// a lower bound: its likelihood is the probability of larger values, given the other channels.
-float log_density(const SurfaceColor& surface, const ExpectedColor& expected) {
-  std::array<float, 3> error{}, variance{};
-  float precision = 1, sum = 0, squares = 0, determinant = 1;  // of the common factor, in standard deviations
-  for (std::size_t c = 0; c < 3; ++c) {
-    const float middle = 0.5f * (surface.rgb[c] + expected.rgb[c]) + kStrayLight_levels;
-    error[c] = (surface.rgb[c] - expected.rgb[c]) / middle;
-    variance[c] = expected.variance[c] + (square(kNoise_levels) + square(surface.spread)) / square(middle);
-    if (surface.saturated[c]) continue;
-    const float weight = 1.0f / variance[c];
-    precision += weight * square(expected.common_sigma[c]);
-    sum += weight * expected.common_sigma[c] * error[c];
-    squares += weight * square(error[c]);
-    determinant *= variance[c];
-  }
-  const float common = sum / precision;
-  float density = -0.5f * (squares - sum * common + std::log(determinant * precision));
-  float evidence = kFirstSaturated;
-  for (std::size_t c = 0; c < 3; ++c) {
-    if (!surface.saturated[c]) continue;
-    const float sigma = std::sqrt(variance[c] + square(expected.common_sigma[c]) / precision);
-    density += std::exchange(evidence, kNextSaturated) +
-               log_upper_tail((error[c] - common * expected.common_sigma[c]) / sigma);
-  }
-  return density;
 }
 
 // Squares of the channels' errors in standard deviations, without what is common to all of them.
@@ -204,34 +152,7 @@ ExpectedColor ColorEvidence::expected_color(const LocalLight& light, ColorId col
         light.ratio_variance + light.variance[c] + haze_variance(expected.rgb[c], expected.white[c], kHaze);
     expected.common_sigma[c] = std::sqrt(square(kCommonSigma) + light.common_variance[c]);
   }
-  expected.glare = light.glare;
   return expected;
-}
-
-float ColorEvidence::log_likelihood(const SurfaceColor& surface, const ExpectedColor& expected, bool in_box) {
-  const bool is_glossy = expected.glare > 0.0f;
-  // Glare differs little between the patches of a robot.
-  float density = log_density(surface, expected) - expected.glare / kMeanGlare;
-  if (in_box || is_glossy) {
-    // A share of the lamps' light that brings the patch nearest to what is seen (least squares in linear light).
-    float sum = 0, weights = 0;
-    for (std::size_t c = 0; c < 3; ++c) {
-      const float white = square(expected.white[c]);
-      const float middle = square(0.5f * (surface.rgb[c] + expected.rgb[c]) + kStrayLight_levels);
-      const float weight = white / (square(middle) * (expected.variance[c] + square(kNoise_levels) / middle));
-      sum += weight * (square(surface.rgb[c]) - square(expected.rgb[c]));
-      weights += weight * white;
-    }
-    if (const float glare = sum / weights; glare > 0.0f) {
-      ExpectedColor whiter = expected;
-      for (std::size_t c = 0; c < 3; ++c) {
-        whiter.rgb[c] = std::sqrt(square(expected.rgb[c]) + glare * square(expected.white[c]));
-      }
-      const float doubt = is_glossy ? std::abs(glare - expected.glare) / kMeanGlare : kGlareIsRare + glare / kMeanGlare;
-      density = std::max(density, log_density(surface, whiter) - doubt);
-    }
-  }
-  return std::max(density, kFloor);
 }
 
 // Deviations of a border's channels from a color, as logarithms of values, and the errors of this patch alone.
@@ -278,16 +199,6 @@ float ColorEvidence::log_likelihood_of_order(const BorderOfRobot& a, ColorId col
     return 0.5f * ratio_errors(deviation.value, deviation.variance).squares;
   };
   return half_squares(color_of_b, color_of_a) - half_squares(color_of_a, color_of_b);
-}
-
-float ColorEvidence::log_likelihood_of_same(const SurfaceColor& surface, const SurfaceColor& other) {
-  ExpectedColor expected;
-  for (std::size_t c = 0; c < 3; ++c) {
-    expected.rgb[c] = other.rgb[c];
-    expected.variance[c] = square(kFloorSigma);
-    expected.common_sigma[c] = kCommonSigma;
-  }
-  return std::max(log_density(surface, expected), kNoColor);
 }
 
 }  // namespace touchline

@@ -4,6 +4,7 @@
 
 #include "core/color/typical_colors.h"
 #include "core/marker/border_color.h"
+#include "core/marker/simd4.h"
 #include "core/marker/surface_color.h"
 #include "core/types.h"
 
@@ -21,7 +22,11 @@ struct LocalLight {
 struct ExpectedColor {
   std::array<float, 3> rgb{}, white{};              // white: of a white surface
   std::array<float, 3> variance{}, common_sigma{};  // independent, and of what is common to all channels
-  float glare = 0;                                  // as in LocalLight
+};
+/// Four of them, one in each lane.
+struct ExpectedColors4 {
+  std::array<Simd4<float>, 3> rgb{}, white{}, variance{}, common_sigma{};
+  void set(std::size_t lane, const ExpectedColor& color);
 };
 
 /// What is known about the light on a robot before its team patch is looked at.
@@ -68,10 +73,11 @@ class ColorEvidence {
 
   [[nodiscard]] ExpectedColor expected_color(const LocalLight& light, ColorId color, ColorSpace space) const;
 
-  /// Log likelihood of the surface's color, if it is this one. `in_box`: its region has the color's class; then it may
-  /// be whiter, because it mirrors a lamp. (Without that, any gray surface might be a dark paint.) It may as well if
-  /// the robot's team patch mirrors one.
-  [[nodiscard]] static float log_likelihood(const SurfaceColor& surface, const ExpectedColor& expected, bool in_box);
+  /// Log likelihoods of the surface's color, if it is each of these. `glare`: of LocalLight. `in_box`, -1 or 0: its
+  /// region has the color's class; then it may be whiter, because it mirrors a lamp. (Without that, any gray surface
+  /// might be a dark paint.) It may as well if the robot's team patch mirrors one.
+  [[nodiscard]] static Simd4<float> log_likelihoods(const SurfaceColor& surface, const ExpectedColors4& expected,
+                                                    float glare, Simd4<std::int32_t> in_box);
 
   /// Log likelihood ratio of the border of a patch with saturated pixels: the patch has `color` in this light, or none
   /// of the venue's colors. Only the ratios of channels count.

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <utility>
 
 #include "core/geometry/angle.h"
 #include "core/marker/border_color.h"
@@ -126,6 +127,36 @@ void Identifier::look_at_light(const Scene& now, Candidate& candidate) const {
   now.expected.light = nullptr;
 }
 
+// Log likelihoods of the colors of a slot and of that of the team. `box`: class of the surface's region, or
+// kBackground. `on_robot`: a candidate's light. (Looking at its team patch forgets the expected colors.)
+Identifier::SlotLikelihoods Identifier::likelihoods(const Scene& now, const LocalLight& on_robot, std::size_t slot,
+                                                    const SurfaceColor& surface, ColorId box) const {
+  const auto& colors = team_colors_[now.team].slots[slot].colors;
+  const std::size_t count = colors.size() + 1;
+  const auto color = [&](std::size_t i) { return i < colors.size() ? colors[i] : teams_[now.team].team_color; };
+  ExpectedColors& expected = now.expected;
+  if (expected.light != &on_robot) {
+    expected.light = &on_robot;
+    expected.is_known.fill(false);
+  }
+  auto& groups = expected.of_slot[slot];
+  if (!std::exchange(expected.is_known[slot], true)) {
+    // A group that is not full repeats the last color.
+    for (std::size_t i = 0; i < (count + 3) / 4 * 4; ++i) {
+      groups[i / 4].set(i % 4,
+                        colors_.expected_color(on_robot, color(std::min(i, count - 1)), color_space(now.frame.format)));
+    }
+  }
+  SlotLikelihoods out{};
+  for (std::size_t first = 0; first < count; first += 4) {
+    Simd4<std::int32_t> in_box{};
+    for (std::size_t i = 0; i < 4; ++i) in_box[i] = first + i < colors.size() && colors[first + i] == box ? -1 : 0;
+    const Simd4<float> four = ColorEvidence::log_likelihoods(surface, groups[first / 4], on_robot.glare, in_box);
+    for (std::size_t i = 0; i < std::min<std::size_t>(4, count - first); ++i) out[first + i] = four[i];
+  }
+  return out;
+}
+
 // Log likelihood of the likeliest color of a patch in this pose.
 float Identifier::best_likelihood(const Scene& now, const Candidate& candidate, const Pose& pose,
                                   std::size_t slot) const {
@@ -133,12 +164,10 @@ float Identifier::best_likelihood(const Scene& now, const Candidate& candidate, 
   const float scale = now.patches.team[now.boxes[candidate.robot].team_patch].patch.scale_px_per_m;
   const PixelPoint center = camera_.to_pixel(on_field(pose, layout.patches[slot + 1]), layout.height_m);
   SurfaceColor surface;
-  float best = ColorEvidence::kFloor;
-  if (!now.sample(center, step_px(team_colors_[now.team], slot + 1, scale), surface)) return best;
-  for (const ColorId color : team_colors_[now.team].slots[slot].colors) {
-    best = std::max(best, colors_.log_likelihood(surface, now.expected_color(candidate.light, color), false));
-  }
-  return best;
+  if (!now.sample(center, step_px(team_colors_[now.team], slot + 1, scale), surface)) return ColorEvidence::kFloor;
+  const SlotLikelihoods of_color = likelihoods(now, candidate.light, slot, surface, kBackground);
+  const std::size_t colors = team_colors_[now.team].slots[slot].colors.size();
+  return *std::max_element(of_color.begin(), of_color.begin() + static_cast<std::ptrdiff_t>(colors));
 }
 
 // Whether every pose of a robot is through an identification region that another robot may have. Its own patch may have
@@ -180,17 +209,15 @@ Identifier::SlotEvidence Identifier::evidence_in_slot(const Scene& now, const Ca
     out.of_team = ColorEvidence::kNoColor;
     return out;
   }
+  out.likelihood = likelihoods(now, candidate.light, s, surface, region != nullptr ? region->color : kBackground);
   for (std::size_t i = 0; i < slot.colors.size(); ++i) {
     const bool in_box = region != nullptr && region->color == slot.colors[i];
-    out.likelihood[i] = colors_.log_likelihood(surface, now.expected_color(candidate.light, slot.colors[i]), in_box);
     if (in_box && surface.saturated_channels() < 3 && surface.spread < kUneven_levels) out.likelihood[i] += kBoxVote;
   }
   // Light that saturates two channels makes other colors look like that of the team, and a robot may have it twice.
   const bool may_show_team_color = surface.saturated_channels() < 2 &&
                                    std::find(slot.colors.begin(), slot.colors.end(), team_color) == slot.colors.end();
-  out.of_team = may_show_team_color
-                    ? colors_.log_likelihood(surface, now.expected_color(candidate.light, team_color), false)
-                    : ColorEvidence::kNoColor;
+  out.of_team = may_show_team_color ? out.likelihood[slot.colors.size()] : ColorEvidence::kNoColor;
   BorderColor border;
   if ((pose.partner != kMissing || is_doubtful({out.likelihood.data(), slot.colors.size()})) &&
       look_at_border(now, center, surface, s + 1, scale, &pose, border)) {
@@ -380,7 +407,7 @@ void Identifier::identify(const Frame& frame, const ExpectedGain& light, const P
   int clipped_from = 0;  // 0: not looked at
   for (std::size_t t = 0; t < teams_.size(); ++t) {
     if (!team_colors_[t].usable) continue;
-    Scene now{frame, light, patches, hypotheses, boxes, out, t, borders_left, colors_, expected};
+    Scene now{frame, light, patches, hypotheses, boxes, out, t, borders_left, expected};
     AssignedIds assigned;
     name_team(now, assigned);
     if (!is_clutter && has_doubt(assigned)) {

@@ -103,13 +103,15 @@ class Identifier {
     std::array<SlotColors, kMaxPatches - 1> slots;
     std::array<float, kMaxPatches> radius_m{};  // of the circle inside each patch
   };
+  // Log likelihoods by index in SlotColors::colors; behind the last one is that of the team's color.
+  using SlotLikelihoods = std::array<float, kMaxRobotsPerTeam + 1>;
   // Log likelihoods of what the pixels of a slot show.
   struct SlotEvidence {
-    std::uint16_t region = kMissing;                    // index in the list of patches
-    std::array<float, kMaxRobotsPerTeam> likelihood{};  // by index in SlotColors::colors
-    float of_team = 0;                                  // that it has the color of the team
-    float floor = 0;                                    // ratio: that it is floor
-    bool depends_on_pose = false;                       // not only on the region
+    std::uint16_t region = kMissing;  // index in the list of patches
+    SlotLikelihoods likelihood{};
+    float of_team = 0;             // that it has the color of the team
+    float floor = 0;               // ratio: that it is floor
+    bool depends_on_pose = false;  // not only on the region
   };
   struct ExpectedColors;
   struct Scene;  // what is known about one team in one frame
@@ -121,6 +123,8 @@ class Identifier {
   void look_at_floor(const Scene& now, Candidate& candidate) const;
   [[nodiscard]] static LightPrior prior_light(const Scene& now, PixelPoint at);
   void look_at_light(const Scene& now, Candidate& candidate) const;
+  [[nodiscard]] SlotLikelihoods likelihoods(const Scene& now, const LocalLight& on_robot, std::size_t slot,
+                                            const SurfaceColor& surface, ColorId box) const;
   [[nodiscard]] float best_likelihood(const Scene& now, const Candidate& candidate, const Pose& pose,
                                       std::size_t slot) const;
   void search_poses(const Scene& now, Candidate& candidate) const;

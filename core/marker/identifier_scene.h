@@ -12,11 +12,11 @@ namespace touchline {
 // A margin above this one needs no exact value: the probability of an error is below the rate of other errors.
 constexpr float kClearMargin = 5.0f;
 
-// The colors of a team's paints in one robot's light.
+// The colors of a slot and that of the team in one robot's light, four at a time.
 struct Identifier::ExpectedColors {
   const LocalLight* light = nullptr;  // null: none is known
-  std::array<bool, kMaxColors + 1> is_known{};
-  std::array<ExpectedColor, kMaxColors + 1> color;
+  std::array<bool, kMaxPatches - 1> is_known{};
+  std::array<std::array<ExpectedColors4, (kMaxRobotsPerTeam + 4) / 4>, kMaxPatches - 1> of_slot;
 };
 
 struct Identifier::Scene {
@@ -28,26 +28,12 @@ struct Identifier::Scene {
   const Sightings& seen;
   std::size_t team;
   int& borders_left;  // saturated patches whose border may still be looked at in this frame
-  const ColorEvidence& colors;
   ExpectedColors& expected;
   int saturated_from = kSaturatedValue;
 
   /// As sample_surface().
   [[nodiscard]] bool sample(PixelPoint center, int step_px, SurfaceColor& out) const {
     return sample_surface(frame, center, step_px, out, saturated_from);
-  }
-
-  /// `on_robot`: a candidate's light. Looking at its team patch forgets the colors.
-  [[nodiscard]] const ExpectedColor& expected_color(const LocalLight& on_robot, ColorId color) const {
-    if (expected.light != &on_robot) {
-      expected.light = &on_robot;
-      expected.is_known.fill(false);
-    }
-    if (!expected.is_known[color]) {
-      expected.color[color] = colors.expected_color(on_robot, color, color_space(frame.format));
-      expected.is_known[color] = true;
-    }
-    return expected.color[color];
   }
 };
 

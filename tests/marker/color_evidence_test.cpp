@@ -48,7 +48,10 @@ class PaintedPatches : public ::testing::Test {
     return likelihood(patch, light, paint, box) - best;
   }
   [[nodiscard]] float likelihood(const SurfaceColor& patch, const LocalLight& light, ColorId paint, ColorId box) const {
-    return ColorEvidence::log_likelihood(patch, evidence.expected_color(light, paint, ColorSpace::kRgb), paint == box);
+    ExpectedColors4 expected;
+    for (std::size_t i = 0; i < 4; ++i) expected.set(i, evidence.expected_color(light, paint, ColorSpace::kRgb));
+    const std::int32_t in_box = paint == box ? -1 : 0;
+    return ColorEvidence::log_likelihoods(patch, expected, light.glare, Simd4<std::int32_t>{} + in_box)[0];
   }
   [[nodiscard]] LocalLight light(const SurfaceColor& team_patch, ColorId team_paint,
                                  const LightPrior& prior = {}) const {

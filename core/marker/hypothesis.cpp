@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "core/marker/neighbor_table.h"
@@ -65,6 +66,7 @@ class Search {
     find_rivals();
     for (std::size_t r = 0; r < marking_.robots.size(); ++r) {
       robot_ = static_cast<std::int8_t>(r);
+      limit_spread();
       fill_slot(0);
     }
     robot_ = -1;
@@ -74,6 +76,7 @@ class Search {
       const float most = kPatchReward * static_cast<float>(slots_ - missing);
       if (found_.full() && most <= found_.back().value) break;
       missing_ = missing_left_ = missing;
+      limit_spread();
       fill_slot(0);
     }
     for (const Hypothesis& h : found_) out.push_back(h);
@@ -126,7 +129,7 @@ class Search {
       float added_m2 = 0;
       if (!table_.fits(slot, i, {of_slot_.data(), slot}, 2 * gate_m_, added_m2)) continue;
       spread_m2_[slot + 1] = spread_m2_[slot] + added_m2;
-      if (cannot_be_kept(spread_m2_[slot + 1])) continue;
+      if (spread_m2_[slot + 1] > most_spread_m2_) continue;
       set_[slot] = neighbors_[i].number;
       of_slot_[slot] = static_cast<std::uint8_t>(i);
       used_ ^= static_cast<NeighborSet>(1u << i);
@@ -144,12 +147,12 @@ class Search {
   }
 
   bool is_of_a_known_robot() const {
-    return std::any_of(marking_.robots.begin(), marking_.robots.end(), [&](const RobotMarking& robot) {
-      for (std::size_t s = 0; s < slots_; ++s) {
-        if (set_[s] == kMissing || patches_.identification[set_[s]].color != robot.colors[s]) return false;
-      }
-      return true;
-    });
+    return missing_ == 0 && std::any_of(marking_.robots.begin(), marking_.robots.end(), [&](const RobotMarking& robot) {
+             for (std::size_t s = 0; s < slots_; ++s) {
+               if (patches_.identification[set_[s]].color != robot.colors[s]) return false;
+             }
+             return true;
+           });
   }
 
   void evaluate() {
@@ -188,17 +191,17 @@ class Search {
     if (h.value > 0.0f) keep(h);
   }
 
-  // True if no set with this spread or more can fit well enough, or be among the best ones. The difference of two
-  // distances is at most that of the two points' errors in the fit, and the squared differences of all pairs of n
-  // errors have the sum n times that of their squares. So the residual is at least sqrt(spread) / n.
-  bool cannot_be_kept(float spread_m2) const {
-    if (patch_.is_partly_visible) return false;
-    const float n = static_cast<float>(slots_ + 1 - missing_);
-    if (spread_m2 > kRounding * n * n * gate_m_ * gate_m_) return true;
-    const float sigma = sigma_m(patch_.scale_px_per_m);
+  // No set with more spread can fit well enough, or be among the best ones. The difference of two distances is at most
+  // that of the two points' errors in the fit, and the squared differences of all pairs of n errors have the sum n
+  // times that of their squares. So the residual is at least sqrt(spread) / n.
+  void limit_spread() {
+    most_spread_m2_ = std::numeric_limits<float>::max();
+    if (patch_.is_partly_visible) return;
+    const float n = static_cast<float>(slots_ + 1 - missing_), sigma = sigma_m(patch_.scale_px_per_m);
     const float most = kPatchReward * (n - 1) + (robot_ >= 0 ? kIdentityReward : 0.0f);
-    const float value = most - 0.5f * spread_m2 / (kRounding * n * sigma * sigma);
-    return value < 0 || (found_.full() && value < found_.back().value);
+    const float least = found_.full() ? found_.back().value : 0.0f;
+    most_spread_m2_ =
+        std::min(kRounding * n * n * gate_m_ * gate_m_, 2.0f * (most - least) * kRounding * n * sigma * sigma);
   }
 
   // Keeps the best ones, best first; of equal ones those that were found first.
@@ -210,6 +213,7 @@ class Search {
     found_.push_back(h);
     const auto better = [](const Hypothesis& a, const Hypothesis& b) { return a.value > b.value; };
     std::rotate(std::upper_bound(found_.begin(), found_.end() - 1, h, better), found_.end() - 1, found_.end());
+    if (found_.full()) limit_spread();
   }
 
   float reward() const {
@@ -326,6 +330,7 @@ class Search {
   std::size_t missing_ = 0, missing_left_ = 0;  // empty slots: in the whole set, and from the next slot on
   // By slot: squared differences of distances between the patches of the slots before it and in the layout, summed.
   std::array<float, kMaxPatches> spread_m2_{};
+  float most_spread_m2_ = 0;
   int work_left_ = 0;
   bool complete_ = true;    // all neighbors fit into the list
   bool exhausted_ = false;  // the search reached its share of the work

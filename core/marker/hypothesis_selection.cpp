@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <numeric>
 
 #include "core/geometry/angle.h"
@@ -28,28 +27,19 @@ bool has_same_pose(const Hypothesis& a, const Hypothesis& b) {
 
 }  // namespace
 
-// Whether one of the hypotheses from `first` on, kTogether of them, is in the square around a point.
-bool Selector::is_any_near(std::size_t first, FieldPoint at, float reach_m) const {
-  using Floats [[gnu::vector_size(16)]] = float;
-  Floats x, y;
-  static_assert(sizeof x == kTogether * sizeof(float));
-  std::memcpy(&x, &x_m_[first], sizeof x);
-  std::memcpy(&y, &y_m_[first], sizeof y);
-  x -= at.x_m;
-  y -= at.y_m;
-  const auto near = __builtin_bit_cast(std::array<std::uint64_t, 2>,
-                                       (x <= reach_m) & (x >= -reach_m) & (y <= reach_m) & (y >= -reach_m));
-  return (near[0] | near[1]) != 0;
-}
-
 // Two hypotheses conflict if they have the same team patch, share another patch, have the same name, or overlap.
 void Selector::find_conflicts() {
   with_patch_.fill({});
   with_name_.fill({});
+  near_.fill({});
   float largest_side = 0;
   for (const float side : robot_side_m_) largest_side = std::max(largest_side, side);
-  // Slightly larger than needed, so that rounding decides nothing.
+  // Places closer than this are in the same strip or in adjacent ones. Slightly larger than needed, so that rounding
+  // decides nothing.
   const float far = 1.01f * kMinRobotDistance * largest_side;
+  const auto strip_of = [](float strips) {
+    return static_cast<std::size_t>(static_cast<std::int64_t>(std::floor(strips)) & std::int64_t{kStrips - 1});
+  };
   for (std::size_t i = 0; i < hypotheses_.size(); ++i) {
     const Hypothesis& h = hypotheses_[i];
     Set& conflicts = conflicts_[i];
@@ -67,15 +57,14 @@ void Selector::find_conflicts() {
       with_name.insert(i);
     }
     const FieldPoint at = h.fit.pose.position;
-    x_m_[i] = at.x_m;
-    y_m_[i] = at.y_m;
-    const std::size_t end = options_[h.team_patch].begin;
-    for (std::size_t first = 0; first < end; first += kTogether) {
-      if (!is_any_near(first, at, far)) continue;
-      for (std::size_t j = first; j < std::min(first + kTogether, end); ++j) {
-        const FieldPoint other = hypotheses_[j].fit.pose.position;
-        const float side = 0.5f * (robot_side_m_[team] + robot_side_m_[index_of(hypotheses_[j].team)]);
-        if (distance_m(at, other) < kMinRobotDistance * side) conflicts.insert(j);
+    const std::array<std::size_t, 2> strip{strip_of(at.x_m / far), strip_of(at.y_m / far)};
+    near_[0][strip[0]].common(near_[1][strip[1]]).for_each_below(options_[h.team_patch].begin, [&](std::size_t j) {
+      const float side = 0.5f * (robot_side_m_[team] + robot_side_m_[index_of(hypotheses_[j].team)]);
+      if (distance_m(at, hypotheses_[j].fit.pose.position) < kMinRobotDistance * side) conflicts.insert(j);
+    });
+    for (std::size_t axis = 0; axis < near_.size(); ++axis) {
+      for (const std::size_t beside : {strip[axis] + kStrips - 1, strip[axis], strip[axis] + 1}) {
+        near_[axis][beside % kStrips].insert(i);
       }
     }
     conflicts.for_each_below(i, [&](std::size_t j) { conflicts_[j].insert(i); });

@@ -31,6 +31,11 @@ class HypothesisSet {
     both.insert(other);
     return both;
   }
+  [[nodiscard]] HypothesisSet common(const HypothesisSet& other) const {
+    HypothesisSet both = *this;
+    for (std::size_t i = 0; i < words_.size(); ++i) both.words_[i] &= other.words_[i];
+    return both;
+  }
   /// Calls `visit` with each number below `end`, in ascending order.
   template <class Visit>
   void for_each_below(std::size_t end, Visit visit) const {
@@ -68,12 +73,11 @@ class Selector {
   };
   using Group = FixedVector<std::uint16_t, kMaxTeamPatches>;  // team patches
 
-  // Places that are compared at a time.
-  static constexpr std::size_t kTogether = 4;
-  static_assert(kMaxHypotheses % kTogether == 0);
+  // The field is divided into strips along both axes; strips this many apart have the same sets.
+  static constexpr std::size_t kStrips = 32;
+  using Strips = std::array<Set, kStrips>;
 
   void find_conflicts();
-  [[nodiscard]] bool is_any_near(std::size_t first, FieldPoint at, float reach_m) const;
   void form_groups(std::size_t team_patches);
   // Nodes of the search trees that may still be visited.
   struct Nodes {
@@ -88,10 +92,11 @@ class Selector {
   std::span<const Hypothesis> hypotheses_;
   std::array<float, 2> robot_side_m_{};
   std::array<Set, kMaxHypotheses> conflicts_;
-  std::array<float, kMaxHypotheses> x_m_{}, y_m_{};  // places; only those before the present one are valid
-  // Hypotheses that use a patch or have the name of a robot; state of find_conflicts().
+  // Hypotheses that use a patch or have the name of a robot, and those with a place in or beside a strip; state of
+  // find_conflicts().
   std::array<Set, kMaxIdentification> with_patch_;
   std::array<std::array<Set, kMaxRobotsPerTeam>, 2> with_name_;
+  std::array<Strips, 2> near_;  // along x and y
   std::array<Options, kMaxTeamPatches> options_{};
   std::array<std::uint16_t, kMaxTeamPatches> group_of_{};
   // State of the search.

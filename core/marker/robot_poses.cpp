@@ -47,6 +47,9 @@ bool is_square(const PatchPlace& place) {
   return place.outline == PatchOutline::kSquare && std::abs(place.length_m - place.width_m) < 0.05f * place.length_m;
 }
 
+// Least RMS error of two points whose distance is seen, and known from the layout.
+float residual_of_distance_m(float seen_m, float expected_m) { return 0.5f * std::abs(seen_m - expected_m); }
+
 bool same_pose(const Pose& a, const Pose& b) {
   return distance_m(a.position, b.position) < kSamePlace &&
          std::abs(wrap_angle(a.theta_rad - b.theta_rad)) < kSameHeading;
@@ -284,7 +287,7 @@ bool Identifier::place_through(const Scene& now, const Candidate& candidate, Fie
   const FieldPoint layout_offset{place.x_m - team_place.x_m, place.y_m - team_place.y_m};
   const FieldPoint offset{at.x_m - team_patch.x_m, at.y_m - team_patch.y_m};
   pose.residual_m =
-      0.5f * std::abs(std::hypot(offset.x_m, offset.y_m) - std::hypot(layout_offset.x_m, layout_offset.y_m));
+      residual_of_distance_m(std::hypot(offset.x_m, offset.y_m), std::hypot(layout_offset.x_m, layout_offset.y_m));
   if (pose.residual_m > precise_gate_m(scale)) return false;
   pose.pose.theta_rad =
       wrap_angle(std::atan2(offset.y_m, offset.x_m) - std::atan2(layout_offset.y_m, layout_offset.x_m));
@@ -318,14 +321,23 @@ void Identifier::add_saturated_patches(const Scene& now, Candidate& candidate) c
   if (!candidate.has_light) return;
   const MarkerLayout& layout = teams_[now.team].layout;
   const std::uint16_t own = now.boxes[candidate.robot].team_patch;
+  const FieldPoint here = candidate.views[0].at;
+  const float gate_m = precise_gate_m(now.patches.team[own].patch.scale_px_per_m);
+  std::array<float, kMaxPatches - 1> expected_m{};
+  for (std::size_t s = 0; s + 1 < layout.patches.size(); ++s) {
+    const PatchPlace &team_place = layout.patches[0], &place = layout.patches[s + 1];
+    expected_m[s] = distance_m({team_place.x_m, team_place.y_m}, {place.x_m, place.y_m});
+  }
   for (std::size_t i = 0; i < now.patches.team.size(); ++i) {
     const TeamPatch& other = now.patches.team[i];
     if (i == own || index_of(other.team) != now.team) continue;
+    const float seen_m = distance_m(here, other.patch.at[now.team]);
     for (std::size_t s = 0; s + 1 < layout.patches.size(); ++s) {
+      if (residual_of_distance_m(seen_m, expected_m[s]) > gate_m) continue;
       PoseEvidence pose;
       pose.identification.fill(kMissing);
       pose.partner = static_cast<std::uint16_t>(i);
-      if (!place_through(now, candidate, candidate.views[0].at, s, other.patch.at[now.team], pose)) continue;
+      if (!place_through(now, candidate, here, s, other.patch.at[now.team], pose)) continue;
       SurfaceColor surface;
       if (!now.sample(other.patch.center, step_px(team_colors_[now.team], s + 1, other.patch.scale_px_per_m),
                       surface) ||

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
+#include <numeric>
 
 #include "core/marker/centroid_noise.h"
 #include "core/marker/unnamed_robot.h"
@@ -21,14 +21,6 @@ constexpr std::size_t kSurplusPlaces = 2;
 constexpr float kFound = 0.99f;
 
 constexpr std::array<Team, 2> kTeams{Team::kOwn, Team::kOpponent};
-
-// Orders regions by area; among equal ones the first in the picture comes first.
-struct Larger {
-  const Regions& regions;
-  bool operator()(std::uint16_t a, std::uint16_t b) const {
-    return regions[a].area_px != regions[b].area_px ? regions[a].area_px > regions[b].area_px : a < b;
-  }
-};
 
 // Without an identification patch, not a robot unless pixels give it a name.
 bool is_too_small(const PatchCandidate& patch) { return patch.is_partly_visible || patch.ratio < kMinUnpairedRatio; }
@@ -116,31 +108,30 @@ Status Matcher::set_teams(const TeamMarkings& teams) {
   return status;
 }
 
-// Collects the largest regions of each color, sorted by area. A full list becomes a heap with the smallest one on top.
+// Lists the largest regions of each color by area; among equal ones the first in the picture comes first (radix sort,
+// byte by byte).
 void Matcher::sort_by_color(const Regions& regions, Sightings& out) {
-  const Larger larger{regions};
-  std::array<bool, kMaxColors + 1> is_heap{};
-  for (Numbers& numbers : numbers_) numbers.clear();
+  std::array<std::uint16_t, kMaxRegions> by_area, sorted;
+  std::size_t count = 0;
+  std::uint32_t all_areas = 0;
   for (std::size_t i = 0; i < regions.size(); ++i) {
-    const ColorId color = regions[i].color;
-    if (color > kMaxColors || !wanted_[color]) continue;
-    const auto number = static_cast<std::uint16_t>(i);
-    Numbers& numbers = numbers_[color];
-    if (!numbers.full()) {
-      numbers.push_back(number);
-      continue;
-    }
-    if (!std::exchange(is_heap[color], true)) std::make_heap(numbers.begin(), numbers.end(), larger);
-    if (!larger(number, numbers[0])) {
-      out.verdicts[i] = Verdict::kSurplus;
-      continue;
-    }
-    std::pop_heap(numbers.begin(), numbers.end(), larger);
-    out.verdicts[numbers.back()] = Verdict::kSurplus;
-    numbers.back() = number;
-    std::push_heap(numbers.begin(), numbers.end(), larger);
+    if (regions[i].color > kMaxColors || !wanted_[regions[i].color]) continue;
+    by_area[count++] = static_cast<std::uint16_t>(i);
+    all_areas |= regions[i].area_px;
   }
-  for (Numbers& numbers : numbers_) std::sort(numbers.begin(), numbers.end(), larger);
+  for (std::uint32_t shift = 0; shift < 32 && all_areas >> shift != 0; shift += 8) {
+    // The largest ones first.
+    const auto digit = [&](std::uint16_t number) { return ~(regions[number].area_px >> shift) & 0xffu; };
+    std::array<std::uint16_t, 257> begin{};
+    for (std::size_t k = 0; k < count; ++k) ++begin[digit(by_area[k]) + 1];
+    std::partial_sum(begin.begin(), begin.end(), begin.begin());
+    for (std::size_t k = 0; k < count; ++k) sorted[begin[digit(by_area[k])]++] = by_area[k];
+    std::copy(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(count), by_area.begin());
+  }
+  for (Numbers& numbers : numbers_) numbers.clear();
+  for (std::size_t k = 0; k < count; ++k) {
+    if (!numbers_[regions[by_area[k]].color].push_back(by_area[k])) out.verdicts[by_area[k]] = Verdict::kSurplus;
+  }
 }
 
 void Matcher::add_team_patches(Team team, Sightings& out) {
@@ -245,6 +236,8 @@ bool Matcher::is_on_robot(const TeamPatch& patch, const Sightings& out) const {
   return std::any_of(out.robots.begin(), out.robots.end(), [&](const RobotSighting& robot) {
     if (!robot.has_heading) return false;
     const MarkerLayout& layout = parameters_.teams[index_of(robot.team)].layout;
+    // Farther than the corners.
+    if (distance_m(robot.pose.position, patch.patch.at[index_of(robot.team)]) > layout.robot_side_m) return false;
     return on_robot(layout, to_robot_frame(robot.pose, patch.patch.at[index_of(robot.team)]), 0.0f);
   });
 }
@@ -258,15 +251,15 @@ void Matcher::report_unpaired(bool with_pixels, Sightings& out) {
     if (reported_[i]) continue;
     const TeamPatch& candidate = team_patches_[i];
     Verdict& verdict = out.verdicts[candidate.patch.region];
-    const bool too_small = is_too_small(candidate.patch);
+    const bool too_small = is_too_small(candidate.patch), on_robot = is_on_robot(candidate, out);
     if (candidate.patch.is_partly_visible) {
       verdict = Verdict::kTooSmall;
-    } else if (is_on_robot(candidate, out)) {
+    } else if (on_robot) {
       verdict = Verdict::kTooClose;
     } else if (too_small) {
       verdict = Verdict::kNoPartner;
     }
-    if (is_on_robot(candidate, out) || (too_small && !with_pixels)) continue;
+    if (on_robot || (too_small && !with_pixels)) continue;
     const bool is_surplus = free_places(candidate.team, out) == 0;
     if (is_surplus) {
       if (!too_small) verdict = Verdict::kSurplus;

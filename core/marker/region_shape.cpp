@@ -1,7 +1,10 @@
 #include "core/marker/region_shape.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+
+#include "core/marker/simd4.h"
 
 namespace touchline {
 namespace {
@@ -15,35 +18,41 @@ struct Cluster {
   double sum_u = 0, sum_v = 0, count = 0;
 };
 
+// The centers of the parts, four at a time. Lanes without a part are far from all pixels.
+struct Centers {
+  explicit Centers(const RegionParts& parts) {
+    for (std::size_t k = 0; k < parts.size(); ++k) {
+      u[k] = parts[k].center.u_px;
+      v[k] = parts[k].center.v_px;
+    }
+  }
+  Simd4<float> u = Simd4<float>{} + kFar_px, v{};
+
+ private:
+  static constexpr float kFar_px = 1e6f;
+};
+static_assert(kMaxParts == 4);
+
 // The pixels of a row, `step` apart from `u` on, and the parts that are nearest to them.
 class RowOfPixels {
  public:
-  RowOfPixels(const RegionParts& parts, std::uint32_t u, std::uint32_t row, std::uint32_t step)
-      : parts_(parts), u_(u), step_(step), v_(static_cast<float>(row)) {
-    for (std::size_t k = 0; k < parts.size(); ++k) {
-      const float dv = v_ - parts[k].center.v_px;
-      dv_squared_[k] = dv * dv;
-    }
+  RowOfPixels(const Centers& centers, std::uint32_t u, std::uint32_t row, std::uint32_t step)
+      : centers_(centers), u_(u), step_(step), v_(static_cast<float>(row)) {
+    const Simd4<float> dv = v_ - centers.v;
+    dv_squared_ = dv * dv;
   }
   [[nodiscard]] std::size_t part_of(std::uint32_t i) const {
-    const auto u = static_cast<float>(u_ + i * step_);
-    std::size_t best = 0;
-    float best_distance = 0;
-    for (std::size_t k = 0; k < parts_.size(); ++k) {
-      const float du = u - parts_[k].center.u_px, distance = du * du + dv_squared_[k];
-      if (k == 0 || distance < best_distance) {
-        best = k;
-        best_distance = distance;
-      }
-    }
-    return best;
+    const Simd4<float> du = static_cast<float>(u_ + i * step_) - centers_.u, distance = du * du + dv_squared_;
+    const float least = std::min(std::min(distance[0], distance[1]), std::min(distance[2], distance[3]));
+    return static_cast<std::size_t>(std::countr_zero(bits_of(distance == least)));
   }
   // About where the pixels of `left` end and those of `right` begin, between two pixels.
   [[nodiscard]] std::uint32_t border_between(std::size_t left, std::size_t right, std::uint32_t low,
                                              std::uint32_t high) const {
-    const PixelPoint a = parts_[left].center, b = parts_[right].center;
-    const float du = b.u_px - a.u_px, middle_u = 0.5f * (a.u_px + b.u_px), middle_v = 0.5f * (a.v_px + b.v_px);
-    const float border = middle_u - (v_ - middle_v) * (b.v_px - a.v_px) / du;
+    const float du = centers_.u[right] - centers_.u[left], dv = centers_.v[right] - centers_.v[left];
+    const float middle_u = 0.5f * (centers_.u[left] + centers_.u[right]);
+    const float middle_v = 0.5f * (centers_.v[left] + centers_.v[right]);
+    const float border = middle_u - (v_ - middle_v) * dv / du;
     const float place = (border - static_cast<float>(u_)) / static_cast<float>(step_);
     // False for NaN.
     if (!(place > static_cast<float>(low))) return low;
@@ -51,17 +60,17 @@ class RowOfPixels {
   }
 
  private:
-  const RegionParts& parts_;
+  const Centers& centers_;
   std::uint32_t u_, step_;
   float v_;
-  std::array<float, kMaxParts> dv_squared_{};
+  Simd4<float> dv_squared_;
 };
 
 // Assigns `count` pixels of a row, `step` apart from `u` on, to their nearest parts. The pixels of a row that are
 // nearest to the same part are adjacent, so only the ends of their sequences are looked for.
-void assign_row(const RegionParts& parts, std::uint32_t u, std::uint32_t row, std::uint32_t step, std::uint32_t count,
+void assign_row(const Centers& centers, std::uint32_t u, std::uint32_t row, std::uint32_t step, std::uint32_t count,
                 std::array<Cluster, kMaxParts>& clusters) {
-  const RowOfPixels pixels(parts, u, row, step);
+  const RowOfPixels pixels(centers, u, row, step);
   const std::size_t last_part = pixels.part_of(count - 1);
   std::size_t part = count > 1 ? pixels.part_of(0) : last_part;
   for (std::uint32_t i = 0; i < count;) {
@@ -99,12 +108,13 @@ void assign_row(const RegionParts& parts, std::uint32_t u, std::uint32_t row, st
 std::array<Cluster, kMaxParts> assign(const Runs& runs, const Region& region, const RegionParts& parts,
                                       std::uint32_t step) {
   std::array<Cluster, kMaxParts> clusters{};
+  const Centers centers(parts);
   std::uint32_t skip = step / 2;
   for (std::uint32_t r = region.first_run; r < runs.size(); r = runs[r].next) {
     const Run& run = runs[r];
     const std::uint32_t length = run.end - run.begin;
     const std::uint32_t count = length > skip ? (length - skip + step - 1) / step : 0;
-    if (count > 0) assign_row(parts, run.begin + skip, run.row, step, count, clusters);
+    if (count > 0) assign_row(centers, run.begin + skip, run.row, step, count, clusters);
     skip = skip + count * step - length;
   }
   return clusters;

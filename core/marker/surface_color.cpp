@@ -132,14 +132,6 @@ void find_sides(const Grid& grown, float count, const std::array<float, 2>& cent
 
 }  // namespace
 
-std::array<float, 3> to_rgb(const std::array<float, 3>& value, ColorSpace space) {
-  if (space == ColorSpace::kRgb) return value;
-  const auto above_black = [&](std::size_t c) { return value[c] - static_cast<float>(black_value(space, c)); };
-  std::array<float, 3> rgb = yuv_to_rgb(space).of(above_black(0), above_black(1), above_black(2));
-  for (float& channel : rgb) channel = std::max(0.0f, channel / float{YuvToRgb::kOne});
-  return rgb;
-}
-
 bool sample_surface(const Frame& frame, PixelPoint center, int step_px, SurfaceColor& out, int saturated_from) {
   // Also false for NaN.
   if (!(center.u_px >= 0.0f && center.v_px >= 0.0f && center.u_px < 65536.0f && center.v_px < 65536.0f)) return false;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 
 #include "core/types.h"
@@ -20,7 +21,13 @@ struct SurfaceColor {
 };
 
 /// Converts a pixel value of the color space to R, G, B above black.
-std::array<float, 3> to_rgb(const std::array<float, 3>& value, ColorSpace space);
+inline std::array<float, 3> to_rgb(const std::array<float, 3>& value, ColorSpace space) {
+  if (space == ColorSpace::kRgb) return value;
+  const auto above_black = [&](std::size_t c) { return value[c] - static_cast<float>(black_value(space, c)); };
+  std::array<float, 3> rgb = yuv_to_rgb(space).of(above_black(0), above_black(1), above_black(2));
+  for (float& channel : rgb) channel = std::max(0.0f, channel / float{YuvToRgb::kOne});
+  return rgb;
+}
 
 /// Samples the surface around a point: 3 x 3 pixels at a distance of `step_px` (at least 1), without the lowest and the
 /// highest value of each channel. False if they are not all in the picture.

@@ -105,17 +105,22 @@ class Surroundings {
                  color_space(frame_.format));
     return true;
   }
-  // Share of the points, turned by the angle whose cosine and sine are given, at which `is` holds; 1 without any.
-  template <class Is>
-  [[nodiscard]] float share(const Offsets& points, float c, float s, Is is) const {
-    int count = 0, valid = 0;
+  /// Finds the share of the points, turned by the angle whose cosine and sine are given, at which `is` holds; 1 without
+  /// any. False, without a share, as soon as may_be(the largest share that is still possible) is false.
+  template <class Is, class MayBe>
+  bool find_share(const Offsets& points, float c, float s, Is is, MayBe may_be, float& out) const {
+    std::size_t valid = 0, missing = 0;
+    const auto share = [&](std::size_t all) { return static_cast<float>(all - missing) / static_cast<float>(all); };
     for (const FieldPoint& point : points) {
       Rgb rgb;
       if (!sample(turned(point, c, s), rgb)) continue;
       ++valid;
-      count += is(rgb) ? 1 : 0;
+      if (is(rgb)) continue;
+      ++missing;
+      if (!may_be(share(points.size()))) return false;
     }
-    return valid == 0 ? 1.0f : static_cast<float>(count) / static_cast<float>(valid);
+    out = valid == 0 ? 1.0f : share(valid);
+    return true;
   }
 
  private:
@@ -211,18 +216,24 @@ class TopView {
     const float c = std::cos(heading_rad), s = std::sin(heading_rad);
     const auto differs = [&](const Rgb& seen) { return differ(seen, team_.rgb); };
     Shares shares;
-    shares.inside = picture_.share(inside_, c, s, [&](const Rgb& seen) { return !differs(seen); });
-    if (shares.doubt() >= limit) return shares;
-    shares.outside = picture_.share(outside_, c, s, differs);
-    if (shares.doubt() >= limit) return shares;
-    shares.patches =
-        picture_.share(patches_, c, s, [&](const Rgb& seen) { return differs(seen) && differ(seen, floor_); });
-    if (shares.doubt() < limit) weigh_patches(c, s, shares);
+    const auto measure = [&](float& share, const Offsets& points, auto is) {
+      const auto may_be = [&](float most) {
+        share = most;
+        return shares.doubt() < limit;
+      };
+      return picture_.find_share(points, c, s, is, may_be, share);
+    };
+    // What tells most comes first, what takes most time last.
+    if (measure(shares.outside, outside_, differs) &&
+        measure(shares.patches, patches_, [&](const Rgb& seen) { return differs(seen) && differ(seen, floor_); }) &&
+        measure(shares.inside, inside_, [&](const Rgb& seen) { return !differs(seen); })) {
+      weigh_patches(c, s, limit, shares);
+    }
     return shares;
   }
   // A thing that is larger than a robot's patches shows the same surface beside a stripe of the team's color and where
   // a patch would be.
-  void weigh_patches(float c, float s, Shares& out) const {
+  void weigh_patches(float c, float s, float limit, Shares& out) const {
     ChannelSamples<4> samples;
     for (const FieldPoint& point : outside_) {
       Rgb rgb;
@@ -231,17 +242,36 @@ class TopView {
     }
     if (samples[0].empty()) return;
     const Rgb top = median_of(samples);
-    float valid = 0, unlike = 0, outline = 0;
+    struct SeenPatch {
+      const OtherPatch* place;
+      Rgb rgb;
+    };
+    FixedVector<SeenPatch, kMaxPatches> seen;
+    float unlike = 0;
     for (const OtherPatch& other : others_) {
       Rgb patch;
       if (!picture_.sample(turned(other.center, c, s), patch)) continue;
-      valid += 1.0f;
+      seen.push_back({&other, patch});
       unlike += differ(patch, top) ? 1.0f : 0.0f;
-      outline += picture_.share(other.outside, c, s, [&](const Rgb& seen) { return differ(seen, patch); });
     }
-    if (valid == 0.0f) return;
+    if (seen.empty()) return;
+    const auto valid = static_cast<float>(seen.size());
     out.unlike_top = unlike / valid;
-    out.patch_outline = outline / valid;
+    float outline = 0;
+    for (std::size_t k = 0; k < seen.size() && out.doubt() < limit; ++k) {
+      const auto differs = [&](const Rgb& rgb) { return differ(rgb, seen[k].rgb); };
+      const auto may_be = [&](float most) {
+        // The patches after this one may have their whole outline.
+        float sum = outline + most;
+        for (std::size_t left = k + 1; left < seen.size(); ++left) sum += 1.0f;
+        out.patch_outline = sum / valid;
+        return out.doubt() < limit;
+      };
+      float share = 0;
+      if (!picture_.find_share(seen[k].place->outside, c, s, differs, may_be, share)) return;
+      outline += share;
+      if (k + 1 == seen.size()) out.patch_outline = outline / valid;
+    }
   }
 
   Surroundings picture_;

@@ -22,8 +22,8 @@ constexpr float kFloorSigma = 0.12f;
 // included.
 constexpr float kFirstSaturated = 1.9f + ColorEvidence::kNoColor / 3.0f;
 constexpr float kNextSaturated = 0.7f + ColorEvidence::kNoColor / 3.0f;
-// With these squared errors, a density is below kFloor: the logarithm of three variances is at least 6
-// log(kRatioSigma).
+// With these squared errors, a density is below kFloor without the part of the saturated channels: the logarithm of
+// three variances is at least 6 log(kRatioSigma).
 constexpr float kFar = 40.0f;
 static_assert(kRatioSigma >= 0.08f && kFloorSigma >= kRatioSigma &&
               -0.5f * (kFar - 15.2f) + kFirstSaturated < ColorEvidence::kFloor);
@@ -72,8 +72,7 @@ Floats log_densities(const SurfaceColor& surface, const ExpectedColors4& expecte
   }
   const Floats common = sum / precision, misfit = squares - sum * common;
   const Lanes is_near = misfit < kFar;
-  Floats density =
-      -0.5f * (misfit + for_lanes(is_near, determinant * precision, [](float one) { return std::log(one); }));
+  Floats density = -0.5f * (misfit + logarithm(determinant * precision));
   float evidence = kFirstSaturated;
   for (std::size_t c = 0; c < 3; ++c) {
     if (!surface.saturated[c]) continue;

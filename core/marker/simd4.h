@@ -29,6 +29,28 @@ using Simd4 [[gnu::vector_size(16)]] = T;
   return rgb;
 }
 
+/// Natural logarithm of positive normal numbers, to one unit in the last place (polynomial of the Cephes library,
+/// Moshier 1992). Other than that of the standard library, it is the same on every processor.
+[[gnu::always_inline]] inline Simd4<float> logarithm(Simd4<float> x) {
+  constexpr std::array kCoefficients{7.0376836292e-2f,  -1.1514610310e-1f, 1.1676998740e-1f,
+                                     -1.2420140846e-1f, 1.4249322787e-1f,  -1.6668057665e-1f,
+                                     2.0000714765e-1f,  -2.4999993993e-1f, 3.3333331174e-1f};
+  // log(2) in two parts, of which products with an exponent of the first one are exact.
+  constexpr float kLog2High = 0.693359375f, kLog2Low = -2.12194440e-4f;
+  constexpr std::int32_t kOne = 0x3f800000, kRootOfHalf = 0x3f3504f3, kFraction = 0x007fffff;
+  // x = 2^exponent (1 + f), where 1 + f is between the roots of 1/2 and 2.
+  const auto bits = __builtin_bit_cast(Simd4<std::int32_t>, x) + (kOne - kRootOfHalf);
+  const Simd4<float> exponent = __builtin_convertvector((bits >> 23) - 127, Simd4<float>);
+  const Simd4<float> f = __builtin_bit_cast(Simd4<float>, (bits & kFraction) + kRootOfHalf) - 1.0f;
+  const Simd4<float> square = f * f;
+  Simd4<float> polynomial = Simd4<float>{} + kCoefficients[0];
+  _Pragma("GCC unroll 8") for (std::size_t i = 1; i < kCoefficients.size(); ++i) {
+    polynomial = polynomial * f + kCoefficients[i];
+  }
+  const Simd4<float> rest = polynomial * f * square + kLog2Low * exponent - 0.5f * square;
+  return (f + rest) + kLog2High * exponent;
+}
+
 /// Bit i: lane i of a comparison is true.
 [[gnu::always_inline]] inline std::uint32_t bits_of(Simd4<std::int32_t> is_true) {
   const auto halves = __builtin_bit_cast(std::array<std::uint64_t, 2>, is_true & Simd4<std::int32_t>{1, 2, 4, 8});

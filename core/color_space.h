@@ -51,6 +51,14 @@ constexpr std::array<float, 3> rgb_to_yuv(const std::array<float, 3>& rgb, Color
   return {of_luma * luma, of_chroma * (rgb[2] - luma) / 1.772f, of_chroma * (rgb[0] - luma) / 1.402f};
 }
 
+/// The channels of R, G, B from 0 to 255, not rounded and not limited.
+constexpr std::array<float, 3> from_rgb(const std::array<float, 3>& rgb, ColorSpace space) {
+  if (space == ColorSpace::kRgb) return rgb;
+  std::array<float, 3> value = rgb_to_yuv(rgb, space);
+  for (std::size_t c = 0; c < 3; ++c) value[c] += static_cast<float>(black_value(space, c));
+  return value;
+}
+
 /// Converts a pixel to R, G, B, rounded and limited to 0..255.
 constexpr std::array<std::uint8_t, 3> to_rgb8(const std::array<std::uint8_t, 3>& value, ColorSpace space) {
   if (space == ColorSpace::kRgb) return value;

@@ -11,6 +11,7 @@
 #include "hal/mock/lens.h"
 #include "tests/calibrate/arena_photograph.h"
 #include "tools/programs/calibrate/field/field_fit.h"
+#include "tools/programs/statistics/statistics.h"
 
 // Detects colors without clicks in pictures of the arena, whose lens, lamps and paints differ from the tool's
 // assumptions.
@@ -32,6 +33,20 @@ void mix_colors(hal::Picture& photo, std::pair<double, double> place, double gla
     for (std::size_t c = 0; c < 3; ++c) {
       const double mixed = std::clamp(mean + kMatrix * (light[c] - mean) + added, 0.0, 1.0);
       photo.rgb8[3 * i + c] = static_cast<std::uint8_t>(std::lround(255 * std::pow(mixed, 1 / kGamma)));
+    }
+  }
+}
+
+// Removes the robot at this place.
+void cover(hal::Picture& photo, std::pair<double, double> place) {
+  constexpr int kReach_px = 24;
+  const auto u0 = static_cast<int>(place.first), v0 = static_cast<int>(place.second);
+  const auto at = [](int u, int v) { return 3 * static_cast<std::size_t>(v * kWidth + u); };
+  for (int v = v0 - kReach_px; v <= v0 + kReach_px; ++v) {
+    for (int u = u0 - kReach_px; u <= u0 + kReach_px; ++u) {
+      if (u < 0 || v < 0 || u >= kWidth || v >= kHeight) continue;
+      const int beside = u - 2 * kReach_px >= 0 ? u - 2 * kReach_px : u + 2 * kReach_px;
+      std::copy_n(&photo.rgb8[at(beside, v)], 3, &photo.rgb8[at(u, v)]);
     }
   }
 }
@@ -191,6 +206,49 @@ TEST_F(AutoDetect, RecognizesARobotInGlareWhosePaintsHaveBlackChannels) {
                std::hypot(static_cast<double>(at.u_px) - u, static_cast<double>(at.v_px) - v) < 4;
       }));
   EXPECT_EQ(assignment.robots, 20U);
+}
+
+// Only one robot has red, and it stands in glare. What the glare adds shows on its team patch, whose color is known.
+TEST_F(AutoDetect, LearnsAColorThatOnlyARobotInGlareShowsWithoutTheGlare) {
+  const auto red =
+      static_cast<std::size_t>(std::find(team_.names.begin(), team_.names.end(), "red") - team_.names.begin());
+  const auto without_red = [this] {
+    add_picture("b", 2, [this](hal::Picture& photo) {
+      cover(photo, truth_["b"][1].second);
+      mix_colors(photo, {}, 0);
+    });
+  };
+  without_red();
+  add_picture("a", 1, [](hal::Picture& photo) { mix_colors(photo, {}, 0); });
+  const Result<DetectedColors> before = auto_detect_colors(venue_, team_, {}, pictures_);
+  ASSERT_TRUE(before.ok()) << before.text();
+  const Rgb without_glare = before.value().assignment.colors[red].rgb;
+  for (const double glare : {0.15, 0.2}) {
+    pictures_.clear();
+    truth_.clear();
+    without_red();
+    add_picture("a", 1, [&](hal::Picture& photo) { mix_colors(photo, truth_["a"][1].second, glare); });
+    const Result<DetectedColors> found = auto_detect_colors(venue_, team_, {}, pictures_);
+    ASSERT_TRUE(found.ok()) << found.text();
+    for (const DetectionDoubt& doubt : found.value().doubts) EXPECT_NE(doubt.text.rfind("red:", 0), 0U) << doubt.text;
+    const Assignment& assignment = found.value().assignment;
+    EXPECT_EQ(assignment.robots, 19U);
+    ASSERT_EQ(assignment.colors[red].patches.size(), 1U);
+    const FoundPatch& patch = found.value().input.patches[assignment.colors[red].patches[0]];
+    ASSERT_EQ(patch.usual.size(), 3 * patch.pixels.size());
+    for (std::size_t c = 0; c < 3; ++c) {
+      std::vector<std::uint8_t> seen, usual;
+      for (const std::size_t pixel : patch.pixels) seen.push_back(pictures_["a"].frame().plane[0][3 * pixel + c]);
+      for (const Channels& value : patch.usual) usual.push_back(value[c]);
+      const auto [least, most] = std::minmax_element(usual.begin(), usual.end());
+      EXPECT_LE(*least, without_glare[c] + 2) << glare << " channel " << c;
+      EXPECT_GE(*most, without_glare[c] - 2) << glare << " channel " << c;
+      EXPECT_NEAR(assignment.colors[red].rgb[c], without_glare[c], 35) << glare << " channel " << c;
+      if (without_glare[c] < 100) {
+        EXPECT_GT(statistics::median(seen), without_glare[c] + 60) << "there is glare";
+      }
+    }
+  }
 }
 
 TEST_F(AutoDetect, ColorsWithUnknownNamesNeedAClick) {

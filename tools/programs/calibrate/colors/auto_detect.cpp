@@ -314,6 +314,7 @@ Result<DetectedColors> auto_detect_colors(const VenueDraft& venue, const TeamCol
       const FoundPatch& patch = input.patches[p];
       Click click{out.images[input.picture[p]], input.colors[c].name, patch.u_px, patch.v_px, patch.radius_px, {}};
       if (patch.sampled) click.pixels = patch.pixels;  // growth has not found it
+      click.usual = patch.usual;
       for (std::size_t i = 0; i < marked.size(); ++i) {
         if (marked[i].patch != p || !out.uses[i].used) continue;
         click.box = marked[i].box;

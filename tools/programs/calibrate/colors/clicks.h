@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "hal/result.h"
+#include "tools/programs/calibrate/imaging/channel_image.h"
 
 namespace touchline::calibrate {
 
@@ -17,6 +18,7 @@ struct Click {
   int radius_px = 0;                              // 0: GrowthLimits::radius_px
   std::optional<std::array<double, 4>> box = {};  // u0, v0, u1, v1; u0 < u1, v0 < v1
   std::vector<std::size_t> pixels = {};           // of the patch, if they are known already
+  std::vector<Channels> usual = {};               // see FoundPatch
 };
 
 /// Reads {"samples": [{"image", "color", "u", "v"}, ...]}, where "box": [u0, v0, u1, v1] (any two opposite corners) can

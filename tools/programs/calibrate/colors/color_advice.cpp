@@ -72,12 +72,9 @@ class Adviser {
   }
 
   [[nodiscard]] std::array<int, 3> in_this_light(const Rgb& paint) const {
-    std::array<float, 3> value{};
-    for (std::size_t c = 0; c < 3; ++c) value[c] = static_cast<float>(std::min(255.0, gain_[c] * paint[c]));
-    if (is_yuv(input_.space)) {
-      value = rgb_to_yuv(value, input_.space);
-      for (std::size_t c = 0; c < 3; ++c) value[c] += static_cast<float>(black_value(input_.space, c));
-    }
+    std::array<float, 3> rgb{};
+    for (std::size_t c = 0; c < 3; ++c) rgb[c] = static_cast<float>(std::min(255.0, gain_[c] * paint[c]));
+    const std::array<float, 3> value = from_rgb(rgb, input_.space);
     return {static_cast<int>(value[0]), static_cast<int>(value[1]), static_cast<int>(value[2])};
   }
 

@@ -158,7 +158,7 @@ class Fitter {
         patch = std::move(selected).value();
         result.area_px = patch.pixels.size();
         for (const std::size_t pixel : patch.pixels) {
-          scene->owner[pixel] = static_cast<std::uint8_t>(color + 1);
+          if (click.usual.empty()) scene->owner[pixel] = static_cast<std::uint8_t>(color + 1);
           reserve_pixel(*scene, pixel);
         }
       } else {
@@ -207,10 +207,13 @@ class Fitter {
 
   LearningInput samples() {
     std::vector<std::vector<Channels>> pixels(out_.names.size());
-    for (const Grown& g : patches_) {
+    for (std::size_t i = 0; i < patches_.size(); ++i) {
+      const Grown& g = patches_[i];
       // The edge is cut per patch, so that a patch in poor light counts as much as ten in good light.
-      std::vector<Channels> own;
-      for (const std::size_t pixel : g.patch.pixels) own.push_back(scenes_[g.scene].channels.pixels[pixel]);
+      std::vector<Channels> own = input_.clicks[i].usual;
+      if (own.empty()) {
+        for (const std::size_t pixel : g.patch.pixels) own.push_back(scenes_[g.scene].channels.pixels[pixel]);
+      }
       if (own.empty()) continue;
       const ColorBox inner = core_of(count_colors(own), static_cast<ColorId>(g.color + 1), kEdgeShare);
       std::copy_if(own.begin(), own.end(), std::back_inserter(pixels[g.color]),

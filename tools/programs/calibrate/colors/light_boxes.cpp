@@ -94,18 +94,6 @@ struct LitPixel {
 // The pixels of a color in one light.
 using LitShades = std::vector<LitPixel>;
 
-Channels in_space(const std::array<double, 3>& rgb, ColorSpace space) {
-  std::array<float, 3> value{};
-  for (std::size_t c = 0; c < 3; ++c) value[c] = static_cast<float>(std::clamp(rgb[c], 0.0, 255.0));
-  if (space != ColorSpace::kRgb) {
-    value = rgb_to_yuv(value, space);
-    for (std::size_t c = 0; c < 3; ++c) value[c] += static_cast<float>(black_value(space, c));
-  }
-  Channels out{};
-  for (std::size_t c = 0; c < 3; ++c) out[c] = static_cast<std::uint8_t>(std::clamp(std::lround(value[c]), 0L, 255L));
-  return out;
-}
-
 // Pixels that stand for all of a color.
 std::vector<Channels> shades_of(const std::vector<ColorCount>& pixels) {
   const double all = total(pixels);
@@ -136,7 +124,7 @@ void add_lit(const std::vector<Channels>& shades, ColorSpace space, int white, s
             const double linear = factor[c] * std::pow(rgb[c] / 255.0, kPaintGamma) + glare;
             seen[c] = 255 * std::pow(std::min(linear, brightest), 1 / kPaintGamma);
           }
-          here.push_back({in_space(seen, space), weight});
+          here.push_back({channels_of(seen, space), weight});
         }
         out.push_back(std::move(here));
       }

@@ -31,6 +31,8 @@ struct FoundPatch {
   double instability = 0;  // see GrownPatch
   bool sampled = false;    // at a place that a layout predicts (complete_markers), not grown
   double elongation = 1;   // ratio of the standard deviations along the principal axes; 1 for a square and a disk
+  // Colors that the pixels would have in usual light, which `rgb` and `lab` refer to; empty: those that they have.
+  std::vector<Channels> usual = {};
 };
 
 /// Finds patches without clicks. Grows a region (grow_region) from each even spot that differs from the local

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <set>
 
+#include "tools/programs/statistics/statistics.h"
+
 namespace touchline::calibrate {
 namespace {
 
@@ -29,6 +31,8 @@ constexpr double kGainSigma = 0.6, kGlareScale = 0.1;
 constexpr double kUsualGain = 0.25, kUsualGlare = 0.05;
 // Greatest mean square of the residuals, and least difference to another robot or color in nats.
 constexpr double kMostMeanSquare = 1.6, kLeastMargin = 3.0, kLeastColorMargin = 1.0;
+// Share of the brightest channel of all colors from which a channel may be clipped.
+constexpr double kClipped = 0.92;
 // Share of the pixels that are darker than white.
 constexpr double kBrightest = 0.999;
 // Least share of the pixels of a patch that have its color.
@@ -39,6 +43,8 @@ Linear linear(const Rgb& rgb) {
   for (std::size_t c = 0; c < 3; ++c) out[c] = std::pow(std::clamp(rgb[c], 0.0, 255.0) / 255, kGamma);
   return out;
 }
+
+double level_of(double linear) { return 255 * std::pow(std::clamp(linear, 0.0, 1.0), 1 / kGamma); }
 
 struct Look {
   Linear color{};
@@ -98,7 +104,9 @@ struct Standing {
   std::vector<PlaceSample> samples;
   double cost = 0, margin = 0;
   RobotLight light{};
-  bool in_odd_light = false;  // and the only robot with one of its colors
+  std::size_t only_here = kNone;  // the color that no other robot shows
+  bool in_odd_light = false;      // with a color that no other robot shows
+  bool can_undo = false;          // in_odd_light, and the light is known well enough to learn that color
 };
 
 class Inference {
@@ -112,17 +120,20 @@ class Inference {
     }
   }
 
-  void run() {
+  // Accepts robots; those in odd light only with `undo`. Returns those that are left.
+  std::vector<AssignedRobot> run(bool undo) {
     for (;;) {
       std::vector<Standing> found;
       for (std::size_t team = 0; team < 2; ++team) search(team, found);
-      const auto best = std::min_element(found.begin(), found.end(), [](const Standing& a, const Standing& b) {
-        return a.in_odd_light != b.in_odd_light ? b.in_odd_light : a.cost < b.cost;
+      const auto rank = [undo](const Standing& one) { return !one.in_odd_light ? 0 : undo && one.can_undo ? 1 : 2; };
+      const auto best = std::min_element(found.begin(), found.end(), [&](const Standing& a, const Standing& b) {
+        return rank(a) != rank(b) ? rank(a) < rank(b) : a.cost < b.cost;
       });
-      if (best == found.end() || best->in_odd_light) {
-        for (const Standing& one : found)
-          assignment_.in_odd_light.push_back({picture_.number, one.team, one.robot, one.patch, {}});
-        return;
+      if (best == found.end() || rank(*best) == 2) {
+        std::vector<AssignedRobot> left;
+        left.reserve(found.size());
+        for (const Standing& one : found) left.push_back({picture_.number, one.team, one.robot, one.patch, {}});
+        return left;
       }
       accept(*best);
     }
@@ -135,14 +146,19 @@ class Inference {
     const Rgb gain = light_gain(input_, assignment_);
     for (std::size_t c = 0; c < input_.colors.size(); ++c) {
       if (!assignment_.colors[c].patches.empty()) {
-        looks_[c] = {linear(assignment_.colors[c].rgb), kSeenSigma, {}};
-        for (std::size_t k = 0; k < 3; ++k) looks_[c].at_black[k] = assignment_.colors[c].rgb[k] <= kBlack;
+        looks_[c] = look_of(assignment_.colors[c].rgb);
       } else if (input_.colors[c].look) {
         Rgb rgb = *input_.colors[c].look;
         for (std::size_t k = 0; k < 3; ++k) rgb[k] = std::min(255.0, rgb[k] * gain[k]);
         looks_[c] = {linear(rgb), kNamedSigma, {}};
       }
     }
+  }
+
+  static Look look_of(const Rgb& rgb) {
+    Look out{linear(rgb), kSeenSigma, {}};
+    for (std::size_t k = 0; k < 3; ++k) out.at_black[k] = rgb[k] <= kBlack;
+    return out;
   }
 
   // The value at which the camera clips.
@@ -158,6 +174,10 @@ class Inference {
     const auto top = values.begin() + static_cast<std::ptrdiff_t>(kBrightest * static_cast<double>(values.size()));
     std::nth_element(values.begin(), top, values.end());
     const auto value = static_cast<double>(*top);
+    for (const Look& look : looks_) {
+      if (look.sigma > 0 && look.sigma <= kSeenSigma)
+        brightest_ = std::max({brightest_, look.color[0], look.color[1], look.color[2]});
+    }
     white_ = linear({value, value, value})[0];
     for (const Look& look : looks_) white_ = std::max({white_, look.color[0], look.color[1], look.color[2]});
     white_ = std::min(white_, 1.0);
@@ -184,7 +204,7 @@ class Inference {
         if (samples.empty()) continue;
         for (const std::size_t r : missing) {
           Standing standing{team, r, patch, samples};
-          if (explains(marking, standing)) here.push_back(std::move(standing));
+          if (explains(standing)) here.push_back(std::move(standing));
         }
       }
       keep_certain(here, found);
@@ -217,6 +237,14 @@ class Inference {
     return linear({static_cast<double>(rgb[0]), static_cast<double>(rgb[1]), static_cast<double>(rgb[2])});
   }
 
+  // Of the robot's patches, in the order of the layout.
+  [[nodiscard]] std::vector<std::size_t> colors_of(const Standing& standing) const {
+    const TeamMarking& marking = input_.teams[standing.team];
+    std::vector<std::size_t> colors = {marking.team_color - std::size_t{1}};
+    for (const ColorId color : marking.robots[standing.robot].colors) colors.push_back(color - std::size_t{1});
+    return colors;
+  }
+
   // Whether a patch of this color was found elsewhere in any picture.
   [[nodiscard]] bool is_known_elsewhere(std::size_t color, const PlaceSample& sample) const {
     if (looks_[color].sigma > kSeenSigma) return false;
@@ -231,9 +259,8 @@ class Inference {
 
   // Fits the light of the robot; false if it does not explain the samples, or if another color explains one better. One
   // of its colors may be known by its name alone, or by this robot.
-  bool explains(const TeamMarking& marking, Standing& standing) const {
-    std::vector<std::size_t> colors = {marking.team_color - std::size_t{1}};
-    for (const ColorId color : marking.robots[standing.robot].colors) colors.push_back(color - std::size_t{1});
+  bool explains(Standing& standing) const {
+    const std::vector<std::size_t> colors = colors_of(standing);
     std::set<std::size_t> only_here;
     for (std::size_t k = 0; k < colors.size(); ++k) {
       if (looks_[colors[k]].sigma <= 0) return false;
@@ -242,15 +269,19 @@ class Inference {
     if (only_here.size() > 1) return false;
     fit_light(colors, standing);
     if (2 * standing.cost > kMostMeanSquare * 3 * static_cast<double>(colors.size())) return false;
-    standing.in_odd_light = !only_here.empty() && is_odd(colors, standing, *only_here.begin());
+    if (!only_here.empty()) standing.only_here = *only_here.begin();
+    standing.in_odd_light = !only_here.empty() && is_odd(colors, standing, standing.only_here);
+    standing.can_undo = standing.in_odd_light;
     for (std::size_t k = 0; k < colors.size(); ++k) {
       const Linear color = seen(standing.samples[k]);
       const double own = fit_of(looks_[colors[k]], color, standing.light, white_).cost;
       for (std::size_t c = 0; c < looks_.size(); ++c) {
         if (c == colors[k] || looks_[c].sigma <= 0 || looks_[c].sigma > kSeenSigma || c + 1 == input_.ball) continue;
-        // Nothing is learned from a robot in odd light, so that its colors need not be certain.
-        const double margin = standing.in_odd_light ? -kLeastMargin : kLeastColorMargin;
-        if (fit_of(looks_[c], color, standing.light, white_).cost < own + margin) return false;
+        const double margin = fit_of(looks_[c], color, standing.light, white_).cost - own;
+        if (margin >= kLeastColorMargin) continue;
+        // If nothing is learned from a robot in odd light, its colors need not be certain.
+        if (colors[k] == standing.only_here) standing.can_undo = false;
+        if (!standing.in_odd_light || margin < -kLeastMargin) return false;
       }
     }
     return true;
@@ -273,8 +304,7 @@ class Inference {
     }
   }
 
-  // Whether the light on the robot differs from that on others, as its patches of other colors than `color` show. A
-  // color that only this robot shows would be learned wrong.
+  // Whether the light on the robot differs from that on others, as its patches of other colors than `color` show.
   [[nodiscard]] bool is_odd(const std::vector<std::size_t>& colors, const Standing& standing, std::size_t color) const {
     if (std::abs(std::log(standing.light.gain)) > kUsualGain) return true;
     for (std::size_t k = 0; k < colors.size(); ++k) {
@@ -297,27 +327,86 @@ class Inference {
   }
 
   void accept(Standing& standing) {
-    const TeamMarking& marking = input_.teams[standing.team];
+    const std::vector<std::size_t> colors = colors_of(standing);
     std::vector<std::size_t> patches;
     for (std::size_t k = 0; k < standing.samples.size(); ++k) {
-      const std::size_t color =
-          k == 0 ? marking.team_color - std::size_t{1} : marking.robots[standing.robot].colors[k - 1] - std::size_t{1};
       patches.push_back(input_.patches.size());
-      input_.patches.push_back(sampled_patch(picture_.picture.image, std::move(standing.samples[k])));
+      FoundPatch patch = sampled_patch(picture_.picture.image, standing.samples[k]);
+      AssignedColor& color = assignment_.colors[colors[k]];
+      if (standing.in_odd_light && colors[k] == standing.only_here) undo_light(standing, patch);
+      (standing.in_odd_light && colors[k] != standing.only_here ? color.others : color.patches)
+          .push_back(patches.back());
+      if (colors[k] == standing.only_here && color.patches.size() == 1) {
+        color.rgb = patch.rgb;
+        color.margin = standing.margin;
+        looks_[colors[k]] = look_of(color.rgb);
+      }
+      input_.patches.push_back(std::move(patch));
       input_.picture.push_back(picture_.number);
       input_.named.push_back(kNone);
-      assignment_.colors[color].patches.push_back(patches.back());
     }
     assignment_.named.push_back({picture_.number, standing.team, standing.robot, patches[0], patches});
     ++assignment_.robots;
+  }
+
+  // Glare on the other patches of a robot, as the channels show it that are neither black without it nor clipped with
+  // it: least, mean and greatest.
+  [[nodiscard]] std::array<double, 3> glare_beside(const Standing& standing, double gain) const {
+    const std::vector<std::size_t> colors = colors_of(standing);
+    std::vector<double> glares;
+    for (std::size_t k = 0; k < colors.size(); ++k) {
+      if (colors[k] == standing.only_here) continue;
+      const Look& look = looks_[colors[k]];
+      const Linear value = seen(standing.samples[k]);
+      for (std::size_t c = 0; c < 3; ++c) {
+        if (!look.at_black[c] && value[c] < kClipped * brightest_)
+          glares.push_back(std::max(0.0, value[c] - gain * look.color[c]));
+      }
+    }
+    if (glares.empty()) {
+      // Black and clipped channels show how much glare there is at least.
+      const double least = standing.light.glare;
+      return {least, least + kGlareScale / 2, least + kGlareScale};
+    }
+    const auto [least, most] = std::minmax_element(glares.begin(), glares.end());
+    return {*least, statistics::mean(glares), *most};
+  }
+
+  // Finds what colors the patch would have in the light of other robots. Each pixel gives three: with the least, the
+  // mean and the greatest glare that the robot's other patches show. A channel that may be clipped may have any greater
+  // value.
+  void undo_light(const Standing& standing, FoundPatch& patch) const {
+    const ChannelImage& image = picture_.picture.image;
+    const double gain = std::min(1.0, standing.light.gain);  // what is brighter is glare
+    const std::array<double, 3> glares = glare_beside(standing, gain);
+    const auto undone = [&](const Rgb& rgb, std::size_t glare) {
+      const Linear value = linear(rgb);
+      Rgb out{};
+      for (std::size_t c = 0; c < 3; ++c) {
+        double usual = (value[c] - glares[glare]) / gain;
+        if (value[c] >= kClipped * brightest_)
+          usual += std::max(0.0, brightest_ - usual) * (1 - static_cast<double>(glare) / (glares.size() - 1));
+        out[c] = level_of(usual);
+      }
+      return out;
+    };
+    for (const std::size_t pixel : patch.pixels) {
+      const Channels seen = to_rgb8(image.pixels[pixel], image.space);
+      for (std::size_t glare = 0; glare < glares.size(); ++glare) {
+        const Rgb rgb{static_cast<double>(seen[0]), static_cast<double>(seen[1]), static_cast<double>(seen[2])};
+        patch.usual.push_back(channels_of(undone(rgb, glare), image.space));
+      }
+    }
+    patch.rgb = undone(patch.rgb, 1);
+    patch.lab = lab_of(patch.rgb);
   }
 
   AssignmentInput& input_;
   const CameraModel& camera_;
   const SearchedPicture& picture_;
   Assignment& assignment_;
-  std::vector<Look> looks_;  // per color
-  double white_ = 1;
+  std::vector<Look> looks_;           // per color
+  double white_ = 1, brightest_ = 0;  // at which the camera clips; of the colors that patches have
   std::vector<std::size_t> numbers_;  // patches of the picture that were grown
 };
 
@@ -343,7 +432,18 @@ void infer_robots(AssignmentInput& input, const CameraModel& camera, const std::
                   Assignment& assignment) {
   // Without a single robot, nothing is known about the light.
   if (assignment.robots == 0) return;
-  for (const SearchedPicture& picture : pictures) Inference(input, camera, picture, assignment).run();
+  const auto run = [&](bool undo) {
+    const std::size_t before = assignment.robots;
+    assignment.in_odd_light.clear();
+    for (const SearchedPicture& picture : pictures) {
+      for (AssignedRobot& robot : Inference(input, camera, picture, assignment).run(undo))
+        assignment.in_odd_light.push_back(std::move(robot));
+    }
+    return assignment.robots > before;
+  };
+  // A color that is seen in usual light anywhere is not learned from odd light.
+  run(false);
+  if (!assignment.in_odd_light.empty() && run(true)) run(true);
 }
 
 }  // namespace touchline::calibrate

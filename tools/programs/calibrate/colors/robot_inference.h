@@ -22,9 +22,10 @@ Rgb light_gain(const AssignmentInput& input, const Assignment& assignment);
 /// missing in a picture is fitted to each unused patch that can be its team patch, with a factor for the whole
 /// robot and a glare for each patch. A robot is accepted if it explains the colors at the places of its patches, each
 /// of them better than any other color does, and if no other missing robot explains them nearly as well. A color
-/// without a patch is expected to look like its name. A robot that alone shows a color is accepted only in usual light,
-/// otherwise it is listed in Assignment::in_odd_light: learned in glare or shade, the color would be wrong elsewhere.
-/// Sampled patches are added to `input`, robots and patches to `assignment`.
+/// without a patch is expected to look like its name. If a robot in glare or shade alone shows a color, the color is
+/// learned as it would be without the glare and in the light of other robots, as the robot's other patches show these
+/// (FoundPatch::usual); if that is not certain, the robot is listed in Assignment::in_odd_light. Sampled patches are
+/// added to `input`, robots and patches to `assignment`.
 void infer_robots(AssignmentInput& input, const CameraModel& camera, const std::vector<SearchedPicture>& pictures,
                   Assignment& assignment);
 

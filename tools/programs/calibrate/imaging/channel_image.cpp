@@ -4,6 +4,16 @@
 #include <cmath>
 
 namespace touchline::calibrate {
+
+Channels channels_of(const std::array<double, 3>& rgb, ColorSpace space) {
+  std::array<float, 3> limited{};
+  for (std::size_t c = 0; c < 3; ++c) limited[c] = static_cast<float>(std::clamp(rgb[c], 0.0, 255.0));
+  const std::array<float, 3> value = from_rgb(limited, space);
+  Channels out{};
+  for (std::size_t c = 0; c < 3; ++c) out[c] = static_cast<std::uint8_t>(std::clamp(std::lround(value[c]), 0L, 255L));
+  return out;
+}
+
 ChannelImage corrected_channels(const Frame& frame, const Shading& shading) {
   ChannelImage image{frame.width_px, frame.height_px, color_space(frame.format), {}};
   image.pixels.resize(static_cast<std::size_t>(image.width_px) * static_cast<std::size_t>(image.height_px));

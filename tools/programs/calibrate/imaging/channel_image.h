@@ -30,6 +30,9 @@ struct ChannelImage {
 /// gain of its tile (Klancar eq. 17).
 ChannelImage corrected_channels(const Frame& frame, const Shading& shading);
 
+/// The channels of R, G, B from 0 to 255, rounded and limited.
+Channels channels_of(const std::array<double, 3>& rgb, ColorSpace space);
+
 /// Distance of two colors in levels of the camera's color space. In YUV, luma counts half and chroma twice: chroma
 /// spans half the range of luma and carries most of the difference between a patch and its neighbor.
 double color_distance(const Channels& a, const Channels& b, ColorSpace space);

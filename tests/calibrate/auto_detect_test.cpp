@@ -251,6 +251,29 @@ TEST_F(AutoDetect, LearnsAColorThatOnlyARobotInGlareShowsWithoutTheGlare) {
   }
 }
 
+// Blue with pink stands in the picture, but the team file lists pink only with yellow. All of its colors are visible.
+TEST_F(AutoDetect, TellsRobotsThatTheTeamFileDoesNotList) {
+  arena_.robot[4].colors[0] = "pink";
+  arena_.robot[9].colors[0] = "violet";
+  add_picture("a", 1);
+  add_picture("b", 2, [this](hal::Picture& photo) { cover(photo, truth_["b"][8].second); });
+  ASSERT_EQ(truth_["a"][8].first + " " + truth_["a"][9].first, "blue pink");
+  team_.marker.teams[1].robots[4].colors = team_.marker.teams[0].robots[4].colors;
+  team_.marker.teams[0].robots.pop_back();
+  ASSERT_EQ(team_.names.back(), "brown");
+  team_.names.pop_back();
+  const Result<DetectedColors> found = auto_detect_colors(venue_, team_, {}, pictures_);
+  ASSERT_TRUE(found.ok()) << found.text();
+  const Assignment& assignment = found.value().assignment;
+  EXPECT_EQ(assignment.named.size(), 18U);
+  ASSERT_EQ(assignment.unlisted.size(), 1U);
+  EXPECT_EQ(found.value().images[assignment.unlisted[0].picture], "a");
+  EXPECT_EQ(assignment.unlisted[0].team, 0U);
+  const PixelPoint& at = found.value().input.patches[assignment.unlisted[0].team_patch].center;
+  const auto& [u, v] = truth_["a"][8].second;
+  EXPECT_LT(std::hypot(static_cast<double>(at.u_px) - u, static_cast<double>(at.v_px) - v), 4);
+}
+
 TEST_F(AutoDetect, ColorsWithUnknownNamesNeedAClick) {
   add_picture("a", 1);
   add_picture("b", 2);

@@ -85,7 +85,29 @@ TEST(SelfCheck, FailsForEachVisibleRobotThatIsNotExplained) {
     p.visible = 3;
     p.unseen = 2;
   });
-  expect("1 of 1 visible robots explained; no ball", [](CheckedPicture& p) { p.ball = false; });
+  expect("1 of 1 visible robots explained; ball not recognized", [](CheckedPicture& p) {
+    p.ball = false;
+    p.ball_missing = true;
+  });
+}
+
+TEST(SelfCheck, TellsHowManyRobotsTheTeamFileDoesNotList) {
+  CheckedPicture other = seen_in("b.png", {"own 0"});
+  other.unlisted = 1;
+  const SelfCheck check = check_of({seen_in("a.png", {"own 0", "own 1", "opponent 0", "opponent 1"}), other});
+  EXPECT_TRUE(check.passed());
+  EXPECT_NE(check.text().find("b.png: 1 of 1 visible robots explained; not in the team file: 1\n"), std::string::npos)
+      << check.text();
+}
+
+TEST(SelfCheck, NeedsTheBallInOnePicture) {
+  CheckedPicture without = seen_in("a.png", {"own 0", "own 1", "opponent 0", "opponent 1"});
+  without.ball = false;
+  EXPECT_FALSE(check_of({without}).passed());
+  EXPECT_EQ(check_of({without}).absent(), "") << "something else is missing";
+  const SelfCheck check = check_of({without, seen_in("b.png", {"own 0"})});
+  EXPECT_TRUE(check.passed());
+  EXPECT_NE(check.text().find("a.png: 4 of 4 visible robots explained; no ball\n"), std::string::npos) << check.text();
 }
 
 }  // namespace

@@ -158,8 +158,8 @@ Result<void> learn_colors(const ColorRequest& request, const JobInput& input, co
     const std::string path = folder + "/" + fs::path(image).stem().string() + "-found.png";
     TOUCHLINE_TRY(calibrate::write_detection_picture(path, found, image, picture));
   }
-  Result<calibrate::VisibleRobots> robots = calibrate::take_detected(found, fit_input);
-  if (!robots.ok()) {
+  Result<calibrate::VisibleByPicture> visible = calibrate::take_detected(found, fit_input);
+  if (!visible.ok()) {
     for (const calibrate::DetectionDoubt& doubt : found.doubts) {
       measured["notes"].push_back(note("bad", doubt.text));
     }
@@ -178,7 +178,7 @@ Result<void> learn_colors(const ColorRequest& request, const JobInput& input, co
   TOUCHLINE_TRY(calibrate::write_sections(venue, sections));
   output.progress("the result is being checked", 0.8);
   TOUCHLINE_TRY_ASSIGN(const calibrate::SelfCheck check,
-                       calibrate::self_check(venue, team, fit_input.pictures, robots.value(), folder));
+                       calibrate::self_check(venue, team, fit_input.pictures, visible.value(), folder));
   measured["self_check"] = check.text();
   TOUCHLINE_TRY_ASSIGN(const calibrate::Section light, calibrate::write_field_reference(venue, draft, fit_input, fit));
   TOUCHLINE_TRY(calibrate::write_sections(venue, {light}));

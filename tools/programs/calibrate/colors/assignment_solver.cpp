@@ -176,6 +176,7 @@ class Solver {
     double cost = 0;
     out.robots = out.unknown_robots = 0;
     out.named.clear();
+    out.unlisted.clear();
     std::set<std::array<std::size_t, 3>> seen;
     for (const MarkerCandidate* m : out.markers) {
       if (input_.teams[m->team].robots.empty()) {
@@ -192,6 +193,7 @@ class Solver {
       const bool explained = r != kNone && seen.insert({m->picture, m->team, r}).second;
       cost += explained ? -kExplained : kStranger;
       if (explained) out.named.push_back({m->picture, m->team, r, m->patches[0], m->patches});
+      if (r == kNone) out.unlisted.push_back({m->picture, m->team, kNone, m->patches[0], m->patches});
       ++(explained ? out.robots : out.unknown_robots);
     }
     return cost;

@@ -17,7 +17,7 @@ struct Solution {
   std::vector<std::optional<Lab>> expected;  // per color: expected appearance in this light
   std::vector<const MarkerCandidate*> markers;
   std::size_t robots = 0, unknown_robots = 0;
-  std::vector<AssignedRobot> named;
+  std::vector<AssignedRobot> named, unlisted;
 };
 
 /// A cluster (and similar ones) that a color must not take. Clusters that clicks name are never excluded.

@@ -60,6 +60,7 @@ Assignment assign_colors(const AssignmentInput& input) {
   out.robots = best.robots;
   out.unknown_robots = best.unknown_robots;
   out.named = best.named;
+  out.unlisted = best.unlisted;
   std::set<std::size_t> in_markers;
   for (const MarkerCandidate* m : best.markers) in_markers.insert(m->patches.begin(), m->patches.end());
   for (std::size_t c = 0; c < input.colors.size(); ++c) {

@@ -54,10 +54,12 @@ struct Assignment {
   std::vector<AssignedColor> colors;  // in the order of the input
   std::size_t robots = 0;             // markers recognized as robots of the team file
   std::vector<AssignedRobot> named;   // those of them that the team file lists
+  // Robots whose colors are known and those of no robot in the team file: AssignedRobot::robot is kNone.
+  std::vector<AssignedRobot> unlisted;
   // Robots that nothing else than unusual light on them, and a color that only they show, keeps from being recognized;
   // `patches` is empty.
   std::vector<AssignedRobot> in_odd_light;
-  std::size_t unknown_robots = 0;  // markers with known colors that match no robot
+  std::size_t unknown_robots = 0;  // `unlisted`, and those that a picture shows twice
 };
 
 /// Clusters the patches by color and assigns the clusters to colors. The cost is a negative log-likelihood: the

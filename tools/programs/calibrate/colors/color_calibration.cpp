@@ -33,7 +33,7 @@ struct Trial {
 
 // Leaves `trial` as it is if nothing can be learned.
 Result<void> check_trial(const ColorFiles& files, ColorFitInput input, Trial& trial) {
-  TOUCHLINE_TRY_ASSIGN(const VisibleRobots robots, take_detected(trial.found, input));
+  TOUCHLINE_TRY_ASSIGN(const VisibleByPicture visible, take_detected(trial.found, input));
   TOUCHLINE_TRY(check_all_colors(files.team, files.colors, input.clicks));
   TOUCHLINE_TRY_ASSIGN(const ColorFit fit, fit_colors(input));
   const fs::path venue(files.venue);
@@ -41,7 +41,7 @@ Result<void> check_trial(const ColorFiles& files, ColorFitInput input, Trial& tr
       (venue.parent_path() / (venue.stem().string() + "-trial" + venue.extension().string())).string();
   const Result<void> written = write_copy(files.venue, color_sections(files.draft, fit), copy);
   Result<SelfCheck> check = Error{ErrorCode::kIo, ""};
-  if (written.ok()) check = self_check(copy, files.team, input.pictures, robots, "");
+  if (written.ok()) check = self_check(copy, files.team, input.pictures, visible, "");
   std::error_code error;
   fs::remove(copy, error);
   TOUCHLINE_TRY(written);
@@ -124,7 +124,7 @@ std::string describe_left_out(const DetectedColors& found, const ColorFitInput& 
       found.images.front().c_str(), input.pictures.size());
 }
 
-Result<VisibleRobots> take_detected(const DetectedColors& found, ColorFitInput& input) {
+Result<VisibleByPicture> take_detected(const DetectedColors& found, ColorFitInput& input) {
   if (!found.doubts.empty()) {
     std::string text = "the colors are not certain:";
     for (const DetectionDoubt& doubt : found.doubts) {
@@ -147,7 +147,7 @@ Result<VisibleRobots> take_detected(const DetectedColors& found, ColorFitInput& 
       }
     }
   }
-  VisibleRobots robots;
+  VisibleByPicture visible;
   for (std::size_t t = 0; t < found.input.teams.size(); ++t) {
     const TeamMarking& marking = found.input.teams[t];
     if (marking.team_color == kBackground) continue;
@@ -155,12 +155,19 @@ Result<VisibleRobots> take_detected(const DetectedColors& found, ColorFitInput& 
       const auto& named = found.assignment.named;
       const auto robot = std::find_if(named.begin(), named.end(),
                                       [patch](const AssignedRobot& one) { return one.team_patch == patch; });
-      robots[found.images[found.input.picture[patch]]].push_back(
+      const auto& unlisted = found.assignment.unlisted;
+      const bool listed = std::none_of(unlisted.begin(), unlisted.end(),
+                                       [patch](const AssignedRobot& one) { return one.team_patch == patch; });
+      visible[found.images[found.input.picture[patch]]].robots.push_back(
           {static_cast<Team>(t), robot == named.end() ? kUnknownId : marking.robots[robot->robot].id,
-           found.input.patches[patch].center});
+           found.input.patches[patch].center, listed});
     }
   }
-  return robots;
+  if (found.input.ball != kBackground) {
+    for (const std::size_t patch : found.assignment.colors[found.input.ball - 1U].patches)
+      visible[found.images[found.input.picture[patch]]].ball = true;
+  }
+  return visible;
 }
 
 Result<void> check_all_colors(const std::string& team_path, const TeamColors& team, const std::vector<Click>& clicks) {

@@ -33,9 +33,9 @@ Result<void> write_copy(const std::string& venue, const std::vector<Section>& se
 /// Says that colors are not learned from all pictures; empty if they are.
 std::string describe_left_out(const DetectedColors& found, const ColorFitInput& input);
 
-/// Replaces the clicks of `input` by the patches that were detected with their help, and returns the robots in the
-/// pictures. kInconsistent: the detection has doubts; the message lists them.
-Result<VisibleRobots> take_detected(const DetectedColors& found, ColorFitInput& input);
+/// Replaces the clicks of `input` by the patches that were detected with their help, and returns the robots and
+/// balls in the pictures. kInconsistent: the detection has doubts; the message lists them.
+Result<VisibleByPicture> take_detected(const DetectedColors& found, ColorFitInput& input);
 
 /// Checks that each color of the team file has a click. kNotFound: names those without.
 Result<void> check_all_colors(const std::string& team_path, const TeamColors& team, const std::vector<Click>& clicks);

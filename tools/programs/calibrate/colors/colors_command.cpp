@@ -120,7 +120,8 @@ Result<void> ColorsCommand::check_size(const VenueDraft& draft, const ColorFitIn
 }
 
 // Replaces the clicks by the patches that were detected with their help, after a person has confirmed them.
-Result<void> ColorsCommand::detect_colors(const VenueDraft& draft, ColorFitInput& input, VisibleRobots& robots) const {
+Result<void> ColorsCommand::detect_colors(const VenueDraft& draft, ColorFitInput& input,
+                                          VisibleByPicture& visible) const {
   if (team.empty()) return failure(ErrorCode::kNotFound, "--picture needs --team, which names the colors to detect");
   TOUCHLINE_TRY_ASSIGN(TeamColors wanted, read_team_colors(team));
   TOUCHLINE_TRY_ASSIGN(const DetectedColors found, detect_with_clicks({venue, team, draft, std::move(wanted)}, input));
@@ -137,7 +138,7 @@ Result<void> ColorsCommand::detect_colors(const VenueDraft& draft, ColorFitInput
     TOUCHLINE_TRY(write_detection_picture(path, found, image, picture));
   }
   std::printf("pictures of the result are in %s\n", folder.c_str());
-  TOUCHLINE_TRY_ASSIGN(robots, take_detected(found, input));
+  TOUCHLINE_TRY_ASSIGN(visible, take_detected(found, input));
   const bool all_clicked = std::all_of(found.input.colors.begin(), found.input.colors.end(),
                                        [](const WantedColor& color) { return color.clicked; });
   if (!all_clicked && !yes && !confirmed("are these colors right?")) {
@@ -161,13 +162,13 @@ Result<void> ColorsCommand::check_names(const ColorFit& fit) const {
 // Runs the pipeline with the new colors on the pictures that they were learned from. The venue file is only replaced if
 // everything was recognized, or if the person accepts it.
 Result<void> ColorsCommand::check_result(const ColorFitInput& input, const std::vector<Section>& sections,
-                                         const VisibleRobots& robots) const {
+                                         const VisibleByPicture& visible) const {
   const fs::path file(venue);
   const std::string unaccepted =
       (file.parent_path() / (file.stem().string() + "-unaccepted" + file.extension().string())).string();
   TOUCHLINE_TRY(write_copy(venue, sections, unaccepted));
   const std::string folder = preview_folder();
-  TOUCHLINE_TRY_ASSIGN(const SelfCheck check, self_check(unaccepted, team, input.pictures, robots, folder));
+  TOUCHLINE_TRY_ASSIGN(const SelfCheck check, self_check(unaccepted, team, input.pictures, visible, folder));
   std::printf("%spictures of the self-check are in %s\n", check.text().c_str(), folder.c_str());
   if (!check.passed() && !accept) {
     if (const std::string absent = check.absent(); !absent.empty()) {
@@ -203,9 +204,9 @@ Result<void> ColorsCommand::run() const {
     std::printf("%s\n", describe_shadow(one, input.clicks, input.light.columns > 0).c_str());
   }
   // Without a camera model or a team file, clicks are all there is to learn from.
-  VisibleRobots robots;
+  VisibleByPicture visible;
   const bool can_detect = !team.empty() && has_camera_model(draft);
-  if (can_detect || !pictures.empty()) TOUCHLINE_TRY(detect_colors(draft, input, robots));
+  if (can_detect || !pictures.empty()) TOUCHLINE_TRY(detect_colors(draft, input, visible));
   if (!team.empty()) {
     TOUCHLINE_TRY_ASSIGN(const TeamColors wanted, read_team_colors(team));
     TOUCHLINE_TRY(check_all_colors(team, wanted, input.clicks));
@@ -216,7 +217,7 @@ Result<void> ColorsCommand::run() const {
 
   // The check needs no reference of the field.
   std::vector<Section> sections = color_sections(draft, fit);
-  if (can_detect) TOUCHLINE_TRY(check_result(input, sections, robots));
+  if (can_detect) TOUCHLINE_TRY(check_result(input, sections, visible));
   TOUCHLINE_TRY_ASSIGN(sections[0], write_field_reference(venue, draft, input, fit));
   TOUCHLINE_TRY(write_sections(venue, sections));
   std::printf("%s: %zu colors in %zu boxes written\n", venue.c_str(), fit.names.size(), fit.learned.boxes.size());

@@ -35,10 +35,10 @@ struct ColorsCommand {
   [[nodiscard]] std::string preview_folder() const;
   Result<void> read_input(ColorFitInput& input) const;
   [[nodiscard]] Result<void> check_size(const VenueDraft& draft, const ColorFitInput& input) const;
-  Result<void> detect_colors(const VenueDraft& draft, ColorFitInput& input, VisibleRobots& robots) const;
+  Result<void> detect_colors(const VenueDraft& draft, ColorFitInput& input, VisibleByPicture& visible) const;
   [[nodiscard]] Result<void> check_names(const ColorFit& fit) const;
   Result<void> check_result(const ColorFitInput& input, const std::vector<Section>& sections,
-                            const VisibleRobots& robots) const;
+                            const VisibleByPicture& visible) const;
 };
 
 }  // namespace touchline::calibrate

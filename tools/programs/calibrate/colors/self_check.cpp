@@ -46,10 +46,11 @@ std::string joined_robots(const std::vector<std::string>& names) {
   return text;
 }
 
-// True if the pipeline gives an id to a robot that the calibration recognized as another one.
+// True if the pipeline gives an id to a robot that the calibration recognized as another one, or as none of the team
+// file.
 bool contradicts(const RobotSighting& sighting, const VisibleRobot* there) {
-  return sighting.id != kUnknownId && there != nullptr && there->id != kUnknownId &&
-         (there->id != sighting.id || there->team != sighting.team);
+  if (sighting.id == kUnknownId || there == nullptr) return false;
+  return !there->listed || (there->id != kUnknownId && (there->id != sighting.id || there->team != sighting.team));
 }
 
 class Checker {
@@ -67,25 +68,31 @@ class Checker {
   /// Names of the team file's robots.
   [[nodiscard]] const std::vector<std::string>& robots() const { return robots_; }
 
-  CheckedPicture check(const std::string& image, const Sightings& sightings,
-                       const std::vector<VisibleRobot>& robots) const {
+  CheckedPicture check(const std::string& image, const Sightings& sightings, const VisibleObjects& visible) const {
+    const std::vector<VisibleRobot>& robots = visible.robots;
     CheckedPicture out;
     out.image = image;
     out.ball = sightings.ball.seen;
+    out.ball_missing = visible.ball && !sightings.ball.seen;
     for (const RobotSighting& sighting : sightings.robots) {
       if (!has_robots(sighting.team)) continue;
-      ++out.visible;
       const VisibleRobot* const there = robot_at(robots, sighting);
+      if (there != nullptr && !there->listed && sighting.id == kUnknownId) {
+        ++out.unlisted;
+        continue;
+      }
+      ++out.visible;
       if (sighting.id == kUnknownId) {
         ++out.unknown;
       } else if (contradicts(sighting, there)) {
-        out.wrong.push_back(name_of(sighting.team, sighting.id) + " where " + name_of(there->team, there->id) + " is");
+        out.wrong.push_back(name_of(sighting.team, sighting.id) + " where " +
+                            (there->listed ? name_of(there->team, there->id) + " is" : "no robot of the team file is"));
       } else {
         out.explained.insert(name_of(sighting.team, sighting.id));
       }
     }
     for (const VisibleRobot& robot : robots) {
-      if (!has_robots(robot.team)) continue;
+      if (!has_robots(robot.team) || !robot.listed) continue;
       const std::string name = robot.id == kUnknownId ? "" : name_of(robot.team, robot.id);
       if (out.explained.count(name) > 0) continue;
       if (!name.empty()) out.missing.push_back(name);
@@ -176,8 +183,9 @@ std::string line_of(const CheckedPicture& picture, bool wants_ball) {
   if (!picture.missing.empty()) text += "; missing: " + joined_robots(picture.missing);
   if (!picture.wrong.empty()) text += "; wrong: " + joined(picture.wrong);
   if (picture.unknown > 0) text += formatted("; without id: %zu", picture.unknown);
+  if (picture.unlisted > 0) text += formatted("; not in the team file: %zu", picture.unlisted);
   if (picture.unseen > 0) text += formatted("; not seen: %zu", picture.unseen);
-  if (wants_ball && !picture.ball) text += "; no ball";
+  if (wants_ball && !picture.ball) text += picture.ball_missing ? "; ball not recognized" : "; no ball";
   return text;
 }
 
@@ -201,12 +209,19 @@ int SelfCheck::recognized() const {
   return count;
 }
 
-std::string SelfCheck::absent() const { return all_visible_explained() ? joined_robots(missing()) : ""; }
+std::string SelfCheck::absent() const {
+  return all_visible_explained() && ball_explained() ? joined_robots(missing()) : "";
+}
 
 bool SelfCheck::all_visible_explained() const {
-  return std::all_of(pictures.begin(), pictures.end(), [&](const CheckedPicture& p) {
-    return p.explained.size() == p.visible && p.missing.empty() && (p.ball || !wants_ball);
-  });
+  return std::all_of(pictures.begin(), pictures.end(),
+                     [&](const CheckedPicture& p) { return p.explained.size() == p.visible && p.missing.empty(); });
+}
+
+bool SelfCheck::ball_explained() const {
+  if (!wants_ball) return true;
+  return std::any_of(pictures.begin(), pictures.end(), [](const CheckedPicture& p) { return p.ball; }) &&
+         std::none_of(pictures.begin(), pictures.end(), [](const CheckedPicture& p) { return p.ball_missing; });
 }
 
 bool SelfCheck::most_visible_explained() const {
@@ -214,14 +229,14 @@ bool SelfCheck::most_visible_explained() const {
   constexpr double kMost = 0.9;
   std::size_t visible = 0, explained = 0;
   for (const CheckedPicture& picture : pictures) {
-    if (!picture.wrong.empty() || (!picture.ball && wants_ball)) return false;
+    if (!picture.wrong.empty()) return false;
     visible += picture.visible;
     explained += picture.explained.size();
   }
   return static_cast<double>(explained) >= kMost * static_cast<double>(visible);
 }
 
-bool SelfCheck::passed() const { return missing().empty() && most_visible_explained(); }
+bool SelfCheck::passed() const { return missing().empty() && most_visible_explained() && ball_explained(); }
 
 std::string SelfCheck::text() const {
   std::string text;
@@ -238,7 +253,7 @@ std::string SelfCheck::text() const {
 }
 
 Result<SelfCheck> self_check(const std::string& venue, const std::string& team,
-                             const std::map<std::string, CameraPicture>& pictures, const VisibleRobots& robots,
+                             const std::map<std::string, CameraPicture>& pictures, const VisibleByPicture& visible,
                              const std::string& folder) {
   const auto configuration = std::make_unique<config::Configuration>();
   TOUCHLINE_TRY(config::load_venue_and_team({{}, venue, team, {}}, *configuration));
@@ -250,7 +265,7 @@ Result<SelfCheck> self_check(const std::string& venue, const std::string& team,
   out.wants_ball = configuration->pipeline.marker.ball.color != kBackground;
   std::error_code error;
   if (!folder.empty()) fs::create_directories(folder, error);
-  static const std::vector<VisibleRobot> no_robots;
+  static const VisibleObjects nothing;
   for (const auto& [image, picture] : pictures) {
     // Configured anew for each picture, so that none profits from the one before.
     if (const Status status = pipeline->configure(configuration->pipeline); !status.ok()) {
@@ -259,15 +274,15 @@ Result<SelfCheck> self_check(const std::string& venue, const std::string& team,
     }
     pipeline->set_observing(true);
     const Checker checker(folder, *configuration);
-    const auto found = robots.find(image);
-    const std::vector<VisibleRobot>& known = found == robots.end() ? no_robots : found->second;
+    const auto found = visible.find(image);
+    const VisibleObjects& known = found == visible.end() ? nothing : found->second;
     const Frame frame = picture.frame();
     const Sightings& sightings = pipeline->step(frame).sightings;
     out.robots = checker.robots();
     out.pictures.push_back(checker.check(image, sightings, known));
     if (folder.empty()) continue;
-    TOUCHLINE_TRY(
-        checker.draw(out.pictures.back(), frame, sightings, known, line_of(out.pictures.back(), out.wants_ball)));
+    TOUCHLINE_TRY(checker.draw(out.pictures.back(), frame, sightings, known.robots,
+                               line_of(out.pictures.back(), out.wants_ball)));
   }
   return out;
 }

@@ -22,13 +22,18 @@ bool is_apart_from_all_robots(const DetectedColors& out, std::size_t team, std::
   const TeamMarking& marking = out.input.teams[team];
   const MarkerLayout& layout = marking.layout;
   const FieldPoint at = camera.to_field(out.input.patches[patch].center, layout.height_m);
-  std::size_t recognized = 0;  // each once in a picture
-  for (const AssignedRobot& robot : out.assignment.named) {
-    if (robot.team != team || robot.picture != out.input.picture[patch]) continue;
-    ++recognized;
+  const auto is_here = [&](const AssignedRobot& robot) {
+    return robot.team == team && robot.picture == out.input.picture[patch];
+  };
+  const auto is_on = [&](const AssignedRobot& robot) {
     const FieldPoint there = camera.to_field(out.input.patches[robot.team_patch].center, layout.height_m);
-    if (std::hypot(there.x_m - at.x_m, there.y_m - at.y_m) < layout.robot_side_m) return false;
-  }
+    return is_here(robot) && std::hypot(there.x_m - at.x_m, there.y_m - at.y_m) < layout.robot_side_m;
+  };
+  const std::vector<AssignedRobot>&named = out.assignment.named, &unlisted = out.assignment.unlisted;
+  if (std::any_of(named.begin(), named.end(), is_on) || std::any_of(unlisted.begin(), unlisted.end(), is_on))
+    return false;
+  // Each is named at most once in a picture.
+  const auto recognized = static_cast<std::size_t>(std::count_if(named.begin(), named.end(), is_here));
   return !marking.robots.empty() && recognized == marking.robots.size();
 }
 

@@ -46,6 +46,28 @@ BrownDistortion::BrownDistortion(double k1, double k2, double k3, double p1, dou
   }
 }
 
+BrownDistortion::Point BrownDistortion::tangential_inside(Point ideal, double square) const {
+  const auto [x, y] = ideal;
+  const double twice_xy = 2 * x * y;
+  return {p1_ * twice_xy + p2_ * (square + 2 * x * x), p1_ * (square + 2 * y * y) + p2_ * twice_xy};
+}
+
+// Within the limit no square root is needed.
+BrownDistortion::Point BrownDistortion::inside(Point ideal, double square) const {
+  const double scale = 1.0 + square * (k1_ + square * (k2_ + square * k3_));
+  const Point aside = tangential_inside(ideal, square);
+  return {scale * ideal[0] + aside[0], scale * ideal[1] + aside[1]};
+}
+
+BrownDistortion::Jacobian BrownDistortion::jacobian(Point ideal, double square) const {
+  const auto [x, y] = ideal;
+  const double scale = 1.0 + square * (k1_ + square * (k2_ + square * k3_));
+  const double twice_by_square = 2 * (k1_ + square * (2 * k2_ + square * 3 * k3_));
+  return {scale + twice_by_square * x * x + 2 * p1_ * y + 6 * p2_ * x,
+          twice_by_square * x * y + 2 * p1_ * x + 2 * p2_ * y,
+          scale + twice_by_square * y * y + 6 * p1_ * y + 2 * p2_ * x};
+}
+
 double BrownDistortion::radial(double r) const {
   return r <= limit_ ? polynomial(r, k1_, k2_, k3_) : radius_at_limit_ + slope_at_limit_ * (r - limit_);
 }
@@ -76,28 +98,6 @@ BrownDistortion::Point BrownDistortion::tangential(Point ideal) const {
   const double keep = r > limit_ ? limit_ / r : 1.0;
   const double x = keep * ideal[0], y = keep * ideal[1];
   return tangential_inside({x, y}, x * x + y * y);
-}
-
-// Within the limit no square root is needed.
-BrownDistortion::Point BrownDistortion::inside(Point ideal, double square) const {
-  const double scale = 1.0 + square * (k1_ + square * (k2_ + square * k3_));
-  const Point aside = tangential_inside(ideal, square);
-  return {scale * ideal[0] + aside[0], scale * ideal[1] + aside[1]};
-}
-
-BrownDistortion::Point BrownDistortion::tangential_inside(Point ideal, double square) const {
-  const auto [x, y] = ideal;
-  const double twice_xy = 2 * x * y;
-  return {p1_ * twice_xy + p2_ * (square + 2 * x * x), p1_ * (square + 2 * y * y) + p2_ * twice_xy};
-}
-
-BrownDistortion::Jacobian BrownDistortion::jacobian(Point ideal, double square) const {
-  const auto [x, y] = ideal;
-  const double scale = 1.0 + square * (k1_ + square * (k2_ + square * k3_));
-  const double twice_by_square = 2 * (k1_ + square * (2 * k2_ + square * 3 * k3_));
-  return {scale + twice_by_square * x * x + 2 * p1_ * y + 6 * p2_ * x,
-          twice_by_square * x * y + 2 * p1_ * x + 2 * p2_ * y,
-          scale + twice_by_square * y * y + 6 * p1_ * y + 2 * p2_ * x};
 }
 
 double BrownDistortion::stretch(Point ideal) const {

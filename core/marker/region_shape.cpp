@@ -15,7 +15,7 @@ constexpr std::uint32_t kMaxSamples = 2048;
 constexpr int kMaxPasses = 10;
 
 struct Cluster {
-  double sum_u = 0, sum_v = 0, count = 0;
+  std::uint64_t twice_sum_u = 0, sum_v = 0, count = 0;
 };
 
 // The centers of the parts, four at a time. Lanes without a part are far from all pixels.
@@ -25,8 +25,14 @@ struct Centers {
       u[k] = parts[k].center.u_px;
       v[k] = parts[k].center.v_px;
     }
+    for (std::size_t k = 0; k < parts.size(); ++k) {
+      border_by_v[k] = (v[k] - v) / (u - u[k]);
+      border_at_0[k] = 0.5f * (u[k] + u) - border_by_v[k] * (0.5f * (v[k] + v));
+    }
   }
   Simd4<float> u = Simd4<float>{} + kFar_px, v{};
+  // The lines on which pixels are as near to one part as to another.
+  std::array<Simd4<float>, kMaxParts> border_at_0{}, border_by_v{};
 
  private:
   static constexpr float kFar_px = 1e6f;
@@ -37,7 +43,11 @@ static_assert(kMaxParts == 4);
 class RowOfPixels {
  public:
   RowOfPixels(const Centers& centers, std::uint32_t u, std::uint32_t row, std::uint32_t step)
-      : centers_(centers), u_(u), step_(step), v_(static_cast<float>(row)) {
+      : centers_(centers),
+        u_(u),
+        step_(step),
+        v_(static_cast<float>(row)),
+        per_step_(step == 1 ? 1.0f : 1.0f / static_cast<float>(step)) {
     const Simd4<float> dv = v_ - centers.v;
     dv_squared_ = dv * dv;
   }
@@ -49,11 +59,8 @@ class RowOfPixels {
   // About where the pixels of `left` end and those of `right` begin, between two pixels.
   [[nodiscard]] std::uint32_t border_between(std::size_t left, std::size_t right, std::uint32_t low,
                                              std::uint32_t high) const {
-    const float du = centers_.u[right] - centers_.u[left], dv = centers_.v[right] - centers_.v[left];
-    const float middle_u = 0.5f * (centers_.u[left] + centers_.u[right]);
-    const float middle_v = 0.5f * (centers_.v[left] + centers_.v[right]);
-    const float border = middle_u - (v_ - middle_v) * dv / du;
-    const float place = (border - static_cast<float>(u_)) / static_cast<float>(step_);
+    const float border = centers_.border_at_0[left][right] + v_ * centers_.border_by_v[left][right];
+    const float place = (border - static_cast<float>(u_)) * per_step_;
     // False for NaN.
     if (!(place > static_cast<float>(low))) return low;
     return place < static_cast<float>(high) ? static_cast<std::uint32_t>(place) : high;
@@ -62,7 +69,7 @@ class RowOfPixels {
  private:
   const Centers& centers_;
   std::uint32_t u_, step_;
-  float v_;
+  float v_, per_step_;
   Simd4<float> dv_squared_;
 };
 
@@ -94,9 +101,9 @@ void assign_row(const Centers& centers, std::uint32_t u, std::uint32_t row, std:
       while (other - same > 1) probe((same + other) / 2);
       end = other;
     }
-    const double n = end - i;
+    const std::uint64_t n = end - i;
     Cluster& cluster = clusters[part];
-    cluster.sum_u += n * (u + 0.5 * step * (i + end - 1));
+    cluster.twice_sum_u += n * (2 * u + step * (i + end - 1));
     cluster.sum_v += n * row;
     cluster.count += n;
     i = end;
@@ -163,8 +170,9 @@ RegionSplit split(const Runs& runs, const Region& region, const RegionShape& sha
       const Cluster& cluster = clusters[k];
       parts[k].area_px = static_cast<float>(cluster.count) * static_cast<float>(step);
       if (cluster.count < 1) continue;
-      const PixelPoint center{static_cast<float>(cluster.sum_u / cluster.count),
-                              static_cast<float>(cluster.sum_v / cluster.count)};
+      const auto pixels = static_cast<double>(cluster.count);
+      const PixelPoint center{static_cast<float>(0.5 * static_cast<double>(cluster.twice_sum_u) / pixels),
+                              static_cast<float>(static_cast<double>(cluster.sum_v) / pixels)};
       moved =
           std::max({moved, std::abs(center.u_px - parts[k].center.u_px), std::abs(center.v_px - parts[k].center.v_px)});
       parts[k].center = center;

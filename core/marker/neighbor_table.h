@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <span>
 
@@ -58,5 +59,24 @@ class NeighborTable {
   std::array<NeighborSet, kMaxColors + 1> with_color_{};
   std::array<NeighborSet, kMaxPatches - 1> in_window_{}, of_any_robot_{};  // by slot
 };
+
+inline NeighborSet NeighborTable::candidates(std::size_t slot, int robot) const {
+  if (robot < 0) return of_any_robot_[slot];
+  const ColorId color = marking_.robots[static_cast<std::size_t>(robot)].colors[slot];
+  return static_cast<NeighborSet>(in_window_[slot] & with_color_[color]);
+}
+
+inline bool NeighborTable::fits(std::size_t slot, std::size_t i, std::span<const std::uint8_t> set, float gate_m,
+                                float& added_m2) const {
+  const auto squared = [](float x) { return x * x; };
+  added_m2 = squared(from_team_patch_m_[i] - expected_m_[slot + 1][0]);
+  for (std::size_t s = 0; s < set.size(); ++s) {
+    if (set[s] == kNone) continue;
+    const float error = seen_m_[set[s]][i] - expected_m_[slot + 1][s + 1];
+    if (std::abs(error) > gate_m) return false;
+    added_m2 += squared(error);
+  }
+  return true;
+}
 
 }  // namespace touchline

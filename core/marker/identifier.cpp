@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <numbers>
 #include <utility>
@@ -148,11 +149,12 @@ Identifier::SlotLikelihoods Identifier::likelihoods(const Scene& now, const Loca
     }
   }
   SlotLikelihoods out{};
-  for (std::size_t first = 0; first < count; first += 4) {
+  const auto of_box = static_cast<std::size_t>(std::find(colors.begin(), colors.end(), box) - colors.begin());
+  for (std::size_t group = 0; 4 * group < count; ++group) {
     Simd4<std::int32_t> in_box{};
-    for (std::size_t i = 0; i < 4; ++i) in_box[i] = first + i < colors.size() && colors[first + i] == box ? -1 : 0;
-    const Simd4<float> four = ColorEvidence::log_likelihoods(surface, groups[first / 4], on_robot.glare, in_box);
-    for (std::size_t i = 0; i < std::min<std::size_t>(4, count - first); ++i) out[first + i] = four[i];
+    if (of_box < colors.size() && of_box / 4 == group) in_box[of_box % 4] = -1;
+    const Simd4<float> four = ColorEvidence::log_likelihoods(surface, groups[group], on_robot.glare, in_box);
+    std::memcpy(&out[4 * group], &four, sizeof four);
   }
   return out;
 }

@@ -103,8 +103,9 @@ class Identifier {
     std::array<SlotColors, kMaxPatches - 1> slots;
     std::array<float, kMaxPatches> radius_m{};  // of the circle inside each patch
   };
-  // Log likelihoods by index in SlotColors::colors; behind the last one is that of the team's color.
-  using SlotLikelihoods = std::array<float, kMaxRobotsPerTeam + 1>;
+  // Log likelihoods by index in SlotColors::colors; behind the last one is that of the team's color. In groups of four.
+  static constexpr std::size_t kColorGroups = (kMaxRobotsPerTeam + 1 + 3) / 4;
+  using SlotLikelihoods = std::array<float, 4 * kColorGroups>;
   // Log likelihoods of what the pixels of a slot show.
   struct SlotEvidence {
     std::uint16_t region = kMissing;  // index in the list of patches

@@ -16,7 +16,7 @@ constexpr float kClearMargin = 5.0f;
 struct Identifier::ExpectedColors {
   const LocalLight* light = nullptr;  // null: none is known
   std::array<bool, kMaxPatches - 1> is_known{};
-  std::array<std::array<ExpectedColors4, (kMaxRobotsPerTeam + 4) / 4>, kMaxPatches - 1> of_slot;
+  std::array<std::array<ExpectedColors4, kColorGroups>, kMaxPatches - 1> of_slot;
 };
 
 struct Identifier::Scene {

@@ -93,7 +93,7 @@ class Surroundings {
     return std::sqrt(std::abs(by_x_.u_px * by_y_.v_px - by_x_.v_px * by_y_.u_px));
   }
   // False if the point is not in the picture.
-  bool sample(FieldPoint offset, Rgb& out) const {
+  [[gnu::always_inline]] bool sample(FieldPoint offset, Rgb& out) const {
     const float u = center_.u_px + offset.x_m * by_x_.u_px + offset.y_m * by_y_.u_px + 0.5f;
     const float v = center_.v_px + offset.x_m * by_x_.v_px + offset.y_m * by_y_.v_px + 0.5f;
     if (!(u >= 0.0f && v >= 0.0f && u < static_cast<float>(frame_.width_px) &&

@@ -95,10 +95,18 @@ void Selector::search(const Group& group, std::size_t depth, const Set& excluded
     return;
   }
   const Options& options = options_[group[depth]];
-  for (std::uint16_t h = options.begin; h < options.end; ++h) {
-    if (excluded.contains(h)) continue;
+  const std::size_t count = options.end - options.begin;
+  const std::uint64_t all = (std::uint64_t{1} << count) - 1;
+  for (std::uint64_t left = all & ~excluded.from(options.begin, count); left != 0; left &= left - 1) {
+    const auto h = static_cast<std::uint16_t>(options.begin + std::countr_zero(left));
     path_[depth] = h;
-    search(group, depth + 1, excluded.with(conflicts_[h]), value + hypotheses_[h].value);
+    const float with = value + hypotheses_[h].value;
+    if (with + bound_[depth + 1] > best_value_) {
+      search(group, depth + 1, excluded.with(conflicts_[h]), with);
+      if (stop_at_first_ && found_) return;
+    } else {
+      --nodes_left_;  // a node without more
+    }
   }
   path_[depth] = kNone;
   search(group, depth + 1, excluded, value);

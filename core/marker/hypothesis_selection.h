@@ -21,7 +21,6 @@ using Selection = FixedVector<Chosen, kMaxTeamPatches>;
 /// A set of hypotheses by their numbers.
 class HypothesisSet {
  public:
-  [[nodiscard]] bool contains(std::size_t number) const { return (words_[number / 64] >> (number % 64) & 1u) != 0; }
   void insert(std::size_t number) { words_[number / 64] |= std::uint64_t{1} << (number % 64); }
   void insert(const HypothesisSet& other) {
     for (std::size_t i = 0; i < words_.size(); ++i) words_[i] |= other.words_[i];
@@ -35,6 +34,13 @@ class HypothesisSet {
     HypothesisSet both = *this;
     for (std::size_t i = 0; i < words_.size(); ++i) both.words_[i] &= other.words_[i];
     return both;
+  }
+  /// Bit i: contains number `first` + i, for `count` numbers, at most 63.
+  [[nodiscard]] std::uint64_t from(std::size_t first, std::size_t count) const {
+    const std::size_t word = first / 64, shift = first % 64;
+    std::uint64_t bits = words_[word] >> shift;
+    if (shift != 0 && word + 1 < words_.size()) bits |= words_[word + 1] << (64 - shift);
+    return bits & ((std::uint64_t{1} << count) - 1);
   }
   /// Calls `visit` with each number below `end`, in ascending order.
   template <class Visit>
@@ -61,8 +67,8 @@ class HypothesisSet {
 /// The search is bounded; if it reaches the bound, no result of the group is certain.
 class Selector {
  public:
-  /// `robot_side_m` is indexed by Team. Hypotheses of one team patch must be adjacent. False if the search reached a
-  /// bound.
+  /// `robot_side_m` is indexed by Team. Hypotheses of one team patch, at most 63, must be adjacent. False if the search
+  /// reached a bound.
   bool select(std::span<const Hypothesis> hypotheses, std::size_t team_patches, std::array<float, 2> robot_side_m,
               Selection& out);
 

@@ -147,5 +147,22 @@ TEST(BoxLearning, FindsTeamColorsInOtherLight) {
   EXPECT_EQ(caught(other.value(), 1, glare), 0.0);
 }
 
+// The ball is found in a shade of half the light, unless an identification color may be there.
+TEST(BoxLearning, FindsTheBallInOtherLightWhereNoOtherColorIs) {
+  LearningInput input;
+  input.colors = {{"orange", cloud({230, 110, 30}, 4, 2000, 1), ColorUse::kBall},
+                  {"blue", cloud({20, 90, 200}, 4, 2000, 2), ColorUse::kIdentification}};
+  input.background = cloud({60, 62, 60}, 6, 100000, 3);
+  const auto shade = cloud({168, 80, 22}, 3, 500, 4);
+  const Result<LearnedColors> ball = learn_boxes(input, {});
+  ASSERT_TRUE(ball.ok()) << ball.text();
+  EXPECT_GT(caught(ball.value(), 1, shade), 0.95);
+  input.colors.push_back({"brown", cloud({168, 80, 22}, 4, 2000, 5), ColorUse::kIdentification});
+  const Result<LearnedColors> beside = learn_boxes(input, {});
+  ASSERT_TRUE(beside.ok()) << beside.text();
+  EXPECT_LT(caught(beside.value(), 1, shade), 0.05);
+  EXPECT_GT(caught(beside.value(), 3, shade), 0.95) << "its own box is not smaller";
+}
+
 }  // namespace
 }  // namespace touchline::calibrate

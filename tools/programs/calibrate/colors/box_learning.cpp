@@ -157,10 +157,12 @@ Result<LearnedColors> learn_boxes(const LearningInput& input, const LearningRule
   for (std::size_t i = 0; i < known.size(); ++i) {
     if (input.colors[known[i].color - 1U].use == ColorUse::kIdentification) known[i] = cores[i];
   }
-  const ColorBoxes in_other_light = light_boxes(input, rules, known);
+  const ColorBoxes in_other_light = light_boxes(input, rules, known, ColorUse::kTeam);
   grower.grow(cores, in_other_light);
   out.boxes = cores;
   for (const ColorBox& box : in_other_light) out.boxes.push_back(box);
+  // The identification colors of robots have grown before.
+  for (const ColorBox& box : light_boxes(input, rules, out.boxes, ColorUse::kBall)) out.boxes.push_back(box);
   std::stable_sort(out.boxes.begin(), out.boxes.end(),
                    [](const ColorBox& a, const ColorBox& b) { return a.color < b.color; });
   return out;

@@ -20,7 +20,7 @@ std::vector<ColorCount> count_colors(const std::vector<Channels>& pixels);
 
 /// What a color is for. Robots are found by the color of their team, in any light; the patches that tell them apart are
 /// looked at wherever a team patch predicts them, whatever box they are in.
-enum class ColorUse : std::uint8_t { kOther, kTeam, kIdentification };
+enum class ColorUse : std::uint8_t { kOther, kTeam, kIdentification, kBall };
 
 struct ColorSamples {
   std::string name;

@@ -147,6 +147,7 @@ Result<VisibleByPicture> take_detected(const DetectedColors& found, ColorFitInpu
       }
     }
   }
+  if (found.input.ball != kBackground) input.uses[found.input.colors[found.input.ball - 1U].name] = ColorUse::kBall;
   VisibleByPicture visible;
   for (std::size_t t = 0; t < found.input.teams.size(); ++t) {
     const TeamMarking& marking = found.input.teams[t];

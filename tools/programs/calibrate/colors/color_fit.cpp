@@ -202,7 +202,7 @@ class Fitter {
     if (use == input_.uses.end()) return ColorUse::kOther;
     const auto count = std::count_if(patches_.begin(), patches_.end(),
                                      [&](const Grown& g) { return g.color == color && !g.patch.pixels.empty(); });
-    return use->second == ColorUse::kTeam && count >= kManyPatches ? ColorUse::kOther : use->second;
+    return use->second != ColorUse::kIdentification && count >= kManyPatches ? ColorUse::kOther : use->second;
   }
 
   LearningInput samples() {

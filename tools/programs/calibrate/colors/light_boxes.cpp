@@ -221,7 +221,8 @@ class Widening {
     for (std::size_t c = 0; c < input_.colors.size(); ++c) {
       if (c == color) continue;
       if (real_[c].in(box) > rules_.other_share * real_[c].total()) return false;
-      const bool is_identification = input_.colors[c].use == ColorUse::kIdentification;
+      const bool is_identification =
+          input_.colors[c].use == ColorUse::kIdentification && input_.colors[color].use == ColorUse::kTeam;
       const double odds = is_identification ? kLeastOddsOfIdentification : kLeastOdds;
       if (odds * lit_volume_[c].in(box) > own) return false;
     }
@@ -290,11 +291,11 @@ class Widening {
 
 }  // namespace
 
-ColorBoxes light_boxes(const LearningInput& input, const LearningRules& rules, const ColorBoxes& known) {
+ColorBoxes light_boxes(const LearningInput& input, const LearningRules& rules, const ColorBoxes& known, ColorUse use) {
   ColorBoxes boxes = known;
   Widening widening(input, rules, boxes);
   for (std::size_t c = 0; c < input.colors.size(); ++c) {
-    if (input.colors[c].use == ColorUse::kTeam) widening.widen(c);
+    if (input.colors[c].use == use) widening.widen(c);
   }
   ColorBoxes added;
   for (std::size_t i = known.size(); i < boxes.size(); ++i) added.push_back(boxes[i]);

@@ -1,5 +1,6 @@
 #include "core/subpixel/bayer_detector.h"
 
+#include <algorithm>
 #include <cstring>
 
 namespace touchline {
@@ -30,47 +31,117 @@ Values values_at(const std::uint8_t* pixels) {
   return __builtin_convertvector(bytes, Values);
 }
 
+// Sums of all bytes of a segment: byte k is in sum k modulo all sums.
+using Sums = std::array<Values, kMostBytes>;
+
+// Adds the second differences of a segment's bytes from those `apart` bytes before and after them; 0 at an edge.
+void add_differences(const std::uint8_t* at, std::size_t pixel_bytes, std::size_t apart, Sums& sums) {
+  for (std::size_t k = 0; k < kSegmentPixels / kTogether; ++k) {
+    for (std::size_t byte = 0; byte < pixel_bytes; ++byte, at += kTogether) {
+      const Values difference = 2 * values_at(at) - values_at(at - apart) - values_at(at + apart);
+      const Values size = difference < 0 ? -difference : difference;
+      sums[byte] += size <= kLargestNoise ? size : Values{};
+    }
+  }
+}
+
+// The sum of one channel, in even and odd columns.
+std::array<float, 2> by_column(const Sums& sums, std::size_t pixel_bytes, std::size_t channel) {
+  std::array<float, 2> sum{};
+  for (std::size_t k = channel; k < pixel_bytes * kTogether; k += pixel_bytes) {
+    const Values& eight = sums[k / kTogether];
+    sum[k / pixel_bytes % 2] += static_cast<float>(eight[k % kTogether]);
+  }
+  return sum;
+}
+
+// The first byte of a segment, in different parts of the picture; even columns begin it.
+struct Start {
+  std::size_t row, byte;
+};
+Start start_of(std::size_t segment, std::size_t picture, const Frame& frame, std::size_t pixel_bytes) {
+  const std::size_t width = frame.width_px, height = frame.height_px;
+  const std::size_t row = ((2 * segment + 1) * height / (2 * kSegments) + 7 * picture) % height;
+  const std::size_t part = (5 * segment + 3 * picture) % kSegments;
+  return {row, (2 + part * (width - kSegmentPixels - 4) / (kSegments - 1) / 2 * 2) * pixel_bytes};
+}
+
+// Which columns measure red: 0 for even ones, 1 for odd ones; -1 if there is no pattern.
+template <class Differences>
+int red_column(const Differences& differences) {
+  const auto measured = [&](std::size_t color, std::size_t odd) {
+    const auto& sum = differences[color];
+    return sum[odd] > kLeastSum && sum[odd] > kLeastFactor * sum[1 - odd];
+  };
+  if (measured(0, 0) && measured(1, 1)) return 0;
+  return measured(0, 1) && measured(1, 0) ? 1 : -1;
+}
+
+// The same for the rows of a pattern: red and blue together decide which of them is which. -1 if they leave doubt.
+template <class Differences>
+int red_row(const Differences& differences) {
+  const float even = differences[0][0] * differences[1][1], odd = differences[0][1] * differences[1][0];
+  constexpr float kLeast = kLeastFactor * kLeastFactor;
+  return even > kLeast * odd ? 0 : odd > kLeast * even ? 1 : -1;
+}
+
+template <class Differences>
+void forget_old_pictures(Differences& differences) {
+  for (auto& color : differences) {
+    for (float& sum : color) sum *= kKept;
+  }
+}
+
 }  // namespace
 
 void BayerDetector::examine(const Frame& frame) {
-  found_ = false;
+  pattern_ = {};
   const PixelFormatInfo& info = info_of(frame.format);
-  const std::size_t width = frame.width_px, height = frame.height_px;
-  if (info.space != ColorSpace::kRgb || width < kSegmentPixels + 4) return;
-  for (auto& color : differences_) {
-    for (float& sum : color) sum *= kKept;
-  }
-  // Sums of all bytes of a segment, of which those of other channels are not used: byte k is in sum k modulo all sums.
+  if (info.space != ColorSpace::kRgb || frame.width_px < kSegmentPixels + 4 || frame.height_px < 4) return;
+  const std::size_t picture = pictures_++;
+  add_rows(frame, picture);
+  const int column = red_column(along_rows_);
+  // Few cameras have a pattern, so columns are examined only after the rows showed one.
+  if (column < 0) return;
+  add_columns(frame, picture);
+  const int row = red_row(along_columns_);
+  if (row >= 0) pattern_ = {true, static_cast<std::uint8_t>(column), static_cast<std::uint8_t>(row)};
+}
+
+void BayerDetector::add_rows(const Frame& frame, std::size_t picture) {
+  const PixelFormatInfo& info = info_of(frame.format);
   const std::size_t step = info.channel[0].step;
-  std::array<Values, kMostBytes> sums{};
+  Sums sums{};
   for (std::size_t i = 0; i < kSegments; ++i) {
-    // Segments in different parts of the picture; even columns begin them.
-    const std::size_t row = ((2 * i + 1) * height / (2 * kSegments) + 7 * pictures_) % height;
-    const std::size_t part = (5 * i + 3 * pictures_) % kSegments;
-    const std::size_t first = 2 + part * (width - kSegmentPixels - 4) / (kSegments - 1) / 2 * 2;
-    const std::uint8_t* at = frame.plane[0] + row * frame.stride_bytes[0] + first * step;
-    for (std::size_t k = 0; k < kSegmentPixels / kTogether; ++k) {
-      for (std::size_t byte = 0; byte < step; ++byte, at += kTogether) {
-        const Values difference = 2 * values_at(at) - values_at(at - step) - values_at(at + step);
-        const Values size = difference < 0 ? -difference : difference;
-        sums[byte] += size <= kLargestNoise ? size : Values{};
-      }
+    const Start start = start_of(i, picture, frame, step);
+    add_differences(frame.plane[0] + start.row * frame.stride_bytes[0] + start.byte, step, step, sums);
+  }
+  forget_old_pictures(along_rows_);
+  for (const std::size_t color : {std::size_t{0}, std::size_t{1}}) {
+    const std::array<float, 2> sum = by_column(sums, step, info.channel[2 * color].byte(0));
+    along_rows_[color][0] += sum[0];
+    along_rows_[color][1] += sum[1];
+  }
+}
+
+void BayerDetector::add_columns(const Frame& frame, std::size_t picture) {
+  const PixelFormatInfo& info = info_of(frame.format);
+  const std::size_t step = info.channel[0].step, stride = frame.stride_bytes[0];
+  std::array<Sums, 2> sums{};  // of even and odd rows
+  for (std::size_t i = 0; i < kSegments; ++i) {
+    const Start start = start_of(i, picture, frame, step);
+    const std::size_t row = std::clamp(start.row, std::size_t{1}, std::size_t{frame.height_px} - 3);
+    const std::uint8_t* const at = frame.plane[0] + row * stride + start.byte;
+    add_differences(at, step, stride, sums[row % 2]);
+    add_differences(at + stride, step, stride, sums[1 - row % 2]);
+  }
+  forget_old_pictures(along_columns_);
+  for (const std::size_t color : {std::size_t{0}, std::size_t{1}}) {
+    for (const std::size_t odd : {std::size_t{0}, std::size_t{1}}) {
+      const std::array<float, 2> sum = by_column(sums[odd], step, info.channel[2 * color].byte(0));
+      along_columns_[color][odd] += sum[0] + sum[1];
     }
   }
-  for (std::size_t k = 0; k < step * kTogether; ++k) {
-    const std::size_t odd = k / step % 2;
-    const Values& eight = sums[k / kTogether];
-    for (const std::size_t color : {std::size_t{0}, std::size_t{1}}) {
-      if (k % step != info.channel[2 * color].byte(0)) continue;
-      differences_[color][odd] += static_cast<float>(eight[k % kTogether]);
-    }
-  }
-  ++pictures_;
-  const auto measured = [this](std::size_t color, std::size_t odd) {
-    const auto& sum = differences_[color];
-    return sum[odd] > kLeastSum && sum[odd] > kLeastFactor * sum[1 - odd];
-  };
-  found_ = (measured(0, 0) && measured(1, 1)) || (measured(0, 1) && measured(1, 0));
 }
 
 }  // namespace touchline

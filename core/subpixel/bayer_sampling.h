@@ -10,14 +10,13 @@ namespace touchline {
 /// Errors of a patch's fitted center that come from a camera's color filters, and how much each color should count.
 ///
 /// Behind a Bayer pattern, red and blue are measured at every second pixel and column, green at every second pixel of
-/// a row; what is missing is interpolated. A sum of interpolated values is a sum of measured ones, so the fit places an
-/// edge as if it saw only these. Sampling adds copies of the picture's spectrum at the reciprocal lattice's vectors g
-/// (Bracewell, "The Fourier Transform and Its Applications", chapter 10); measured along the edge's normal n, the
-/// copy at g moves an edge of length L and blur H by up to
+/// a row; what is missing is interpolated and tells nothing new. Sampling adds copies of the picture's spectrum at the
+/// reciprocal lattice's vectors g (Bracewell, "The Fourier Transform and Its Applications", chapter 10); measured along
+/// the edge's normal n, the copy at g moves an edge of length L by up to
 ///   H(g n) sinc(L g t) / (pi g n),
-/// where t is the edge's direction and sinc(x) = sin(pi x) / (pi x). The error depends on where the edge lies between
-/// the filters. Along the pixel grid (g t = 0) it is the same on the whole edge, and in every picture of a standing
-/// robot; on a slanted edge it averages out.
+/// where H is the difference between the blur of picture and fit, t the edge's direction and sinc(x) = sin(pi x) /
+/// (pi x). The error depends on where the edge lies between the filters. Along the pixel grid (g t = 0) it is the same
+/// on the whole edge, and in every picture of a standing robot; on a slanted edge it averages out.
 ///
 /// Red's lattice has g = (1/2, 0), (0, 1/2) and (1/2, +-1/2). Blue's is moved by one pixel and one column: its errors
 /// have the opposite sign at the first two, and the same sign at the others. Green has only the others, with the

@@ -7,6 +7,7 @@
 #include "core/cpu.h"
 #include "core/fixed_vector.h"
 #include "core/marker/marker_layout.h"
+#include "core/subpixel/bayer_detector.h"
 #include "core/subpixel/blurred_outline.h"
 #include "core/types.h"
 
@@ -15,9 +16,6 @@ namespace touchline {
 
 /// Number of pixels that are processed together.
 constexpr int kLanes = 8;
-
-// Width of an edge: one pixel, and 1.5 pixels for the blur of lens and Bayer pattern.
-constexpr float kRampPx = 2.5f;
 
 /// Eight values in memory.
 struct alignas(32) StoredFloat8 {
@@ -36,6 +34,7 @@ struct MarkerView {
   float u_by_x = 0, u_by_y = 0, v_by_x = 0, v_by_y = 0;  // pixels per meter of the robot's frame
   std::array<float, 3> top{};                            // light of its top
   float beside_px = 0;  // distance from its edge of a second sample of the surroundings, outside a patch's blur
+  BayerPattern bayer;
 };
 
 /// A patch of this robot.
@@ -47,7 +46,7 @@ struct PatchView {
 
 /// Sums over pixels that show one surface.
 struct ColorSums {
-  int count = 0;
+  std::array<float, 3> count{};  // of pixels that measured the color
   std::array<float, 3> light{}, squares{};
   std::array<float, 3> foreign{};  // squared light of the surroundings that was removed from the pixels on the edge
 };
@@ -57,35 +56,44 @@ struct EdgePixels {
   StoredFloat8 x, y;                  // meters from the place that follows from the pose, along the outline's axes
   std::array<StoredFloat8, 3> light;  // minus the light of the top, and without the part of the surroundings
   StoredFloat8 doubt;                 // squared light of the surroundings that was removed
-  StoredFloat8 counts;                // 1 for a pixel on the patch's edge and inside the picture, else 0
+  // 0 for a pixel that is not on the patch's edge or not inside the picture. Behind a Bayer pattern, 1, 2 or 3 for the
+  // color that it measured, the light of the others being 0; without a pattern, 1.
+  StoredFloat8 measured;
 };
 // The largest square that is sampled completely has 32 x 32 pixels. A row crosses its edge twice, each in two groups.
 using PatchEdge = FixedVector<EdgePixels, 144>;
 
-/// Light that another patch of the robot adds to a patch's pixels, relative to the patch's own excess of light.
+/// Light that another patch of the robot adds to a patch's pixels, relative to the patch's own excess of light: behind
+/// a Bayer pattern of each color, else of all colors together, in [0].
 struct NeighborPatch {
   const BlurredOutline* outline = nullptr;
   float cos = 1, sin = 0, x_m = 0, y_m = 0;  // from the patch's axes to those of the neighbor
   FieldPoint half_box;
-  float light = 0;
+  std::array<float, 3> light{};
 };
 
 /// A patch's edge and the model to fit to it.
 struct EdgeFitTask {
   const PatchEdge* edge = nullptr;
   const BlurredOutline* outline = nullptr;
-  FieldPoint at;                 // center of the outline, along its axes
-  std::array<float, 3> along{};  // its scalar product with the light of a completely covered pixel is 1
-  float doubted = 0;             // factor by which squared light of the surroundings reduces the weight
+  FieldPoint at;  // center of the outline, along its axes
+  // Its scalar product with the light of a completely covered pixel is 1; behind a Bayer pattern, with that of each
+  // color alone.
+  std::array<float, 3> along{};
+  bool is_bayer = false;
+  std::array<float, 3> weight{};  // of a pixel, by the color that it measured; only behind a Bayer pattern
+  // Factor by which squared light of the surroundings reduces the weight, by color as in NeighborPatch.
+  std::array<float, 3> doubted{};
   float ramp_m = 0;
   FixedVector<NeighborPatch, kMaxPatches> neighbors;
 };
 
 /// Normal equations of least squares for an outline's center: derivatives s along x and y, error r, weight w.
 struct CenterEquations {
-  float xx = 0, xy = 0, yy = 0;    // w s s
-  float rx = 0, ry = 0;            // w r s
-  float squares = 0, weights = 0;  // w r r, w; only for patches
+  float xx = 0, xy = 0, yy = 0;  // w s s
+  float rx = 0, ry = 0;          // w r s
+  // Only for patches: w r r, w; w d d and w r d, d being the derivative by the logarithm of the ramp's width.
+  float squares = 0, weights = 0, widening = 0, wider = 0;
 };
 
 constexpr std::size_t kShadeTerms = 4, kLightChannels = 3;

@@ -11,19 +11,22 @@
 namespace touchline {
 namespace {
 
-// In narrower patches, too few pixels are completely covered. (A ramp of three pixels would not depend on where an edge
-// lies between two pixels, but where a part of a patch is hidden, its worse shape moves the center.)
-constexpr float kMinWidthPx = 1.2f * kRampPx;
-constexpr int kMinInsidePixels = 4, kMinTopPixels = 4;
+// In narrower patches, too few pixels are completely covered.
+constexpr float kMinWidthPx = 3.0f;
+// Width of edges where pixels share chroma: their place in the colors depends on which pixels share one, and a wide
+// ramp takes the mean over more of them. At most half of a patch, of which something must be completely covered.
+constexpr float kSharedChromaPx = 4.0f;
+constexpr float kMinInsidePixels = 4, kMinTopPixels = 4;
 // Minimum difference of light between patch and top; smaller differences are noise.
 constexpr float kMinContrast = 0.01f;
 // Noise of a picture's light, of which a few completely covered pixels show too little: that of rounding to 8 bits
 // where it is dark. It counts like this many pixels.
 constexpr float kLeastNoise = 0.001f, kPriorPixels = 4.0f;
-// In a sum of interpolated pixels, each measured red or blue value counts four times, and each green one twice. The
-// noise of a sum of n pixels is therefore 4 n (2 n) times that of a measured value, and a bilinearly interpolated pixel
-// has 9/16 (5/8) of it.
-constexpr std::array<float, 3> kInterpolatedNoise{7.1f, 3.2f, 7.1f};
+// Integral of a ramp's squared slope times its width, and the variance of a pixel's light on an edge relative to that
+// of one that the patch covers completely: it has half the light, to which the variance is proportional.
+constexpr float kSquaredSlope = 1.2f, kEdgeNoise = 0.5f;
+// Behind a Bayer pattern, one of so many pixels measures red, green and blue.
+constexpr std::array<float, 3> kPixelsPerMeasured{4.0f, 2.0f, 4.0f};
 // Part of a color's squared light that is an error because of the other colors, relative to the light of all: where
 // pixels share chroma (YUV, JPEG), a color that a patch hardly changes shows the edges of the others. A picture in
 // which a Bayer pattern is found shares none.
@@ -40,19 +43,16 @@ constexpr float kMaxCorrectionPx = 2.0f;
 // RMS error of the covered fraction of edge pixels. Up to the first value the fit is used, beyond the second it is not.
 // (Sharp edges under the ramp, noise and shared chroma leave 0.1; a centroid that is wrong by a pixel leaves 0.25.)
 // In between, the result is a weighted mean, so a robot at the limit does not jump between two centers.
-constexpr float kGoodCoverage = 0.22f, kWorstCoverage = 0.32f;
+constexpr float kGoodCoverage = 0.22f, kWorstCoverage = 0.325f;
 // Part of the variance of a pixel's covered fraction that moves the center: most of it is the blur's shape, whose
 // errors on opposite edges cancel. Measured in the arena (tests/tools/motion_evaluation_test.cpp).
-constexpr float kMovingPart = 0.045f;
-// Ratio of the variance behind a Bayer pattern to the one that sampling and the pixels' errors explain: interpolation
-// also carries the light of lines and other patches farther. Measured in games of the arena with a blur of 0.45 pixels.
-constexpr float kBayerErrors = 2.0f;
+constexpr float kMovingPart = 0.18f;
 // Distance after which the correlation of the fit's errors is 1/e: those of edges against the pixel grid are others
 // half a pixel further, but most of the error depends on the edges' angles. Measured in games of the arena.
 constexpr float kLastsPx = 8.0f;
 // Distance from the robot's edge at which its surroundings are sampled a second time: a line beside it may be narrow
-// and seen only there. Interpolation carries the light of patches farther.
-constexpr float kBesidePx = 1.0f, kBesideBayerPx = 2.0f;
+// and seen only there.
+constexpr float kBesidePx = 1.0f;
 // The first iteration leaves at most a tenth of its step as error. After a short step the rest is below the noise.
 constexpr int kMaxPatchIterations = 2;
 constexpr float kShortStepPx = 0.05f;
@@ -78,12 +78,12 @@ PoseCovariance of_mean(const PoseCovariance& a, float weight, const PoseCovarian
 class PatchCenterFit::Solver {
  public:
   Solver(const FitKernel& kernel, const Marker& marker, const CameraModel& camera, const Frame& frame, const Pose& pose,
-         bool is_bayer, std::array<PatchEdge, kMaxPatches>& edges)
+         const BayerPattern& bayer, float ramp_px, std::array<PatchEdge, kMaxPatches>& edges)
       : kernel_(kernel),
         layout_(marker.layout),
         outlines_(marker.outlines),
         frame_(frame),
-        is_bayer_(is_bayer),
+        is_bayer_(bayer.found),
         edges_(edges) {
     const float c = std::cos(pose.theta_rad), s = std::sin(pose.theta_rad);
     const auto seen_at = [&](float x_m, float y_m) {
@@ -100,11 +100,13 @@ class PatchCenterFit::Solver {
     view_.u_by_y = (left.u_px - right.u_px) / layout_.robot_side_m;
     view_.v_by_y = (left.v_px - right.v_px) / layout_.robot_side_m;
     view_.scale_px_per_m = std::sqrt(std::abs(view_.u_by_x * view_.v_by_y - view_.u_by_y * view_.v_by_x));
-    view_.ramp_m = kRampPx / view_.scale_px_per_m;
-    view_.beside_px = is_bayer ? kBesideBayerPx : kBesidePx;
+    const bool shared = is_yuv(color_space(frame.format));
+    view_.ramp_m = std::min(shared ? kSharedChromaPx : ramp_px, 0.5f * narrowest_px()) / view_.scale_px_per_m;
+    view_.beside_px = kBesidePx;
+    view_.bayer = bayer;
     view_.middle = {0.5f * (front.u_px + back.u_px), 0.5f * (front.v_px + back.v_px)};
     for (const PatchPlace& place : layout_.patches)
-      targets_.push_back({seen_at(place.x_m, place.y_m), {}, {}, {}, {}, 1.0f, 0, {}});
+      targets_.push_back({seen_at(place.x_m, place.y_m), {}, {}, {}, {}, {}, {}, 1.0f, 0, {}});
   }
 
   // Returns the weight of the fit, 0 to 1.
@@ -136,15 +138,19 @@ class PatchCenterFit::Solver {
     return error_ > 0.0f ? std::max(0.0f, 1.0f - camera_noise_ / error_) : 0.0f;
   }
   [[nodiscard]] float scale_px_per_m() const { return view_.scale_px_per_m; }
+  // What the edges show of their width.
+  [[nodiscard]] EdgeWidening widening() const { return widening_; }
 
  private:
   struct Target {
     PixelPoint pixel;              // center of the patch according to the pose
     FieldPoint at;                 // offset from there along the outline's axes
     std::array<float, 3> excess;   // light of the patch minus light of the top
-    std::array<float, 3> along;    // its scalar product with the excess is 1
+    std::array<float, 3> along;    // as in EdgeFitTask
+    std::array<float, 3> weight;   // as in EdgeFitTask
+    std::array<float, 3> doubted;  // as in EdgeFitTask
     BayerSampling::Axes sampling;  // variance of `at` from sampling and the colors' noise
-    float repeated;                // how often the fit counts a measured value
+    float repeated;                // variance of `at` relative to that of pixels that have the same weight
     float camera_noise;            // variance of `at`, each axis, from the noise of its light
     PointCovariance noise;         // of `at`
   };
@@ -162,6 +168,7 @@ class PatchCenterFit::Solver {
       const Targets before = targets_;
       worst_coverage_ = unevenness;
       error_ = camera_noise_ = 0;
+      widening_ = {};
       step_px = 0;
       for (std::size_t k = 0; k < targets_.size(); ++k) {
         if (!step(k, iteration == 0, before)) return false;
@@ -190,18 +197,19 @@ class PatchCenterFit::Solver {
 
   bool find_top() {
     const ColorSums top = kernel_.sample_top(frame_, view_);
-    if (top.count < kMinTopPixels) return false;
-    for (std::size_t c = 0; c < 3; ++c) view_.top[c] = top.light[c] / static_cast<float>(top.count);
+    if (top.count[0] < kMinTopPixels) return false;
+    for (std::size_t c = 0; c < 3; ++c) view_.top[c] = top.light[c] / top.count[c];
     return true;
   }
 
   bool find_color(const ColorSums& inside, std::size_t k) {
-    if (inside.count < kMinInsidePixels) return false;
+    const float pixels = is_bayer_ ? inside.count[0] + inside.count[1] + inside.count[2] : inside.count[0];
+    if (pixels < kMinInsidePixels) return false;
     Target& target = targets_[k];
-    const float count = static_cast<float>(inside.count);
     std::array<float, 3> variance;
     float sum = 0;
     for (std::size_t c = 0; c < 3; ++c) {
+      const float count = std::max(inside.count[c], 1.0f);  // a small patch may have no pixel of a color
       target.excess[c] = inside.light[c] / count;
       variance[c] = std::max(0.0f, inside.squares[c] / count - target.excess[c] * target.excess[c]);
       sum += variance[c];
@@ -218,9 +226,9 @@ class PatchCenterFit::Solver {
     Target& target = targets_[k];
     const BlurredOutline& outline = outlines_[k];
     const float c = outline.cos(), s = outline.sin();
-    const float count = static_cast<float>(inside.count), edge = static_cast<float>(kLanes * edges_[k].size() + 1);
+    const float edge = static_cast<float>(kLanes * edges_[k].size() + 1);
     // Sum of the squared slopes on two opposite edges.
-    const float slopes = 2.0f * (outline.half_length_m() + outline.half_width_m()) / view_.ramp_m;
+    const float slopes = 2.0f * kSquaredSlope * (outline.half_length_m() + outline.half_width_m()) / view_.ramp_m;
     BayerSampling sampling;
     if (is_bayer_) {
       sampling = bayer_sampling(outline, {c * view_.u_by_x + s * view_.u_by_y, c * view_.v_by_x + s * view_.v_by_y},
@@ -229,9 +237,10 @@ class PatchCenterFit::Solver {
     std::array<float, 3> noise_px2, all_px2;  // of the center: of each color, and with errors that colors share
     for (std::size_t i = 0; i < 3; ++i) {
       const float light = target.excess[i] * target.excess[i] + kNegligible;
+      const float count = inside.count[i];
       const float own = (count * variance[i] + kPriorPixels * kLeastNoise * kLeastNoise) / (count + kPriorPixels);
-      const float repeated = is_bayer_ ? kInterpolatedNoise[i] : 1.0f;
-      noise_px2[i] = repeated * own / (light * slopes);
+      const float repeated = is_bayer_ ? kPixelsPerMeasured[i] : 1.0f;
+      noise_px2[i] = repeated * kEdgeNoise * own / (light * slopes);
       const float shared = (is_bayer_ ? kMeasuredLeak : kSharedLeak) * power;
       all_px2[i] =
           noise_px2[i] + (repeated * kSurroundingsError * inside.foreign[i] / edge + shared) / (light * slopes);
@@ -239,14 +248,32 @@ class PatchCenterFit::Solver {
     const std::array<float, 3> weights = channel_weights(sampling, all_px2);
     const BayerSampling::Axes by_sampling = sampling_variance(sampling, weights);
     float by_noise = 0;
-    target.repeated = is_bayer_ ? 4.0f - 2.0f * weights[1] : 1.0f;
+    target.repeated = is_bayer_ ? 0.0f : 1.0f;
     for (std::size_t i = 0; i < 3; ++i) {
-      target.along[i] = weights[i] * target.excess[i] / (target.excess[i] * target.excess[i] + kNegligible);
+      target.along[i] = target.excess[i] / (target.excess[i] * target.excess[i] + kNegligible);
       by_noise += weights[i] * weights[i] * noise_px2[i];
+      if (is_bayer_) {
+        target.weight[i] = weights[i] * kPixelsPerMeasured[i];
+        target.repeated += weights[i] * target.weight[i];
+      } else {
+        target.along[i] *= weights[i];
+      }
+    }
+    constexpr float kDoubt = 1.0f / (kHalfWeightSurroundings * kHalfWeightSurroundings);
+    target.doubted = {kDoubt * dot(target.along, target.along), 0, 0};
+    if (is_bayer_) {
+      for (std::size_t i = 0; i < 3; ++i) target.doubted[i] = kDoubt * target.along[i] * target.along[i];
     }
     const float m2_per_px2 = 1.0f / (view_.scale_px_per_m * view_.scale_px_per_m);
     target.camera_noise = m2_per_px2 * by_noise;
     target.sampling = {m2_per_px2 * (by_sampling.x + by_noise), m2_per_px2 * (by_sampling.y + by_noise)};
+  }
+
+  // As in NeighborPatch.
+  [[nodiscard]] std::array<float, 3> light_of(const Target& neighbor, const Target& patch) const {
+    const std::array<float, 3>&light = neighbor.excess, &along = patch.along;
+    if (is_bayer_) return {light[0] * along[0], light[1] * along[1], light[2] * along[2]};
+    return {dot(light, along), 0, 0};
   }
 
   void add_neighbors(std::size_t k, const Targets& targets, EdgeFitTask& task) const {
@@ -259,7 +286,7 @@ class PatchCenterFit::Solver {
       task.neighbors.push_back({&outline, outline.cos() * c + outline.sin() * s, outline.cos() * s - outline.sin() * c,
                                 outline.cos() * x + outline.sin() * y - targets[i].at.x_m,
                                 outline.cos() * y - outline.sin() * x - targets[i].at.y_m,
-                                outline.half_box(view_.ramp_m), dot(targets[i].excess, targets[k].along)});
+                                outline.half_box(view_.ramp_m), light_of(targets[i], targets[k])});
     }
   }
 
@@ -271,7 +298,9 @@ class PatchCenterFit::Solver {
     task.outline = &outlines_[k];
     task.at = target.at;
     task.along = target.along;
-    task.doubted = dot(target.along, target.along) / (kHalfWeightSurroundings * kHalfWeightSurroundings);
+    task.is_bayer = is_bayer_;
+    task.weight = target.weight;
+    task.doubted = target.doubted;
     task.ramp_m = view_.ramp_m;
     add_neighbors(k, before, task);
     const CenterEquations sums = kernel_.accumulate_edge(task);
@@ -283,11 +312,12 @@ class PatchCenterFit::Solver {
     // After a short first step, the predicted remaining error equals the error of a second iteration.
     const float left = first ? std::max(0.0f, sums.squares - sums.rx * x - sums.ry * y) : sums.squares;
     worst_coverage_ = std::max(worst_coverage_, std::sqrt(left / sums.weights));
-    const float all = is_bayer_ ? kBayerErrors : 1.0f;
-    const float variance = all * kMovingPart * target.repeated * left / sums.weights / determinant;
-    target.noise = {variance * sums.yy + all * target.sampling.x, -variance * sums.xy,
-                    variance * sums.xx + all * target.sampling.y};
+    const float variance = kMovingPart * target.repeated * left / sums.weights / determinant;
+    target.noise = {variance * sums.yy + target.sampling.x, -variance * sums.xy,
+                    variance * sums.xx + target.sampling.y};
     error_ += target.noise.xx + target.noise.yy;
+    widening_.power += sums.widening;
+    widening_.pull += sums.wider;
     camera_noise_ += 2.0f * target.camera_noise;
     target.at.x_m += x;
     target.at.y_m += y;
@@ -311,6 +341,7 @@ class PatchCenterFit::Solver {
   float worst_coverage_ = 0;  // largest RMS error of the covered fraction in the current iteration
   // Sums over the patches: variances of the center, and the part of the camera's noise.
   float error_ = 0, camera_noise_ = 0;
+  EdgeWidening widening_;
   Targets targets_;
 };
 
@@ -319,6 +350,7 @@ void PatchCenterFit::configure(const std::array<MarkerLayout, 2>& layouts, const
   kernel_ = &fit_kernel(kernel);
   camera_ = camera;
   bayer_.reset();
+  edge_width_.reset();
   for (std::size_t team = 0; team < layouts.size(); ++team) {
     markers_[team].layout = layouts[team];
     markers_[team].outlines.clear();
@@ -333,13 +365,16 @@ void PatchCenterFit::set_heights(const std::array<float, 2>& height_m) {
 void PatchCenterFit::refine(const Frame& frame, Sightings& sightings) {
   if (frame.width_px < 2) return;
   bayer_.examine(frame);
+  EdgeWidening all;
   for (RobotSighting& robot : sightings.robots) {
     const Marker& marker = markers_[static_cast<std::size_t>(robot.team)];
     const std::size_t patches = marker.layout.patches.size();
     if (!robot.has_heading || patches < 2 || robot.patches.size() != patches) continue;
-    Solver fit(*kernel_, marker, camera_, frame, robot.pose, bayer_.found(), edges_);
+    Solver fit(*kernel_, marker, camera_, frame, robot.pose, bayer_.pattern(), edge_width_.px(), edges_);
     const float trust = fit.run();
     if (trust == 0.0f) continue;
+    all.power += fit.widening().power;
+    all.pull += fit.widening().pull;
     FixedVector<Correspondence, kMaxPatches> points;
     FixedVector<FieldPoint, kMaxPatches> places;
     FixedVector<PointCovariance, kMaxPatches> errors;
@@ -367,6 +402,7 @@ void PatchCenterFit::refine(const Frame& frame, Sightings& sightings) {
       patch.center.v_px += trust * (center.v_px - patch.center.v_px);
     }
   }
+  if (!is_yuv(color_space(frame.format))) edge_width_.follow(all);
 }
 
 }  // namespace touchline

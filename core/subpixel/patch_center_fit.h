@@ -6,6 +6,7 @@
 #include "core/marker/marker_layout.h"
 #include "core/subpixel/bayer_detector.h"
 #include "core/subpixel/blurred_outline.h"
+#include "core/subpixel/edge_width.h"
 #include "core/subpixel/fit_kernel.h"
 #include "core/types.h"
 
@@ -21,8 +22,9 @@ namespace touchline {
 ///   r T + (1 - r) O + sum of w_k (P_k - T).
 /// The patch color P_k is the mean of the completely covered pixels, T is the mean of the free parts of the top, and O
 /// is the light just beyond the robot's edge. A patch's center minimizes the squared error of this model on the pixels
-/// of its edges (Gauss-Newton), in a weighted mean of the colors (bayer_sampling.h). A half-covered pixel determines
-/// where the edge is, and a neighboring patch does not leak in. Pixels have a lower weight if they depend on an O that
+/// of its edges (Gauss-Newton), in a weighted mean of the colors. Behind a Bayer pattern, only the color that a pixel
+/// measured counts, with the weights of bayer_sampling.h. A half-covered pixel determines where the edge is, and a
+/// neighboring patch does not leak in. Pixels have a lower weight if they depend on an O that
 /// differs much from T (a line, a wall, another robot's patch).
 ///
 /// A robot keeps its centers if the picture does not fit this model: no free top, patches of a few pixels, large
@@ -52,6 +54,7 @@ class PatchCenterFit {
   std::array<Marker, 2> markers_;
   CameraModel camera_;
   BayerDetector bayer_;
+  EdgeWidth edge_width_;
   std::array<PatchEdge, kMaxPatches> edges_;  // of the robot that is being fitted
 };
 

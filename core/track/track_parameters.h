@@ -10,10 +10,10 @@ namespace touchline {
 
 /// The filter of one robot, eq. (4)-(9).
 struct RobotFilterParameters {
-  double position_sigma_m = 0.00008;
-  double heading_sigma_rad = 0.0015;
-  double position_jitter_m = 0.00001;
-  double heading_jitter_rad = 0.0002;
+  double position_sigma_m = 0.00009;
+  double heading_sigma_rad = 0.0018;
+  double position_jitter_m = 0.000005;
+  double heading_jitter_rad = 0.0001;
   double patch_sigma_m = 0.025;
   double wheel_lag_s = 0.08;
   double tire_grip_mps2 = 7.8;

@@ -18,7 +18,8 @@ constexpr int kWidth = 320, kHeight = 240;
 
 // What a sensor delivers of a gray floor: noise of some 8-bit steps, interpolated bilinearly if `red_column` is 0 or 1.
 // `columns` is how many neighbors in a row share red and blue.
-OwnedPicture floor(PixelFormat format, PortableRandom& dice, float sigma, int red_column, int columns = 1) {
+OwnedPicture floor(PixelFormat format, PortableRandom& dice, float sigma, int red_column, int columns = 1,
+                   int red_row = 0) {
   std::vector<std::array<float, 3>> measured(kWidth * kHeight);
   for (auto& pixel : measured) {
     for (float& value : pixel) value = 90.0f + sigma * std::sqrt(3.0f) * dice.real(-1.0f, 1.0f);
@@ -34,7 +35,7 @@ OwnedPicture floor(PixelFormat format, PortableRandom& dice, float sigma, int re
       for (std::size_t c = 0; c < 3; ++c) {
         float value = at(u, v, c);
         if (red_column >= 0 && c != 1) {
-          const int across = (u + red_column + (c == 2 ? 1 : 0)) % 2, down = (v + (c == 2 ? 1 : 0)) % 2;
+          const int across = (u + red_column + (c == 2 ? 1 : 0)) % 2, down = (v + red_row + (c == 2 ? 1 : 0)) % 2;
           value = 0.25f * (at(u - across, v - down, c) + at(u + across, v - down, c) + at(u - across, v + down, c) +
                            at(u + across, v + down, c));
         }
@@ -49,11 +50,14 @@ OwnedPicture floor(PixelFormat format, PortableRandom& dice, float sigma, int re
 TEST(BayerDetector, FindsThePatternInSinglePicturesOfOrdinaryNoise) {
   PortableRandom dice(11);
   for (const PixelFormat format : {PixelFormat::kRgb24, PixelFormat::kBgr24, PixelFormat::kXrgb8888}) {
-    for (const int red_column : {0, 1}) {
+    for (const int red : {0, 1, 2, 3}) {
+      const int column = red % 2, row = red / 2;
       for (const float sigma : {1.0f, 2.0f, 3.0f}) {
         BayerDetector detector;
-        detector.examine(floor(format, dice, sigma, red_column).frame());
-        EXPECT_TRUE(detector.found()) << red_column << ' ' << sigma;
+        detector.examine(floor(format, dice, sigma, column, 1, row).frame());
+        EXPECT_TRUE(detector.pattern().found) << red << ' ' << sigma;
+        EXPECT_EQ(detector.pattern().red_column, column) << sigma;
+        EXPECT_EQ(detector.pattern().red_row, row) << sigma;
       }
     }
   }
@@ -68,9 +72,9 @@ TEST(BayerDetector, FindsNoneWithoutThePattern) {
         const OwnedPicture picture = floor(PixelFormat::kRgb24, dice, sigma, -1, columns);
         BayerDetector fresh;
         fresh.examine(picture.frame());
-        EXPECT_FALSE(fresh.found()) << sigma << ' ' << columns;
+        EXPECT_FALSE(fresh.pattern().found) << sigma << ' ' << columns;
         detector.examine(picture.frame());
-        EXPECT_FALSE(detector.found()) << sigma << ' ' << columns;
+        EXPECT_FALSE(detector.pattern().found) << sigma << ' ' << columns;
       }
     }
   }
@@ -80,11 +84,11 @@ TEST(BayerDetector, ForgetsACameraThatWasReplaced) {
   PortableRandom dice(13);
   BayerDetector detector;
   for (int n = 0; n < 20; ++n) detector.examine(floor(PixelFormat::kRgb24, dice, 2.0f, 0).frame());
-  EXPECT_TRUE(detector.found());
+  EXPECT_TRUE(detector.pattern().found);
   for (int n = 0; n < 60; ++n) detector.examine(floor(PixelFormat::kRgb24, dice, 2.0f, -1).frame());
-  EXPECT_FALSE(detector.found());
+  EXPECT_FALSE(detector.pattern().found);
   detector.examine(floor(PixelFormat::kYuyv, dice, 2.0f, 0).frame());
-  EXPECT_FALSE(detector.found()) << "YUV shares chroma";
+  EXPECT_FALSE(detector.pattern().found) << "YUV shares chroma";
 }
 
 // A square that is turned out of the pixel grid has far smaller errors, and one along the diagonal those of the other
@@ -96,17 +100,17 @@ TEST(BayerSampling, DependsOnTheAngleOfTheEdges) {
     return bayer_sampling(square, {std::cos(angle), std::sin(angle)}, 290.0f);
   };
   const BayerSampling along = at(0), turned = at(12), diagonal = at(45);
-  // Two edges with independent errors of 0.17 pixels.
-  EXPECT_NEAR(along.grid.x, 0.5f * 0.17f * 0.17f, 0.001f);
+  // Two edges with independent errors of 0.032 pixels.
+  EXPECT_NEAR(along.grid.x, 0.5f * 0.032f * 0.032f, 0.00003f);
   EXPECT_LT(turned.grid.x, 0.2f * along.grid.x);
   EXPECT_LT(diagonal.grid.x, 0.02f * along.grid.x);
   EXPECT_GT(diagonal.diagonal.x, 20.0f * along.diagonal.x);
-  EXPECT_NEAR(at(90).grid.x, along.grid.x, 1e-5f);
-  EXPECT_NEAR(at(-8).grid.y, at(8).grid.y, 1e-5f);
+  EXPECT_NEAR(at(90).grid.x, along.grid.x, 1e-6f);
+  EXPECT_NEAR(at(-8).grid.y, at(8).grid.y, 1e-6f);
   // A circle does not depend on the angle, and averages less than a turned square.
   const BlurredOutline circle(PatchPlace{PatchRole::kTeam, PatchOutline::kCircle, 0, 0, 0.0345f, 0.0345f, 0});
   const float of_circle = bayer_sampling(circle, {1, 0}, 290.0f).grid.x;
-  EXPECT_NEAR(bayer_sampling(circle, {0.7f, 0.7f}, 290.0f).grid.x, of_circle, 1e-6f);
+  EXPECT_NEAR(bayer_sampling(circle, {0.7f, 0.7f}, 290.0f).grid.x, of_circle, 1e-7f);
   EXPECT_GT(of_circle, diagonal.grid.x);
   EXPECT_LT(of_circle, along.grid.x);
 }

@@ -11,6 +11,7 @@
 
 #include "core/geometry/angle.h"
 #include "core/marker/rigid_fit.h"
+#include "core/subpixel/edge_width.h"
 #include "core/subpixel/simd/prerequisites.h"
 #include "tests/marker/photograph.h"
 #include "tests/marker/real_layouts.h"
@@ -199,6 +200,95 @@ TEST_F(PatchCenter, IsNotBiasedByAWhiteLineAtTheRobotsEdge) {
   EXPECT_LT(most.angle_rad, 0.6f * kDegree);
 }
 
+// What a sensor with color filters delivers of a picture: noise of its own in every measured value, and the other
+// colors as means of their neighbors' light. Black pixels become a gray floor.
+class BayerPicture {
+ public:
+  BayerPicture(const Photograph& sharp, PortableRandom& dice) : frame_(sharp.frame()) {
+    const int width = frame_.width_px, height = frame_.height_px;
+    const auto light_at = [&](int u, int v, std::size_t c) {
+      const int value = frame_.plane[0][place(u, v, c)];
+      return std::pow(static_cast<float>(value == 0 ? 90 : value) / 255.0f, 2.2f) + dice.real(-0.004f, 0.004f);
+    };
+    std::vector<float> light(static_cast<std::size_t>(width * height));
+    for (int v = 0; v < height; ++v) {
+      for (int u = 0; u < width; ++u) light[at(u, v)] = light_at(u, v, color_of(u, v));
+    }
+    bytes_.resize(frame_.stride_bytes[0] * static_cast<std::size_t>(height));
+    for (int v = 1; v < height - 1; ++v) {
+      for (int u = 1; u < width - 1; ++u) {
+        std::array<float, 3> sum{};
+        std::array<int, 3> count{};
+        for (int dv = -1; dv <= 1; ++dv) {
+          for (int du = -1; du <= 1; ++du) {
+            const std::size_t c = color_of(u + du, v + dv);
+            // Green's neighbors are in the same row or column.
+            if (c == color_of(u, v) ? du != 0 || dv != 0 : c == 1 && du * dv != 0) continue;
+            sum[c] += light[at(u + du, v + dv)];
+            ++count[c];
+          }
+        }
+        for (std::size_t c = 0; c < 3; ++c) {
+          const float value = std::pow(std::clamp(sum[c] / static_cast<float>(count[c]), 0.0f, 1.0f), 1 / 2.2f);
+          bytes_[place(u, v, c)] = static_cast<std::uint8_t>(std::lround(255.0f * value));
+        }
+      }
+    }
+    frame_.plane[0] = bytes_.data();
+  }
+  [[nodiscard]] const Frame& frame() const { return frame_; }
+
+ private:
+  // Red is measured in odd columns of even rows.
+  static std::size_t color_of(int u, int v) { return v % 2 == 0 ? (u % 2 == 0 ? 1 : 0) : (u % 2 == 0 ? 2 : 1); }
+  [[nodiscard]] std::size_t at(int u, int v) const { return static_cast<std::size_t>(v * frame_.width_px + u); }
+  [[nodiscard]] std::size_t place(int u, int v, std::size_t c) const {
+    return static_cast<std::size_t>(v) * frame_.stride_bytes[0] + 3 * static_cast<std::size_t>(u) + c;
+  }
+
+  Frame frame_;
+  std::vector<std::uint8_t> bytes_;
+};
+
+// Edges along the pixel grid, of patches that only red or only blue shows, are the worst case.
+TEST_F(PatchCenter, IsAccurateBehindABayerPattern) {
+  use(paper_layout());
+  float squares = 0, most = 0;
+  constexpr int kRobots = 12;
+  for (int n = 0; n < kRobots; ++n) {
+    const Pose truth{{dice_.real(-0.6f, 0.6f), dice_.real(-0.5f, 0.5f)},
+                     0.5f * kPi * static_cast<float>(n % 4) + dice_.real(-0.06f, 0.06f)};
+    const BayerPicture picture(photograph(PixelFormat::kRgb24, truth, 1.0f), dice_);
+    sightings_.robots.clear();
+    sightings_.robots.push_back(sighting({truth.position, truth.theta_rad + dice_.real(-kDegree, kDegree)}));
+    centers_.refine(picture.frame(), sightings_);
+    const float error = errors(truth, sightings_.robots[0]).angle_rad;
+    squares += error * error / kRobots;
+    most = std::max(most, error);
+  }
+  std::printf("degrees, RMS and max: %.2f and %.2f\n", static_cast<double>(std::sqrt(squares) / kDegree),
+              static_cast<double>(most / kDegree));
+  EXPECT_LT(std::sqrt(squares), 0.38f * kDegree);
+  EXPECT_LT(most, 1.0f * kDegree);
+}
+
+TEST(EdgeWidth, FollowsThePicturesWithinLimits) {
+  EdgeWidth width;
+  const float first = width.px();
+  width.follow({});
+  EXPECT_EQ(width.px(), first);
+  // Least squares with the true width of 1.8 pixels.
+  for (int n = 0; n < 60; ++n) width.follow({10.0f, 10.0f * std::log(1.8f / width.px())});
+  EXPECT_NEAR(width.px(), 1.8f, 0.02f);
+  // One picture of many hardly matters.
+  width.follow({10.0f, 10.0f * std::log(3.0f / width.px())});
+  EXPECT_NEAR(width.px(), 1.8f, 0.1f);
+  for (int n = 0; n < 200; ++n) width.follow({10.0f, 20.0f});
+  EXPECT_EQ(width.px(), 4.0f);
+  for (int n = 0; n < 200; ++n) width.follow({10.0f, -20.0f});
+  EXPECT_EQ(width.px(), 1.3f);
+}
+
 TEST_F(PatchCenter, IsAccurateForDisks) {
   use(disks_layout());
   const Errors most = worst(PixelFormat::kRgb24, 3, 1.0f);
@@ -263,7 +353,8 @@ TEST_F(UnchangedCenter, GraduallyAsTheFitGetsWorse) {
   use(paper_layout());
   int between = 0;
   std::vector<float> moves;
-  for (const float edge_m : {-0.036f, -0.0287f, -0.0283f, -0.028f, -0.024f}) {
+  for (int step = 0; step <= 40; ++step) {
+    const float edge_m = -0.036f + 0.0003f * static_cast<float>(step);
     sightings_.robots.clear();
     sightings_.robots.push_back(sighting(near_));
     centers_.refine(covered_from(edge_m).frame(), sightings_);
@@ -367,6 +458,9 @@ TEST(BlurredOutline, SlopesAreItsDerivatives) {
       const auto covered = stored(here.value), slope_x = stored(here.by_x_m), slope_y = stored(here.by_y_m);
       const auto by_x = stored((value(-kStep, 0) - value(kStep, 0)) / broadcast(2 * kStep));
       const auto by_y = stored((value(0, -kStep) - value(0, kStep)) / broadcast(2 * kStep));
+      const auto wider = [&](float factor) { return coverage_at(cover, load(x), load(y), factor * kRamp).value; };
+      const auto by_width = stored((wider(1.01f) - wider(1 / 1.01f)) / broadcast(2 * std::log(1.01f)));
+      const auto slope_width = stored(here.by_width);
       for (std::size_t i = 0; i < kLanes; ++i) {
         area += static_cast<double>(covered[i]) * 0.01 / (kLanes * 1000);
         const FieldPoint box = cover.half_box(kRamp), inner = cover.inner_box(kRamp);
@@ -379,7 +473,8 @@ TEST(BlurredOutline, SlopesAreItsDerivatives) {
         }
         if (covered[i] <= 0.02f || covered[i] >= 0.98f) continue;
         // At a corner two ramps start.
-        if (std::abs(by_x[i] - slope_x[i]) < 3.0f && std::abs(by_y[i] - slope_y[i]) < 3.0f)
+        if (std::abs(by_x[i] - slope_x[i]) < 3.0f && std::abs(by_y[i] - slope_y[i]) < 3.0f &&
+            std::abs(by_width[i] - slope_width[i]) < 0.02f)
           ++edges;
         else
           ++kinks;

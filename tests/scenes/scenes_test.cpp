@@ -80,10 +80,10 @@ TEST_F(Scenes, Layouts) {
   const evaluate::PoseSummary seen = see("layouts").sightings;
   expect_all_seen(seen, 12);
   expect_within(seen.position.rms, 0.00015, 0.0005, "position RMS, m");
-  expect_within(seen.position.max, 0.0004, 0.002, "position max, m");
-  expect_within(seen.angle.rms, 0.08 * kDegree, 0.2 * kDegree, "angle RMS, rad");
-  expect_within(seen.angle.p95, 0.15 * kDegree, 0.45 * kDegree, "95 % of the angles, rad");
-  EXPECT_LT(seen.angle.max, 1.0 * kDegree);
+  expect_within(seen.position.max, 0.0002, 0.001, "position max, m");
+  expect_within(seen.angle.rms, 0.06 * kDegree, 0.15 * kDegree, "angle RMS, rad");
+  expect_within(seen.angle.p95, 0.12 * kDegree, 0.35 * kDegree, "95 % of the angles, rad");
+  EXPECT_LT(seen.angle.max, 0.6 * kDegree);
   expect_within(seen.ball.rms, 0.0003, 0.001, "ball RMS, m");
 }
 

@@ -7,16 +7,22 @@ namespace TOUCHLINE_SIMD {
 struct Coverage {
   Float8 value;           // 0 to 1
   Float8 by_x_m, by_y_m;  // derivatives by the outline's center; zero where the coverage is 0 or 1
+  Float8 by_width;        // derivative by the logarithm of the ramp's width
 };
 
-/// Coverage by a half plane with a blurred edge.
+/// Coverage by a half plane with a blurred edge: 3 t^2 - 2 t^3, which is close to the edge that a pixel's area and a
+/// Gaussian blur leave. A linear ramp is not: at its ends it errs by a tenth, and where a color is measured at every
+/// second pixel, these errors do not cancel.
 struct EdgeRamp {
   Float8 value, slope;  // slope: derivative along the inward direction, not negative
+  Float8 by_width;      // derivative by the logarithm of the ramp's width
 
   EdgeRamp(Float8 outside_m, float per_m) {
-    const Float8 inside = broadcast(0.5f) - broadcast(per_m) * outside_m;
-    value = clamp_to_unit(inside);
-    slope = select((inside > broadcast(0.0f)) & (inside < broadcast(1.0f)), broadcast(per_m));
+    const Float8 t = clamp_to_unit(broadcast(0.5f) - broadcast(per_m) * outside_m);
+    value = t * t * (broadcast(3.0f) - broadcast(2.0f) * t);
+    const Float8 steepness = broadcast(6.0f) * t * (broadcast(1.0f) - t);
+    slope = broadcast(per_m) * steepness;
+    by_width = steepness * (broadcast(0.5f) - t);
   }
 };
 
@@ -28,7 +34,8 @@ struct Rectangle {
     const EdgeRamp along(abs(x) - broadcast(half_length_m), per_m);
     const EdgeRamp across(abs(y) - broadcast(half_width_m), per_m);
     return {along.value * across.value, with_sign(along.slope * across.value, sign_bit(x)),
-            with_sign(across.slope * along.value, sign_bit(y))};
+            with_sign(across.slope * along.value, sign_bit(y)),
+            along.by_width * across.value + along.value * across.by_width};
   }
 };
 
@@ -41,7 +48,8 @@ struct Ellipse {
     const Float8 r = sqrt(sx * sx + sy * sy), size = broadcast(std::min(half_length_m, half_width_m));
     const EdgeRamp edge((r - broadcast(1.0f)) * size, per_m);
     const Float8 slope = edge.slope * size / max(r, broadcast(1e-6f));
-    return {edge.value, slope * sx * broadcast(1.0f / half_length_m), slope * sy * broadcast(1.0f / half_width_m)};
+    return {edge.value, slope * sx * broadcast(1.0f / half_length_m), slope * sy * broadcast(1.0f / half_width_m),
+            edge.by_width};
   }
 };
 
@@ -56,7 +64,9 @@ struct Triangle {
     const Float8 left_slope = left.slope * right.value, right_slope = left.value * right.slope;
     return {base.value * left.value * right.value,
             broadcast(nx) * base.value * (left_slope + right_slope) - base.slope * left.value * right.value,
-            broadcast(ny) * base.value * (left_slope - right_slope)};
+            broadcast(ny) * base.value * (left_slope - right_slope),
+            base.by_width * left.value * right.value +
+                base.value * (left.by_width * right.value + left.value * right.by_width)};
   }
 };
 

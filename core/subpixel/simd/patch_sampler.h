@@ -43,7 +43,8 @@ inline ColorSums sample_top(const Frame& frame, const MarkerView& robot) {
     count += count_set(inside & is_free);
     TOUCHLINE_UNROLL for (std::size_t c = 0; c < 3; ++c) sum[c] += select(inside & is_free, light[c]);
   }
-  return {count, {horizontal_sum(sum[0]), horizontal_sum(sum[1]), horizontal_sum(sum[2])}, {}, {}};
+  const auto number = static_cast<float>(count);
+  return {{number, number, number}, {horizontal_sum(sum[0]), horizontal_sum(sum[1]), horizontal_sum(sum[2])}, {}, {}};
 }
 
 // Samples the pixels of one patch.
@@ -63,8 +64,8 @@ class PatchSampler {
   bool sample(ColorSums& inside) {
     edge_.clear();
     if (!with_shape(outline_, [&](const auto& shape) { return sample_shape(shape); })) return false;
-    inside.count = count_;
     TOUCHLINE_UNROLL for (std::size_t c = 0; c < 3; ++c) {
+      inside.count[c] = horizontal_sum(count_[c]);
       inside.light[c] = horizontal_sum(sum_[c]);
       inside.squares[c] = horizontal_sum(squares_[c]);
       inside.foreign[c] = horizontal_sum(foreign_[c]);
@@ -115,9 +116,24 @@ class PatchSampler {
       const Float8 x = broadcast(x_by_u) * from_u + broadcast(x_by_v) * from_v;
       const Float8 y = broadcast(y_by_u) * from_u + broadcast(y_by_v) * from_v;
       const Float8 value = shape.at(x, y, per_m).value;
-      return add(x + broadcast(patch_.at.x_m), y + broadcast(patch_.at.y_m), picture_.at(u, v),
+      return add({x + broadcast(patch_.at.x_m), y + broadcast(patch_.at.y_m), picture_.at(u, v), measured_at(u, v)},
                  (value > broadcast(0.0f)) & counts, value < broadcast(1.0f));
     });
+  }
+
+  // Eight pixels: places along the outline's axes, light, and masks of those that measured each color.
+  struct Pixels {
+    Float8 x, y;
+    LinearRgb8 light;
+    std::array<Integer8, 3> measured;
+  };
+
+  [[nodiscard, gnu::always_inline]] std::array<Integer8, 3> measured_at(Integer8 u, Integer8 v) const {
+    const Integer8 zero = broadcast_integer(0), one = broadcast_integer(1);
+    if (!robot_.bayer.found) return {~zero, ~zero, ~zero};
+    const Integer8 other_column = zero < ((u + broadcast_integer(robot_.bayer.red_column)) & one);
+    const Integer8 other_row = zero < ((v + broadcast_integer(robot_.bayer.red_row)) & one);
+    return {~(other_column | other_row), other_column ^ other_row, other_column & other_row};
   }
 
   // Finds out whether pixels of the patch can show surroundings beyond the robot's edge.
@@ -130,29 +146,35 @@ class PatchSampler {
     reaches_beyond_ = std::max(std::abs(x) + wide_x, std::abs(y) + wide_y) > robot_.half_m - 0.5f * robot_.ramp_m;
   }
 
-  [[gnu::always_inline]] bool add(Float8 x, Float8 y, const LinearRgb8& shown, Integer8 seen, Integer8 in_part) {
+  [[gnu::always_inline]] bool add(const Pixels& shown, Integer8 seen, Integer8 in_part) {
     const Integer8 whole = seen & ~in_part, edge = seen & in_part;
-    LinearRgb8 light = shown;
+    LinearRgb8 light = shown.light;
     TOUCHLINE_UNROLL for (std::size_t c = 0; c < 3; ++c) light[c] -= top_[c];
     if (any(whole)) {
       TOUCHLINE_UNROLL for (std::size_t c = 0; c < 3; ++c) {
-        const Float8 inner = select(whole, light[c]);
+        const Integer8 counts = whole & shown.measured[c];
+        const Float8 inner = select(counts, light[c]);
         sum_[c] += inner;
         squares_[c] += inner * inner;
+        count_[c] += select(counts, broadcast(1.0f));
       }
-      count_ += count_set(whole);
     }
     if (!any(edge)) return true;
     if (edge_.full()) return false;
     edge_.resize(edge_.size() + 1);
     Surroundings around{broadcast(0.0f), edge};
-    if (reaches_beyond_) subtract_surroundings(x, y, light, around);
+    if (reaches_beyond_) subtract_surroundings(shown.x, shown.y, light, around);
     EdgePixels& pixels = edge_.back();
-    store(x, pixels.x);
-    store(y, pixels.y);
-    TOUCHLINE_UNROLL for (std::size_t c = 0; c < 3; ++c) store(light[c], pixels.light[c]);
+    store(shown.x, pixels.x);
+    store(shown.y, pixels.y);
     store(around.doubt, pixels.doubt);
-    store(select(around.counts, broadcast(1.0f)), pixels.counts);
+    Float8 measured = broadcast(1.0f);
+    if (robot_.bayer.found) {
+      measured += select(shown.measured[1], broadcast(1.0f)) + select(shown.measured[2], broadcast(2.0f));
+      TOUCHLINE_UNROLL for (std::size_t c = 0; c < 3; ++c) light[c] = select(shown.measured[c], light[c]);
+    }
+    TOUCHLINE_UNROLL for (std::size_t c = 0; c < 3; ++c) store(light[c], pixels.light[c]);
+    store(select(around.counts, measured), pixels.measured);
     return true;
   }
 
@@ -216,7 +238,7 @@ class PatchSampler {
   LinearRgb8 sum_{broadcast(0.0f), broadcast(0.0f), broadcast(0.0f)};
   LinearRgb8 squares_{broadcast(0.0f), broadcast(0.0f), broadcast(0.0f)};
   LinearRgb8 foreign_{broadcast(0.0f), broadcast(0.0f), broadcast(0.0f)};
-  int count_ = 0;
+  LinearRgb8 count_{broadcast(0.0f), broadcast(0.0f), broadcast(0.0f)};
 };
 
 inline bool sample_patch(const Frame& frame, const MarkerView& robot, const PatchView& patch, ColorSums& inside,
@@ -227,16 +249,22 @@ inline bool sample_patch(const Frame& frame, const MarkerView& robot, const Patc
 inline CenterEquations accumulate_edge(const EdgeFitTask& task) {
   const Float8 zero = broadcast(0.0f), one = broadcast(1.0f);
   Float8 xx = zero, xy = zero, yy = zero, rx = zero, ry = zero, squares = zero, weights = zero;
-  const Float8 doubted = broadcast(task.doubted);
+  Float8 widening = zero, wider = zero;
+  // The value of the color that a pixel measured.
+  const auto of_color = [&](const std::array<float, 3>& value, Float8 measured) {
+    if (!task.is_bayer) return broadcast(value[0]);
+    return select(measured == one, broadcast(value[0])) + select(measured == broadcast(2.0f), broadcast(value[1])) +
+           select(measured == broadcast(3.0f), broadcast(value[2]));
+  };
   with_shape(*task.outline, [&](const auto& shape) {
     const float per_m = 1.0f / task.ramp_m;
     for (const EdgePixels& pixels : *task.edge) {
-      const Float8 x = load(pixels.x), y = load(pixels.y);
+      const Float8 x = load(pixels.x), y = load(pixels.y), measured = load(pixels.measured);
       const Coverage coverage = shape.at(x - broadcast(task.at.x_m), y - broadcast(task.at.y_m), per_m);
       Float8 error = broadcast(task.along[0]) * load(pixels.light[0]) +
                      broadcast(task.along[1]) * load(pixels.light[1]) +
                      broadcast(task.along[2]) * load(pixels.light[2]) - coverage.value;
-      Float8 doubt = one + doubted * load(pixels.doubt);
+      Float8 doubt = one + of_color(task.doubted, measured) * load(pixels.doubt);
       for (const NeighborPatch& other : task.neighbors) {
         const Float8 its_x = broadcast(other.cos) * x - broadcast(other.sin) * y + broadcast(other.x_m);
         const Float8 its_y = broadcast(other.sin) * x + broadcast(other.cos) * y + broadcast(other.y_m);
@@ -244,13 +272,15 @@ inline CenterEquations accumulate_edge(const EdgeFitTask& task) {
             (abs(its_x) < broadcast(other.half_box.x_m)) & (abs(its_y) < broadcast(other.half_box.y_m));
         if (!any(near)) continue;
         const Float8 covered = coverage_at(*other.outline, its_x, its_y, task.ramp_m).value;
-        error -= broadcast(other.light) * covered;
+        const Float8 light = of_color(other.light, measured);
+        error -= light * covered;
         // Like that of the patch itself, a ramp's error is largest in its middle.
-        const Float8 ramp = broadcast(4.0f * other.light) * covered * (one - covered);
+        const Float8 ramp = broadcast(4.0f) * light * covered * (one - covered);
         doubt += ramp * ramp;
       }
       const Integer8 flat = (coverage.by_x_m == zero) & (coverage.by_y_m == zero);
-      const Float8 weight = select(~flat, load(pixels.counts) / doubt);
+      const Float8 counts = task.is_bayer ? of_color(task.weight, measured) : measured;
+      const Float8 weight = select(~flat, counts / doubt);
       const Float8 by_x = weight * coverage.by_x_m, by_y = weight * coverage.by_y_m;
       xx += by_x * coverage.by_x_m;
       xy += by_x * coverage.by_y_m;
@@ -259,10 +289,14 @@ inline CenterEquations accumulate_edge(const EdgeFitTask& task) {
       ry += by_y * error;
       squares += weight * error * error;
       weights += weight;
+      const Float8 by_width = weight * coverage.by_width;
+      widening += by_width * coverage.by_width;
+      wider += by_width * error;
     }
   });
-  return {horizontal_sum(xx), horizontal_sum(xy),      horizontal_sum(yy),     horizontal_sum(rx),
-          horizontal_sum(ry), horizontal_sum(squares), horizontal_sum(weights)};
+  return {horizontal_sum(xx),      horizontal_sum(xy),       horizontal_sum(yy),
+          horizontal_sum(rx),      horizontal_sum(ry),       horizontal_sum(squares),
+          horizontal_sum(weights), horizontal_sum(widening), horizontal_sum(wider)};
 }
 
 }  // namespace TOUCHLINE_SIMD

@@ -20,7 +20,8 @@ constexpr std::uint16_t kLeastReference = 40, kLeastNow = 10;
 
 // Largest difference between the change of a cell and of its place, which noise and the texture of a floor cause.
 constexpr int kFit = 6 * kStepsPerLevel;
-// A step of the light: this mean difference, or so much fewer fitting cells than usual.
+// A step of the light: a mean difference that is this much larger than usual, or so much fewer fitting cells than
+// usual.
 constexpr int kStep = 5 * kStepsPerLevel / 2;
 constexpr std::int32_t kFewer_percent = 75;
 constexpr std::int32_t kLeastCells = 20;

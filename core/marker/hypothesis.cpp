@@ -35,6 +35,7 @@ constexpr float kRounding = 1.01f;
 constexpr int kEvaluationWork = 30;
 // Only the best hypotheses of a team patch can be selected.
 constexpr std::size_t kMaxPerTeamPatch = 16;
+static_assert(kMaxPerTeamPatch < 64);  // the selection keeps them in one word
 
 float sigma_m(float scale_px_per_m) { return 0.001f + 0.2f / scale_px_per_m; }
 

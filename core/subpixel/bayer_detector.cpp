@@ -19,7 +19,7 @@ constexpr float kLeastFactor = 1.3f;
 // Sums below this many steps per pixel are those of rounding, or of a picture without noise.
 constexpr float kLeastSum = 0.05f * static_cast<float>(kSegments * kSegmentPixels);
 
-// Eight values at a time: sums of a segment's differences, which do not overflow.
+// Eight values at a time: sums of the differences of all segments, which do not overflow.
 constexpr std::size_t kTogether = 8;
 using Values [[gnu::vector_size(2 * kTogether)]] = std::int16_t;
 static_assert(kSegments * kSegmentPixels / kTogether * kLargestNoise <= 32767);
@@ -31,7 +31,7 @@ Values values_at(const std::uint8_t* pixels) {
   return __builtin_convertvector(bytes, Values);
 }
 
-// Sums of all bytes of a segment: byte k is in sum k modulo all sums.
+// Sums of all bytes of segments: byte k is in sum k modulo all sums.
 using Sums = std::array<Values, kMostBytes>;
 
 // Adds the second differences of a segment's bytes from those `apart` bytes before and after them; 0 at an edge.

@@ -21,7 +21,8 @@ struct BayerPattern {
 /// treats red and blue alike, and a sensor that measures all colors treats all columns alike. The same holds for rows.
 class BayerDetector {
  public:
-  /// Examines 512 pixels of a picture that the scan accepted, other ones in each picture.
+  /// Examines 512 pixels of a picture that the scan accepted, and 1024 more if it has a pattern; other ones in each
+  /// picture.
   void examine(const Frame& frame);
   void reset() { *this = BayerDetector(); }
 

@@ -1,6 +1,7 @@
 #include "core/subpixel/edge_width.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace touchline {
 namespace {
@@ -14,7 +15,7 @@ constexpr float kLargestStep = 0.1f;
 }  // namespace
 
 void EdgeWidth::follow(const EdgeWidening& picture) {
-  if (!(picture.power > 0.0f)) return;
+  if (!(picture.power > 0.0f) || !std::isfinite(picture.pull)) return;
   known_ = kKept * known_ + picture.power;
   px_ *= 1.0f + std::clamp(picture.pull / known_, -kLargestStep, kLargestStep);
   px_ = std::clamp(px_, kSharpestPx, kBlurriestPx);

@@ -10,6 +10,7 @@
 
 #include "hal/mock/lens.h"
 #include "tests/calibrate/arena_photograph.h"
+#include "tools/programs/calibrate/colors/color_calibration.h"
 #include "tools/programs/calibrate/field/field_fit.h"
 #include "tools/programs/statistics/statistics.h"
 
@@ -235,6 +236,15 @@ TEST_F(AutoDetect, LearnsAColorThatOnlyARobotInGlareShowsWithoutTheGlare) {
     EXPECT_EQ(assignment.robots, 19U);
     ASSERT_EQ(assignment.colors[red].patches.size(), 1U);
     const FoundPatch& patch = found.value().input.patches[assignment.colors[red].patches[0]];
+    ColorFitInput input;
+    DetectedColors certain = found.value();
+    certain.doubts.clear();
+    const Result<VisibleByPicture> visible = take_detected(certain, input);
+    ASSERT_TRUE(visible.ok()) << visible.text();
+    const std::vector<VisibleRobot>& robots = visible.value().at("a").robots;
+    EXPECT_TRUE(std::any_of(robots.begin(), robots.end(), [](const VisibleRobot& robot) {
+      return robot.team == Team::kOwn && robot.id == 0;
+    })) << "the self-check compares with it";
     ASSERT_EQ(patch.usual.size(), 3 * patch.pixels.size());
     for (std::size_t c = 0; c < 3; ++c) {
       std::vector<std::uint8_t> seen, usual;
@@ -272,6 +282,50 @@ TEST_F(AutoDetect, TellsRobotsThatTheTeamFileDoesNotList) {
   const PixelPoint& at = found.value().input.patches[assignment.unlisted[0].team_patch].center;
   const auto& [u, v] = truth_["a"][8].second;
   EXPECT_LT(std::hypot(static_cast<double>(at.u_px) - u, static_cast<double>(at.v_px) - v), 4);
+
+  const auto things = found.value().things.find("a");
+  if (things != found.value().things.end()) {
+    const auto width = static_cast<std::size_t>(kWidth);
+    for (const std::size_t pixel : things->second)
+      EXPECT_GT(std::hypot(static_cast<double>(pixel % width) - u, static_cast<double>(pixel / width) - v), 8);
+  }
+  ColorFitInput input;
+  const Result<VisibleByPicture> visible = take_detected(found.value(), input);
+  ASSERT_TRUE(visible.ok()) << visible.text();
+  const auto count_unlisted = [&](const char* picture) {
+    const std::vector<VisibleRobot>& robots = visible.value().at(picture).robots;
+    return std::count_if(robots.begin(), robots.end(), [](const VisibleRobot& robot) { return !robot.listed; });
+  };
+  EXPECT_EQ(count_unlisted("a"), 1);
+  EXPECT_EQ(count_unlisted("b"), 0);
+  EXPECT_TRUE(visible.value().at("a").ball && visible.value().at("b").ball);
+}
+
+// What the pipeline sees is compared with what the calibration found.
+TEST_F(AutoDetect, TheSelfCheckFindsContradictions) {
+  add_picture("a", 1);
+  const auto pixel_of = [this](std::size_t thing) {
+    const auto& [u, v] = truth_["a"][thing].second;
+    return PixelPoint{static_cast<float>(u), static_cast<float>(v)};
+  };
+  const auto check = [&](const VisibleObjects& visible) {
+    const Result<SelfCheck> result =
+        self_check(TOUCHLINE_MOCK_VENUE, TOUCHLINE_MOCK_TEAM, pictures_, {{"a", visible}}, "");
+    EXPECT_TRUE(result.ok()) << result.text();
+    return result.value();
+  };
+  VisibleObjects right{{{Team::kOwn, 0, pixel_of(0), true}}, pixel_of(20)};
+  ASSERT_EQ(truth_["a"][20].first, "orange");
+  EXPECT_TRUE(check(right).passed()) << check(right).text();
+  VisibleObjects other_robot = right, unlisted = right, other_ball = right;
+  other_robot.robots[0].id = 1;
+  EXPECT_EQ(check(other_robot).pictures[0].wrong, std::vector<std::string>{"own 0 where own 1 is"});
+  unlisted.robots[0] = {Team::kOwn, kUnknownId, pixel_of(0), false};
+  EXPECT_EQ(check(unlisted).pictures[0].wrong, std::vector<std::string>{"own 0 where no robot of the team file is"});
+  EXPECT_FALSE(check(unlisted).passed());
+  other_ball.ball = pixel_of(0);
+  EXPECT_TRUE(check(other_ball).pictures[0].ball_missing);
+  EXPECT_FALSE(check(other_ball).passed());
 }
 
 TEST_F(AutoDetect, ColorsWithUnknownNamesNeedAClick) {

@@ -157,6 +157,28 @@ TEST(BoxLearning, FindsTheBallInOtherLightWhereNoOtherColorIs) {
   const Result<LearnedColors> ball = learn_boxes(input, {});
   ASSERT_TRUE(ball.ok()) << ball.text();
   EXPECT_GT(caught(ball.value(), 1, shade), 0.95);
+  // Brown may be there, too.
+  const auto room = [](const LearnedColors& learned) {
+    double sum = 0;
+    for (const ColorBox& box : learned.boxes) {
+      double volume = box.color == 1 ? 1 : 0;
+      for (std::size_t c = 0; c < 3; ++c) volume *= box.high[c] - box.low[c] + 1;
+      sum += volume;
+    }
+    return sum;
+  };
+  input.colors.push_back({"brown", {}, ColorUse::kIdentification});
+  for (const std::array<int, 3>& brown : {std::array{130, 75, 40}, std::array{200, 140, 60}, std::array{120, 80, 50},
+                                          std::array{230, 80, 60}, std::array{200, 60, 20}}) {
+    input.colors.back() = {"brown", cloud(brown, 4, 2000, 6), ColorUse::kIdentification};
+    const Result<LearnedColors> beside_patch = learn_boxes(input, {});
+    input.colors.back().use = ColorUse::kOther;
+    const Result<LearnedColors> beside_other = learn_boxes(input, {});
+    ASSERT_TRUE(beside_patch.ok() && beside_other.ok());
+    EXPECT_LT(room(beside_patch.value()), 0.95 * room(ball.value())) << "less than without the brown";
+    EXPECT_EQ(room(beside_patch.value()), room(beside_other.value())) << "a team color would take room from patches";
+  }
+  input.colors.pop_back();
   input.colors.push_back({"brown", cloud({168, 80, 22}, 4, 2000, 5), ColorUse::kIdentification});
   const Result<LearnedColors> beside = learn_boxes(input, {});
   ASSERT_TRUE(beside.ok()) << beside.text();

@@ -190,6 +190,28 @@ TEST_F(FieldLightTest, WhatNeverFitsIsNoStepAndHidesNone) {
   EXPECT_LT(error(uniform(light, light, light)), kAccuracy_levels) << "all rows at once";
 }
 
+// In some rows, most cells fit but are brighter than the light around them.
+TEST_F(FieldLightTest, AConstantDeviationIsNoStep) {
+  start();
+  constexpr int kCell_px = 16, kRowsOfAFrame = 8;
+  const Light things = [&](int u, int v) {
+    const bool is_brighter = v / kCell_px % kRowsOfAFrame == 3 && u / kCell_px % 4 != 0;
+    const double factor = is_brighter ? 1.12 : 1.0;
+    return Factors{factor, factor, factor};
+  };
+  for (int i = 0; i < 2 * kRowsOfAFrame; ++i) field_->measure(show(things));
+  const Light with_shadow = [&](int u, int v) {
+    const double factor = (u < kPictureWidth / 4 && v < kPictureHeight / 2 ? 0.5 : 1.0) * things(u, v)[0];
+    return Factors{factor, factor, factor};
+  };
+  for (int i = 0; i < 2 * kRowsOfAFrame; ++i) {
+    field_->measure(show(with_shadow));
+    int changed = 0;
+    for (std::uint16_t row = 0; row < kPictureHeight / kTileHeight; row += 2) changed += field_->changed(row) ? 1 : 0;
+    EXPECT_LE(changed, 4) << "only the rows of this frame, " << i;
+  }
+}
+
 TEST_F(FieldLightTest, UnusablePartsAreInterpolated) {
   start();
   for (auto& sums : reference_->colors.sum) {

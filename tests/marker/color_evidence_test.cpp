@@ -48,10 +48,16 @@ class PaintedPatches : public ::testing::Test {
     return likelihood(patch, light, paint, box) - best;
   }
   [[nodiscard]] float likelihood(const SurfaceColor& patch, const LocalLight& light, ColorId paint, ColorId box) const {
+    // Each paint in a lane of its own, beside other paints.
+    const std::size_t lane = paint % 4;
     ExpectedColors4 expected;
-    for (std::size_t i = 0; i < 4; ++i) expected.set(i, evidence.expected_color(light, paint, ColorSpace::kRgb));
-    const std::int32_t in_box = paint == box ? -1 : 0;
-    return ColorEvidence::log_likelihoods(patch, expected, light.glare, Simd4<std::int32_t>{} + in_box)[0];
+    Simd4<std::int32_t> in_box{};
+    for (std::size_t i = 0; i < 4; ++i) {
+      const ColorId here = i == lane ? paint : static_cast<ColorId>((paint + 1 + i) % kPaints);
+      expected.set(i, evidence.expected_color(light, here == kBackground ? ColorId{kBluePaint} : here, ColorSpace::kRgb));
+      in_box[i] = here == box ? -1 : 0;
+    }
+    return ColorEvidence::log_likelihoods(patch, expected, light.glare, in_box)[lane];
   }
   [[nodiscard]] LocalLight light(const SurfaceColor& team_patch, ColorId team_paint,
                                  const LightPrior& prior = {}) const {

@@ -339,6 +339,12 @@ Result<void> write_detection_picture(const std::string& path, const DetectedColo
   for (std::size_t c = 0; c < found.assignment.colors.size(); ++c) {
     for (const std::size_t p : found.assignment.colors[c].patches) color_of[p] = c;
   }
+  for (const AssignedRobot& robot : found.assignment.named) {  // also those that nothing is learned from
+    const TeamMarking& team = found.input.teams[robot.team];
+    color_of[robot.patches[0]] = team.team_color - std::size_t{1};
+    for (std::size_t k = 1; k < robot.patches.size(); ++k)
+      color_of[robot.patches[k]] = team.robots[robot.robot].colors[k - 1] - std::size_t{1};
+  }
   for (std::size_t p = 0; p < color_of.size(); ++p) {
     if (found.input.picture[p] != number) continue;
     const FoundPatch& patch = found.input.patches[p];

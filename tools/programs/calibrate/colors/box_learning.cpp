@@ -161,7 +161,7 @@ Result<LearnedColors> learn_boxes(const LearningInput& input, const LearningRule
   grower.grow(cores, in_other_light);
   out.boxes = cores;
   for (const ColorBox& box : in_other_light) out.boxes.push_back(box);
-  // The identification colors of robots have grown before.
+  // After all others have grown: the ball gets what they leave.
   for (const ColorBox& box : light_boxes(input, rules, out.boxes, ColorUse::kBall)) out.boxes.push_back(box);
   std::stable_sort(out.boxes.begin(), out.boxes.end(),
                    [](const ColorBox& a, const ColorBox& b) { return a.color < b.color; });

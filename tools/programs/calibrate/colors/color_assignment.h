@@ -33,7 +33,7 @@ struct AssignmentInput {
 /// The patches assigned to a color.
 struct AssignedColor {
   std::vector<std::size_t> patches;  // empty: not found
-  std::vector<std::size_t> others;   // of this color, but not part of a robot and not a single ball
+  std::vector<std::size_t> others;   // of this color, but on no robot, on one in odd light, or not a single ball
   Rgb rgb{};                         // their median
   double dissimilarity = 0;          // dissimilarity() to the expected color, corrected for exposure and white balance
   double margin = 0;                 // cost difference to the best other assignment of this color, nats

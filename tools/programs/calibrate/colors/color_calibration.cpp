@@ -152,8 +152,13 @@ Result<VisibleByPicture> take_detected(const DetectedColors& found, ColorFitInpu
   for (std::size_t t = 0; t < found.input.teams.size(); ++t) {
     const TeamMarking& marking = found.input.teams[t];
     if (marking.team_color == kBackground) continue;
-    for (const std::size_t patch : found.assignment.colors[marking.team_color - 1U].patches) {
-      const auto& named = found.assignment.named;
+    const auto& named = found.assignment.named;
+    std::vector<std::size_t> patches = found.assignment.colors[marking.team_color - 1U].patches;
+    for (const AssignedRobot& robot : named) {  // in odd light, nothing is learned from its team patch
+      const bool is_new = std::find(patches.begin(), patches.end(), robot.team_patch) == patches.end();
+      if (robot.team == t && is_new) patches.push_back(robot.team_patch);
+    }
+    for (const std::size_t patch : patches) {
       const auto robot = std::find_if(named.begin(), named.end(),
                                       [patch](const AssignedRobot& one) { return one.team_patch == patch; });
       const auto& unlisted = found.assignment.unlisted;
@@ -166,7 +171,7 @@ Result<VisibleByPicture> take_detected(const DetectedColors& found, ColorFitInpu
   }
   if (found.input.ball != kBackground) {
     for (const std::size_t patch : found.assignment.colors[found.input.ball - 1U].patches)
-      visible[found.images[found.input.picture[patch]]].ball = true;
+      visible[found.images[found.input.picture[patch]]].ball = found.input.patches[patch].center;
   }
   return visible;
 }

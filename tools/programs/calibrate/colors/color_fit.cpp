@@ -21,8 +21,8 @@ constexpr double kEdgeShare = 0.03;
 // Least distance of two colors in levels: twice the change by lamp flicker and a tilted robot.
 constexpr int kLeastPairMargin = 20;
 
-// So many patches show the light on the field: a team color needs no boxes for other light, in which mixed pixels of
-// edges could join patches.
+// So many patches show the light on the field: a color of a team or the ball needs no boxes for other light, in which
+// mixed pixels of edges could join patches.
 constexpr int kManyPatches = 15;
 
 // Reasons why a pixel is not background; a later one overrides an earlier one.

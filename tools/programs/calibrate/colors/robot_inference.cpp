@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <complex>
 #include <set>
 
 #include "tools/programs/statistics/statistics.h"
@@ -214,10 +215,14 @@ class Inference {
   // On a robot that is recognized.
   [[nodiscard]] bool is_taken(const LayoutView& view, std::size_t patch) const {
     const auto at = view.on_field(input_.patches[patch].center);
-    return std::any_of(assignment_.named.begin(), assignment_.named.end(), [&](const AssignedRobot& n) {
-      return n.picture == picture_.number && std::abs(view.on_field(input_.patches[n.team_patch].center) - at) <
-                                                 0.6 * static_cast<double>(view.layout.robot_side_m);
-    });
+    return std::any_of(assignment_.named.begin(), assignment_.named.end(),
+                       [&](const AssignedRobot& n) { return n.picture == picture_.number && is_at(view, n, at); });
+  }
+
+  // Whether a robot's team patch is at a place, which no other robot's can be.
+  [[nodiscard]] bool is_at(const LayoutView& view, const AssignedRobot& robot, std::complex<double> at) const {
+    return std::abs(view.on_field(input_.patches[robot.team_patch].center) - at) <
+           0.6 * static_cast<double>(view.layout.robot_side_m);
   }
 
   std::vector<PlaceSample> samples_of(const LayoutView& view, std::size_t patch, double heading) const {
@@ -279,7 +284,7 @@ class Inference {
         if (c == colors[k] || looks_[c].sigma <= 0 || looks_[c].sigma > kSeenSigma || c + 1 == input_.ball) continue;
         const double margin = fit_of(looks_[c], color, standing.light, white_).cost - own;
         if (margin >= kLeastColorMargin) continue;
-        // If nothing is learned from a robot in odd light, its colors need not be certain.
+        // In odd light only the color that is learned must be certain.
         if (colors[k] == standing.only_here) standing.can_undo = false;
         if (!standing.in_odd_light || margin < -kLeastMargin) return false;
       }
@@ -326,8 +331,18 @@ class Inference {
     if (best.margin >= kLeastMargin) found.push_back(std::move(best));
   }
 
+  // Without those that a click names, a color has no patches in odd light.
+  void leave_unlearned(std::size_t color) {
+    AssignedColor& assigned = assignment_.colors[color];
+    const auto unnamed = std::stable_partition(assigned.patches.begin(), assigned.patches.end(),
+                                               [&](std::size_t p) { return input_.named[p] == color; });
+    assigned.others.insert(assigned.others.end(), unnamed, assigned.patches.end());
+    assigned.patches.erase(unnamed, assigned.patches.end());
+  }
+
   void accept(Standing& standing) {
     const std::vector<std::size_t> colors = colors_of(standing);
+    if (standing.in_odd_light) leave_unlearned(standing.only_here);
     std::vector<std::size_t> patches;
     for (std::size_t k = 0; k < standing.samples.size(); ++k) {
       patches.push_back(input_.patches.size());
@@ -347,6 +362,11 @@ class Inference {
     }
     assignment_.named.push_back({picture_.number, standing.team, standing.robot, patches[0], patches});
     ++assignment_.robots;
+    // In unusual light, it may have looked like a robot that the team file does not list.
+    const LayoutView view{input_.teams[standing.team].layout, camera_, picture_.picture};
+    const auto at = view.on_field(input_.patches[patches[0]].center);
+    const auto is_it = [&](const AssignedRobot& one) { return one.picture == picture_.number && is_at(view, one, at); };
+    assignment_.unknown_robots -= std::erase_if(assignment_.unlisted, is_it);
   }
 
   // Glare on the other patches of a robot, as the channels show it that are neither black without it nor clipped with
@@ -406,7 +426,8 @@ class Inference {
   const SearchedPicture& picture_;
   Assignment& assignment_;
   std::vector<Look> looks_;           // per color
-  double white_ = 1, brightest_ = 0;  // at which the camera clips; of the colors that patches have
+  double white_ = 1;                  // linear value at which the camera clips
+  double brightest_ = 0;              // greatest channel of the colors that patches have
   std::vector<std::size_t> numbers_;  // patches of the picture that were grown
 };
 
@@ -442,8 +463,10 @@ void infer_robots(AssignmentInput& input, const CameraModel& camera, const std::
     return assignment.robots > before;
   };
   // A color that is seen in usual light anywhere is not learned from odd light.
-  run(false);
-  if (!assignment.in_odd_light.empty() && run(true)) run(true);
+  while (run(false)) {
+  }
+  while (!assignment.in_odd_light.empty() && run(true)) {
+  }
 }
 
 }  // namespace touchline::calibrate

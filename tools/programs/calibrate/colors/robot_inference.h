@@ -24,8 +24,8 @@ Rgb light_gain(const AssignmentInput& input, const Assignment& assignment);
 /// of them better than any other color does, and if no other missing robot explains them nearly as well. A color
 /// without a patch is expected to look like its name. If a robot in glare or shade alone shows a color, the color is
 /// learned as it would be without the glare and in the light of other robots, as the robot's other patches show these
-/// (FoundPatch::usual); if that is not certain, the robot is listed in Assignment::in_odd_light. Sampled patches are
-/// added to `input`, robots and patches to `assignment`.
+/// (FoundPatch::usual). No other color may explain that patch, and none the other patches much better; else, the robot
+/// is listed in Assignment::in_odd_light. Sampled patches are added to `input`, robots and patches to `assignment`.
 void infer_robots(AssignmentInput& input, const CameraModel& camera, const std::vector<SearchedPicture>& pictures,
                   Assignment& assignment);
 

@@ -73,7 +73,7 @@ class Checker {
     CheckedPicture out;
     out.image = image;
     out.ball = sightings.ball.seen;
-    out.ball_missing = visible.ball && !sightings.ball.seen;
+    out.ball_missing = visible.ball && !is_ball_at(sightings.ball, *visible.ball);
     for (const RobotSighting& sighting : sightings.robots) {
       if (!has_robots(sighting.team)) continue;
       const VisibleRobot* const there = robot_at(robots, sighting);
@@ -157,6 +157,11 @@ class Checker {
     }
     return least;
   }
+  [[nodiscard]] bool is_ball_at(const BallSighting& ball, PixelPoint place) const {
+    const float radius_m = marker().ball.radius_m;
+    const FieldPoint there = camera_.to_field(place, radius_m);
+    return ball.seen && std::hypot(there.x_m - ball.position.x_m, there.y_m - ball.position.y_m) < radius_m;
+  }
   // The robot that the calibration found where the pipeline sees this one; nullptr: none.
   [[nodiscard]] const VisibleRobot* robot_at(const std::vector<VisibleRobot>& robots,
                                              const RobotSighting& sighting) const {
@@ -185,7 +190,11 @@ std::string line_of(const CheckedPicture& picture, bool wants_ball) {
   if (picture.unknown > 0) text += formatted("; without id: %zu", picture.unknown);
   if (picture.unlisted > 0) text += formatted("; not in the team file: %zu", picture.unlisted);
   if (picture.unseen > 0) text += formatted("; not seen: %zu", picture.unseen);
-  if (wants_ball && !picture.ball) text += picture.ball_missing ? "; ball not recognized" : "; no ball";
+  if (wants_ball && picture.ball_missing) {
+    text += "; ball not recognized";
+  } else if (wants_ball && !picture.ball) {
+    text += "; no ball";
+  }
   return text;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -22,7 +23,7 @@ struct VisibleRobot {
 /// What the calibration found in a picture.
 struct VisibleObjects {
   std::vector<VisibleRobot> robots;
-  bool ball = false;
+  std::optional<PixelPoint> ball;
 };
 
 using VisibleByPicture = std::map<std::string, VisibleObjects>;
@@ -39,7 +40,7 @@ struct CheckedPicture {
   std::size_t unlisted = 0;          // robots that the team file does not list, which have no id; not `visible`
   std::size_t unseen = 0;            // team patches of the calibration without a sighting
   bool ball = false;
-  bool ball_missing = false;  // the calibration recognized a ball here, and the pipeline did not
+  bool ball_missing = false;  // the calibration recognized a ball here, and the pipeline none or one elsewhere
 };
 
 struct SelfCheck {

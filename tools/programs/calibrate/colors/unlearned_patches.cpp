@@ -26,12 +26,15 @@ bool is_apart_from_all_robots(const DetectedColors& out, std::size_t team, std::
     return robot.team == team && robot.picture == out.input.picture[patch];
   };
   const auto is_on = [&](const AssignedRobot& robot) {
+    if (!is_here(robot)) return false;
     const FieldPoint there = camera.to_field(out.input.patches[robot.team_patch].center, layout.height_m);
-    return is_here(robot) && std::hypot(there.x_m - at.x_m, there.y_m - at.y_m) < layout.robot_side_m;
+    return std::hypot(there.x_m - at.x_m, there.y_m - at.y_m) < layout.robot_side_m;
   };
-  const std::vector<AssignedRobot>&named = out.assignment.named, &unlisted = out.assignment.unlisted;
-  if (std::any_of(named.begin(), named.end(), is_on) || std::any_of(unlisted.begin(), unlisted.end(), is_on))
-    return false;
+  const std::vector<AssignedRobot>& named = out.assignment.named;
+  const std::vector<AssignedRobot>& unlisted = out.assignment.unlisted;
+  const bool is_on_robot =
+      std::any_of(named.begin(), named.end(), is_on) || std::any_of(unlisted.begin(), unlisted.end(), is_on);
+  if (is_on_robot) return false;
   // Each is named at most once in a picture.
   const auto recognized = static_cast<std::size_t>(std::count_if(named.begin(), named.end(), is_here));
   return !marking.robots.empty() && recognized == marking.robots.size();

@@ -110,6 +110,33 @@ INSTANTIATE_TEST_SUITE_P(Formats, ColorFitOf,
                          ::testing::Values(PixelFormat::kRgb24, PixelFormat::kYuyv, PixelFormat::kI420,
                                            PixelFormat::kXrgb8888));
 
+// Each picture shows every color three times. Of a few patches, colors of teams and the ball get boxes for other light;
+// 15 patches of a team show the light, also for a ball with fewer.
+TEST(ColorFit, ManyPatchesNeedNoBoxesForOtherLight) {
+  const auto boxes_with = [](int pictures, std::map<std::string, ColorUse> uses) {
+    ColorFitInput input;
+    input.uses = std::move(uses);
+    for (int i = 0; i < pictures; ++i) {
+      const std::string image = std::to_string(i);
+      std::vector<PaintedPatch> patches = arrangement(i);
+      if (i > 0)
+        patches.erase(std::remove_if(patches.begin(), patches.end(),
+                                     [](const PaintedPatch& patch) { return patch.color == "orange"; }),
+                      patches.end());
+      input.pictures[image] = painted_field(patches, PixelFormat::kRgb24, static_cast<unsigned>(i), even);
+      add_clicks(input, image, patches);
+    }
+    const Result<ColorFit> fit = fit_colors(input);
+    EXPECT_TRUE(fit.ok()) << fit.text();
+    return fit.value().learned.boxes.size();
+  };
+  const std::map<std::string, ColorUse> team = {{"blue", ColorUse::kTeam}}, ball = {{"orange", ColorUse::kBall}};
+  EXPECT_GT(boxes_with(1, team), boxes_with(1, {}));
+  EXPECT_GT(boxes_with(1, ball), boxes_with(1, {}));
+  EXPECT_EQ(boxes_with(5, team), boxes_with(5, {}));
+  EXPECT_EQ(boxes_with(5, ball), boxes_with(5, {}));
+}
+
 TEST(ColorFit, ColorsFromOneCornerSufficeWithALightMap) {
   // Colors learned in bright light only must be found in a third of the light.
   const auto lamp = [](int u, int) { return u < 160 ? 1.2 : 0.4; };

@@ -21,8 +21,8 @@ constexpr double kEdgeShare = 0.03;
 // Least distance of two colors in levels: twice the change by lamp flicker and a tilted robot.
 constexpr int kLeastPairMargin = 20;
 
-// So many patches show the light on the field: a color of a team or the ball needs no boxes for other light, in which
-// mixed pixels of edges could join patches.
+// So many patches of a color show the light on the field: a team's needs no boxes for other light, in which mixed
+// pixels of edges could join patches, and neither does the ball's.
 constexpr int kManyPatches = 15;
 
 // Reasons why a pixel is not background; a later one overrides an earlier one.
@@ -200,9 +200,15 @@ class Fitter {
   [[nodiscard]] ColorUse use_of(std::size_t color) const {
     const auto use = input_.uses.find(out_.names[color]);
     if (use == input_.uses.end()) return ColorUse::kOther;
-    const auto count = std::count_if(patches_.begin(), patches_.end(),
-                                     [&](const Grown& g) { return g.color == color && !g.patch.pixels.empty(); });
-    return use->second != ColorUse::kIdentification && count >= kManyPatches ? ColorUse::kOther : use->second;
+    const auto has_many = [this](std::size_t other) {
+      const auto count = std::count_if(patches_.begin(), patches_.end(),
+                                       [&](const Grown& g) { return g.color == other && !g.patch.pixels.empty(); });
+      return count >= kManyPatches;
+    };
+    bool is_light_shown = use->second == ColorUse::kTeam && has_many(color);
+    for (std::size_t other = 0; use->second == ColorUse::kBall && other < out_.names.size(); ++other)
+      is_light_shown = is_light_shown || has_many(other);
+    return is_light_shown ? ColorUse::kOther : use->second;
   }
 
   LearningInput samples() {

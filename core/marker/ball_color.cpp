@@ -35,11 +35,6 @@ Rgb chroma_of(const Rgb& rgb) {
 
 Simd4<float> broadcast4(float value) { return Simd4<float>{value, value, value, value}; }
 
-bool any(Simd4<std::int32_t> mask) {
-  const auto halves = __builtin_bit_cast(std::array<std::uint64_t, 2>, mask);
-  return (halves[0] | halves[1]) != 0;
-}
-
 // Bit i: lane i of the comparison is true.
 std::uint32_t bits_of_eight(const std::array<Simd4<std::int32_t>, 2>& is_true) {
   using Four = Simd4<std::int32_t>;

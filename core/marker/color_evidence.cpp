@@ -31,8 +31,6 @@ constexpr float kNoBorderColor = ColorEvidence::kNoColor * 2.0f / 3.0f;
 // Of a color whose channel is as dark as what surrounds the patch, relative to its linear light.
 constexpr float kLeastExcess = 0.3f;
 
-constexpr float square(float x) { return x * x; }
-
 // Variance of the logarithm of a channel's value (Gamma 2) if the patch mirrors some of the lamps' light, which is more
 // for dark values.
 float haze_variance(float value, float white, float share) {

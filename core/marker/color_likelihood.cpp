@@ -28,11 +28,6 @@ constexpr float kFar = 40.0f;
 static_assert(kRatioSigma >= 0.08f && kFloorSigma >= kRatioSigma &&
               -0.5f * (kFar - 15.2f) + kFirstSaturated < ColorEvidence::kFloor);
 
-constexpr float square(float x) { return x * x; }
-Floats square(Floats x) { return x * x; }
-
-bool any(Lanes is_true) { return bits_of(is_true) != 0; }
-
 // Calls a function for the lanes that are needed; the others become 0.
 template <class Function>
 Floats for_lanes(Lanes needed, Floats x, Function function) {

@@ -51,6 +51,12 @@ using Simd4 [[gnu::vector_size(16)]] = T;
   return (f + rest) + kLog2High * exponent;
 }
 
+/// Whether a comparison is true in any lane.
+[[gnu::always_inline]] inline bool any(Simd4<std::int32_t> is_true) {
+  const auto halves = __builtin_bit_cast(std::array<std::uint64_t, 2>, is_true);
+  return (halves[0] | halves[1]) != 0;
+}
+
 /// Bit i: lane i of a comparison is true.
 [[gnu::always_inline]] inline std::uint32_t bits_of(Simd4<std::int32_t> is_true) {
   const auto halves = __builtin_bit_cast(std::array<std::uint64_t, 2>, is_true & Simd4<std::int32_t>{1, 2, 4, 8});

@@ -54,7 +54,8 @@ class PaintedPatches : public ::testing::Test {
     Simd4<std::int32_t> in_box{};
     for (std::size_t i = 0; i < 4; ++i) {
       const ColorId here = i == lane ? paint : static_cast<ColorId>((paint + 1 + i) % kPaints);
-      expected.set(i, evidence.expected_color(light, here == kBackground ? ColorId{kBluePaint} : here, ColorSpace::kRgb));
+      expected.set(i,
+                   evidence.expected_color(light, here == kBackground ? ColorId{kBluePaint} : here, ColorSpace::kRgb));
       in_box[i] = here == box ? -1 : 0;
     }
     return ColorEvidence::log_likelihoods(patch, expected, light.glare, in_box)[lane];

@@ -56,7 +56,13 @@ void print_report(const ColorFitInput& input, const ColorFit& fit) {
   std::printf("%*s\n", column, "boxes");
   for (std::size_t c = 0; c < fit.names.size(); ++c) {
     std::printf("%-*s", column, fit.names[c].c_str());
-    for (const double share : fit.confusion[c]) std::printf("%*.1f", column, 100 * share);
+    // The pixels of a patch in odd light do not have the color that is learned from it.
+    const bool has_pixels = std::any_of(input.clicks.begin(), input.clicks.end(), [&](const Click& click) {
+      return click.color == fit.names[c] && click.usual.empty();
+    });
+    for (const double share : fit.confusion[c]) {
+      std::printf("%*s", column, has_pixels ? formatted("%.1f", 100 * share).c_str() : "-");
+    }
     const auto boxes = std::count_if(fit.learned.boxes.begin(), fit.learned.boxes.end(),
                                      [&](const ColorBox& b) { return b.color == c + 1; });
     std::printf("%*td\n", column, boxes);

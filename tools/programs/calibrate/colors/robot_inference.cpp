@@ -1,103 +1,21 @@
 #include "tools/programs/calibrate/colors/robot_inference.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <complex>
 #include <set>
 
-#include "tools/programs/statistics/statistics.h"
+#include "tools/programs/calibrate/colors/robot_light.h"
 
 namespace touchline::calibrate {
 namespace {
 
-using Linear = std::array<double, 3>;
-
-// Approximates the sRGB transfer function.
-constexpr double kGamma = 2.2;
-// Standard deviation of the logarithm of a channel, also of a color that is known only by its name, and the greatest
-// contradiction of one channel in these.
-constexpr double kSeenSigma = 0.25, kNamedSigma = 0.6, kMostResiduals = 4.0;
-// Sensor noise and black level in linear light, which hide the ratios of dark channels.
-constexpr double kNoiseFloor = 0.01;
-// Greatest value of a channel at the camera's black.
-constexpr double kBlack = 2.0;
-// Factors and glare that are tried. Robots in shade have a third of the light; glare is at most a third of white.
-constexpr double kGains[] = {0.25, 0.35, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0, 1.15, 1.35, 1.6, 2.0};
-constexpr double kGlares[] = {0, 0.01, 0.02, 0.04, 0.07, 0.1, 0.14, 0.18, 0.24, 0.3};
-// Of the glare on a robot, and of its difference on one of the patches.
-constexpr double kGainSigma = 0.6, kGlareScale = 0.1;
-// Greatest change by the light on a robot, as logarithm of its factor and as glare, at which a color can be learned
-// from this robot alone.
-constexpr double kUsualGain = 0.25, kUsualGlare = 0.05;
 // Greatest mean square of the residuals, and least difference to another robot or color in nats.
 constexpr double kMostMeanSquare = 1.6, kLeastMargin = 3.0, kLeastColorMargin = 1.0;
-// Share of the brightest channel of all colors from which a channel may be clipped.
-constexpr double kClipped = 0.92;
 // Share of the pixels that are darker than white.
 constexpr double kBrightest = 0.999;
 // Least share of the pixels of a patch that have its color.
 constexpr double kLeastEven = 0.5;
-
-Linear linear(const Rgb& rgb) {
-  Linear out{};
-  for (std::size_t c = 0; c < 3; ++c) out[c] = std::pow(std::clamp(rgb[c], 0.0, 255.0) / 255, kGamma);
-  return out;
-}
-
-double level_of(double linear) { return 255 * std::pow(std::clamp(linear, 0.0, 1.0), 1 / kGamma); }
-
-struct Look {
-  Linear color{};
-  double sigma = 0;  // 0: unknown
-  // A camera's color matrix makes channels of saturated paints negative; what it delivers is black, to which glare adds
-  // nothing visible at first.
-  std::array<bool, 3> at_black{};
-};
-
-// The light on a robot.
-struct RobotLight {
-  double gain = 1, glare = 0;
-};
-
-// Negative log-likelihood of a color in this light, with the glare that explains it best: glare differs from patch to
-// patch.
-struct Fit {
-  double cost = 1e9, glare = 0;
-};
-
-// Negative log-likelihood of a color for each of kGlares.
-using GlareCosts = std::array<double, std::size(kGlares)>;
-
-GlareCosts costs_of(const Look& look, const Linear& seen, double gain, double white) {
-  GlareCosts out{};
-  for (std::size_t g = 0; g < out.size(); ++g) {
-    double sum = 0;
-    for (std::size_t c = 0; c < 3; ++c) {
-      const double expected = std::min(white, gain * look.color[c] + kGlares[g]);
-      double residual = std::log((seen[c] + kNoiseFloor) / (expected + kNoiseFloor)) / look.sigma;
-      if (look.at_black[c]) residual = std::max(0.0, residual);
-      sum += std::min(residual * residual, kMostResiduals * kMostResiduals);
-    }
-    // A wide distribution is low everywhere.
-    out[g] = sum / 2 + 3 * std::log(look.sigma / kSeenSigma);
-  }
-  return out;
-}
-
-// One lamp shines on all patches of a robot: their glare differs little.
-Fit fit_of(const GlareCosts& costs, double robot_glare) {
-  Fit best;
-  for (std::size_t g = 0; g < costs.size(); ++g) {
-    const double cost = costs[g] + std::abs(kGlares[g] - robot_glare) / kGlareScale;
-    if (cost < best.cost) best = {cost, kGlares[g]};
-  }
-  return best;
-}
-
-Fit fit_of(const Look& look, const Linear& seen, const RobotLight& light, double white) {
-  return fit_of(costs_of(look, seen, light.gain, white), light.glare);
-}
 
 // A robot at one place with its samples, the team patch first.
 struct Standing {
@@ -147,19 +65,13 @@ class Inference {
     const Rgb gain = light_gain(input_, assignment_);
     for (std::size_t c = 0; c < input_.colors.size(); ++c) {
       if (!assignment_.colors[c].patches.empty()) {
-        looks_[c] = look_of(assignment_.colors[c].rgb);
+        looks_[c] = seen_look(assignment_.colors[c].rgb);
       } else if (input_.colors[c].look) {
         Rgb rgb = *input_.colors[c].look;
         for (std::size_t k = 0; k < 3; ++k) rgb[k] = std::min(255.0, rgb[k] * gain[k]);
-        looks_[c] = {linear(rgb), kNamedSigma, {}};
+        looks_[c] = named_look(rgb);
       }
     }
-  }
-
-  static Look look_of(const Rgb& rgb) {
-    Look out{linear(rgb), kSeenSigma, {}};
-    for (std::size_t k = 0; k < 3; ++k) out.at_black[k] = rgb[k] <= kBlack;
-    return out;
   }
 
   // The value at which the camera clips.
@@ -175,19 +87,19 @@ class Inference {
     const auto top = values.begin() + static_cast<std::ptrdiff_t>(kBrightest * static_cast<double>(values.size()));
     std::nth_element(values.begin(), top, values.end());
     const auto value = static_cast<double>(*top);
+    double white = linear({value, value, value})[0];
     for (const Look& look : looks_) {
-      if (look.sigma > 0 && look.sigma <= kSeenSigma)
-        brightest_ = std::max({brightest_, look.color[0], look.color[1], look.color[2]});
+      const double greatest = *std::max_element(look.color.begin(), look.color.end());
+      if (look.was_seen()) brightness_.most = std::max(brightness_.most, greatest);
+      white = std::max(white, greatest);
     }
-    white_ = linear({value, value, value})[0];
-    for (const Look& look : looks_) white_ = std::max({white_, look.color[0], look.color[1], look.color[2]});
-    white_ = std::min(white_, 1.0);
+    brightness_.white = std::min(white, 1.0);
   }
 
   // Adds the best missing robot of the team at each place.
   void search(std::size_t team, std::vector<Standing>& found) const {
     const TeamMarking& marking = input_.teams[team];
-    if (marking.team_color == kBackground || looks_[marking.team_color - 1U].sigma <= 0) return;
+    if (marking.team_color == kBackground || !looks_[marking.team_color - 1U].is_known()) return;
     std::vector<std::size_t> missing;
     for (std::size_t r = 0; r < marking.robots.size(); ++r) {
       const bool known = std::any_of(assignment_.named.begin(), assignment_.named.end(), [&](const AssignedRobot& n) {
@@ -252,7 +164,7 @@ class Inference {
 
   // Whether a patch of this color was found elsewhere in any picture.
   [[nodiscard]] bool is_known_elsewhere(std::size_t color, const PlaceSample& sample) const {
-    if (looks_[color].sigma > kSeenSigma) return false;
+    if (!looks_[color].was_seen()) return false;
     const std::vector<std::size_t>& patches = assignment_.colors[color].patches;
     return std::any_of(patches.begin(), patches.end(), [&](std::size_t p) {
       const PixelPoint& at = input_.patches[p].center;
@@ -262,27 +174,42 @@ class Inference {
     });
   }
 
+  // The robot's patches, without those of the color `except`.
+  [[nodiscard]] std::vector<ShownPatch> shown_by(const Standing& standing, std::size_t except = kNone) const {
+    const std::vector<std::size_t> colors = colors_of(standing);
+    std::vector<ShownPatch> out;
+    for (std::size_t k = 0; k < colors.size(); ++k) {
+      if (colors[k] != except) out.push_back({looks_[colors[k]], seen(standing.samples[k])});
+    }
+    return out;
+  }
+
   // Fits the light of the robot; false if it does not explain the samples, or if another color explains one better. One
   // of its colors may be known by its name alone, or by this robot.
   bool explains(Standing& standing) const {
     const std::vector<std::size_t> colors = colors_of(standing);
     std::set<std::size_t> only_here;
     for (std::size_t k = 0; k < colors.size(); ++k) {
-      if (looks_[colors[k]].sigma <= 0) return false;
+      if (!looks_[colors[k]].is_known()) return false;
       if (!is_known_elsewhere(colors[k], standing.samples[k])) only_here.insert(colors[k]);
     }
     if (only_here.size() > 1) return false;
-    fit_light(colors, standing);
+    const std::vector<ShownPatch> patches = shown_by(standing);
+    const FittedLight fitted = fit_light(patches, brightness_);
+    standing.light = fitted.light;
+    standing.cost = fitted.cost;
     if (2 * standing.cost > kMostMeanSquare * 3 * static_cast<double>(colors.size())) return false;
-    if (!only_here.empty()) standing.only_here = *only_here.begin();
-    standing.in_odd_light = !only_here.empty() && is_odd(colors, standing, standing.only_here);
+    if (!only_here.empty()) {
+      standing.only_here = *only_here.begin();
+      standing.in_odd_light = is_odd(standing.light, shown_by(standing, standing.only_here), brightness_);
+    }
     standing.can_undo = standing.in_odd_light;
     for (std::size_t k = 0; k < colors.size(); ++k) {
-      const Linear color = seen(standing.samples[k]);
-      const double own = fit_of(looks_[colors[k]], color, standing.light, white_).cost;
+      const double own = explain(patches[k], standing.light, brightness_).cost;
       for (std::size_t c = 0; c < looks_.size(); ++c) {
-        if (c == colors[k] || looks_[c].sigma <= 0 || looks_[c].sigma > kSeenSigma || c + 1 == input_.ball) continue;
-        const double margin = fit_of(looks_[c], color, standing.light, white_).cost - own;
+        if (c == colors[k] || !looks_[c].was_seen() || c + 1 == input_.ball) continue;
+        const ShownPatch other{looks_[c], patches[k].seen};
+        const double margin = explain(other, standing.light, brightness_).cost - own;
         if (margin >= kLeastColorMargin) continue;
         // In odd light only the color that is learned must be certain.
         if (colors[k] == standing.only_here) standing.can_undo = false;
@@ -290,33 +217,6 @@ class Inference {
       }
     }
     return true;
-  }
-
-  // Finds the light that explains the robot's samples best.
-  void fit_light(const std::vector<std::size_t>& colors, Standing& standing) const {
-    standing.cost = 1e9;
-    for (const double gain : kGains) {
-      std::vector<GlareCosts> costs;
-      for (std::size_t k = 0; k < colors.size(); ++k)
-        costs.push_back(costs_of(looks_[colors[k]], seen(standing.samples[k]), gain, white_));
-      for (const double glare : kGlares) {
-        double cost = std::pow(std::log(gain) / kGainSigma, 2) / 2 + glare / kGlareScale;
-        for (const GlareCosts& of_patch : costs) cost += fit_of(of_patch, glare).cost;
-        if (cost >= standing.cost) continue;
-        standing.cost = cost;
-        standing.light = {gain, glare};
-      }
-    }
-  }
-
-  // Whether the light on the robot differs from that on others, as its patches of other colors than `color` show.
-  [[nodiscard]] bool is_odd(const std::vector<std::size_t>& colors, const Standing& standing, std::size_t color) const {
-    if (std::abs(std::log(standing.light.gain)) > kUsualGain) return true;
-    for (std::size_t k = 0; k < colors.size(); ++k) {
-      const Fit fit = fit_of(looks_[colors[k]], seen(standing.samples[k]), standing.light, white_);
-      if (colors[k] != color && fit.glare > kUsualGlare) return true;
-    }
-    return false;
   }
 
   // Keeps the best robot of one place if no other one is nearly as good.
@@ -354,7 +254,7 @@ class Inference {
       if (colors[k] == standing.only_here && color.patches.size() == 1) {
         color.rgb = patch.rgb;
         color.margin = standing.margin;
-        looks_[colors[k]] = look_of(color.rgb);
+        looks_[colors[k]] = seen_look(color.rgb);
       }
       input_.patches.push_back(std::move(patch));
       input_.picture.push_back(picture_.number);
@@ -369,55 +269,18 @@ class Inference {
     assignment_.unknown_robots -= std::erase_if(assignment_.unlisted, is_it);
   }
 
-  // Glare on the other patches of a robot, as the channels show it that are neither black without it nor clipped with
-  // it: least, mean and greatest.
-  [[nodiscard]] std::array<double, 3> glare_beside(const Standing& standing, double gain) const {
-    const std::vector<std::size_t> colors = colors_of(standing);
-    std::vector<double> glares;
-    for (std::size_t k = 0; k < colors.size(); ++k) {
-      if (colors[k] == standing.only_here) continue;
-      const Look& look = looks_[colors[k]];
-      const Linear value = seen(standing.samples[k]);
-      for (std::size_t c = 0; c < 3; ++c) {
-        if (!look.at_black[c] && value[c] < kClipped * brightest_)
-          glares.push_back(std::max(0.0, value[c] - gain * look.color[c]));
-      }
-    }
-    if (glares.empty()) {
-      // Black and clipped channels show how much glare there is at least.
-      const double least = standing.light.glare;
-      return {least, least + kGlareScale / 2, least + kGlareScale};
-    }
-    const auto [least, most] = std::minmax_element(glares.begin(), glares.end());
-    return {*least, statistics::mean(glares), *most};
-  }
-
-  // Finds what colors the patch would have in the light of other robots. Each pixel gives three: with the least, the
-  // mean and the greatest glare that the robot's other patches show. A channel that may be clipped may have any greater
-  // value.
+  // Finds what colors the patch would have in the light of other robots: for each pixel some, because the glare on it
+  // is not exactly known.
   void undo_light(const Standing& standing, FoundPatch& patch) const {
     const ChannelImage& image = picture_.picture.image;
-    const double gain = std::min(1.0, standing.light.gain);  // what is brighter is glare
-    const std::array<double, 3> glares = glare_beside(standing, gain);
-    const auto undone = [&](const Rgb& rgb, std::size_t glare) {
-      const Linear value = linear(rgb);
-      Rgb out{};
-      for (std::size_t c = 0; c < 3; ++c) {
-        double usual = (value[c] - glares[glare]) / gain;
-        if (value[c] >= kClipped * brightest_)
-          usual += std::max(0.0, brightest_ - usual) * (1 - static_cast<double>(glare) / (glares.size() - 1));
-        out[c] = level_of(usual);
-      }
-      return out;
-    };
+    const LightRemoval removal{standing.light, shown_by(standing, standing.only_here), brightness_};
     for (const std::size_t pixel : patch.pixels) {
       const Channels seen = to_rgb8(image.pixels[pixel], image.space);
-      for (std::size_t glare = 0; glare < glares.size(); ++glare) {
-        const Rgb rgb{static_cast<double>(seen[0]), static_cast<double>(seen[1]), static_cast<double>(seen[2])};
-        patch.usual.push_back(channels_of(undone(rgb, glare), image.space));
-      }
+      const Rgb rgb{static_cast<double>(seen[0]), static_cast<double>(seen[1]), static_cast<double>(seen[2])};
+      for (std::size_t which = 0; which < LightRemoval::kCount; ++which)
+        patch.usual.push_back(channels_of(removal.without_light(rgb, which), image.space));
     }
-    patch.rgb = undone(patch.rgb, 1);
+    patch.rgb = removal.without_light(patch.rgb, LightRemoval::kMean);
     patch.lab = lab_of(patch.rgb);
   }
 
@@ -425,9 +288,8 @@ class Inference {
   const CameraModel& camera_;
   const SearchedPicture& picture_;
   Assignment& assignment_;
-  std::vector<Look> looks_;           // per color
-  double white_ = 1;                  // linear value at which the camera clips
-  double brightest_ = 0;              // greatest channel of the colors that patches have
+  std::vector<Look> looks_;  // per color
+  Brightness brightness_;
   std::vector<std::size_t> numbers_;  // patches of the picture that were grown
 };
 

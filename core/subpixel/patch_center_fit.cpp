@@ -41,9 +41,12 @@ constexpr float kHalfWeightSurroundings = 0.1f;
 // A region's centroid rarely has an error of one pixel. A larger correction means that something else was fitted.
 constexpr float kMaxCorrectionPx = 2.0f;
 // RMS error of the covered fraction of edge pixels. Up to the first value the fit is used, beyond the second it is not.
-// (Sharp edges under the ramp, noise and shared chroma leave 0.1; a centroid that is wrong by a pixel leaves 0.25.)
+// (Sharp edges under the ramp, noise and shared chroma leave 0.1; patches that are not quite where the layout says, or
+// rounded and under glare, leave up to 0.4, and their fitted centers are still far steadier than centroids.)
 // In between, the result is a weighted mean, so a robot at the limit does not jump between two centers.
-constexpr float kGoodCoverage = 0.22f, kWorstCoverage = 0.325f;
+constexpr float kGoodCoverage = 0.22f, kWorstCoverage = 0.45f;
+// The same for the variation of a patch's light within itself, relative to its light: something may cover a part.
+constexpr float kGoodUnevenness = 0.22f, kWorstUnevenness = 0.325f;
 // Part of the variance of a pixel's covered fraction that moves the center: most of it is the blur's shape, whose
 // errors on opposite edges cancel. Measured in the arena (tests/tools/motion_evaluation_test.cpp).
 constexpr float kMovingPart = 0.18f;
@@ -112,7 +115,9 @@ class PatchCenterFit::Solver {
   // Returns the weight of the fit, 0 to 1.
   float run() {
     if (!converge()) return 0.0f;
-    return std::clamp((kWorstCoverage - worst_coverage_) / (kWorstCoverage - kGoodCoverage), 0.0f, 1.0f);
+    const float by_coverage = (kWorstCoverage - worst_coverage_) / (kWorstCoverage - kGoodCoverage);
+    const float by_unevenness = (kWorstUnevenness - unevenness_at_start_) / (kWorstUnevenness - kGoodUnevenness);
+    return std::clamp(std::min(by_coverage, by_unevenness), 0.0f, 1.0f);
   }
 
   [[nodiscard]] PixelPoint center(std::size_t k) const {
@@ -161,12 +166,12 @@ class PatchCenterFit::Solver {
     if (narrowest_px() < kMinWidthPx) return false;
     if (!find_top()) return false;
     if (!sample_all()) return false;
-    const float unevenness = unevenness_;  // at the regions' centroids
+    unevenness_at_start_ = unevenness_;
     float step_px = 2.0f * kShortStepPx;
     for (int iteration = 0; iteration < kMaxPatchIterations && step_px > kShortStepPx; ++iteration) {
       if (iteration > 0 && step_px > kSameEdgePx && !sample_all()) return false;
       const Targets before = targets_;
-      worst_coverage_ = unevenness;
+      worst_coverage_ = 0;
       error_ = camera_noise_ = 0;
       widening_ = {};
       step_px = 0;
@@ -337,8 +342,9 @@ class PatchCenterFit::Solver {
   bool is_bayer_;
   std::array<PatchEdge, kMaxPatches>& edges_;
   MarkerView view_;
-  float unevenness_ = 0;      // largest relative color variation within a patch
-  float worst_coverage_ = 0;  // largest RMS error of the covered fraction in the current iteration
+  float unevenness_at_start_ = 0;  // of the first samples, at the centers of the regions
+  float unevenness_ = 0;           // largest relative color variation within a patch
+  float worst_coverage_ = 0;       // largest RMS error of the covered fraction in the current iteration
   // Sums over the patches: variances of the center, and the part of the camera's noise.
   float error_ = 0, camera_noise_ = 0;
   EdgeWidening widening_;

@@ -1,6 +1,7 @@
 #include "hal/mock/renderer.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace touchline::hal::mock {
@@ -14,7 +15,26 @@ constexpr float kWhiteLevel = 0.9f;
 constexpr float kFloorGrain = 0.03f;
 constexpr float kGreyPaper = 0.45f;
 
-float subpixel_offset(int i) { return (static_cast<float>(i) + 0.5f) / 4.0f - 0.5f; }
+// Place of a sample in its pixel, from its middle, in pixels.
+struct SamplePlace {
+  float u, v;
+};
+constexpr std::size_t kSamplesPerSide = 4;
+// In its square, each sample has its own column and row of the pixel: of 24^2 orders the one that shows the edge in the
+// worst direction best. Edges along the pixel grid move in steps of 1/16 pixel.
+constexpr auto kSamplePlaces = [] {
+  constexpr std::array kColumnOrder{0, 1, 3, 2}, kRowOrder{3, 0, 2, 1};
+  constexpr auto kSide = static_cast<float>(kSamplesPerSide);
+  const auto at = [](std::size_t square, int order) {
+    return (static_cast<float>(square) + (static_cast<float>(order) + 0.5f) / kSide) / kSide - 0.5f;
+  };
+  std::array<SamplePlace, kSamplesPerSide * kSamplesPerSide> places{};
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    const std::size_t column = i % kSamplesPerSide, row = i / kSamplesPerSide;
+    places[i] = {at(column, kColumnOrder[row]), at(row, kRowOrder[column])};
+  }
+  return places;
+}();
 
 // Time of a sample within the exposure, 0 to 1. Neighboring samples are far apart in time, for smooth motion blur.
 float sample_time(int sample) { return (static_cast<float>((sample * 7) % 16) + 0.5f) / 16.0f; }
@@ -117,8 +137,8 @@ void Renderer::render_floor_once(Floor floor) {
       const float sign_u = column + 1 < width_ ? 1.0f : -1.0f, sign_v = row + 1 < height_ ? 1.0f : -1.0f;
       LinearRgb sum{};
       for (int sample = 0; sample < kSamples; ++sample) {
-        const float du = sign_u * subpixel_offset(sample % kSamplesPerSide),
-                    dv = sign_v * subpixel_offset(sample / kSamplesPerSide);
+        const SamplePlace& place = kSamplePlaces[static_cast<std::size_t>(sample)];
+        const float du = sign_u * place.u, dv = sign_v * place.v;
         const float x = middle.x + du * (right.x - middle.x) + dv * (below.x - middle.x);
         const float y = middle.y + du * (right.y - middle.y) + dv * (below.y - middle.y);
         const LinearRgb color = floor_color(eye_[0] + eye_[2] * x, eye_[1] + eye_[2] * y, floor);
@@ -212,8 +232,8 @@ void Renderer::render_pixel(std::size_t index, std::uint32_t mask) {
   LinearRgb sum{};
   int floor_samples = 0;
   for (int sample = 0; sample < kSamples; ++sample) {
-    const float du = sign_u * subpixel_offset(sample % kSamplesPerSide),
-                dv = sign_v * subpixel_offset(sample / kSamplesPerSide);
+    const SamplePlace& place = kSamplePlaces[static_cast<std::size_t>(sample)];
+    const float du = sign_u * place.u, dv = sign_v * place.v;
     const Ray ray{middle.x + du * (right.x - middle.x) + dv * (below.x - middle.x),
                   middle.y + du * (right.y - middle.y) + dv * (below.y - middle.y)};
     Hit hit;

@@ -17,8 +17,9 @@ inline constexpr int kLinearScale = 4095;
 
 enum class Floor : std::uint8_t { kField, kGreyPaper };
 
-/// Renders the camera's view in linear light by distributed ray tracing (Cook, Porter and Carpenter 1984): 4 x 4
-/// samples per pixel, each at another instant of the exposure, which gives anti-aliased edges and motion blur. Robots
+/// Renders the camera's view in linear light by distributed ray tracing (Cook, Porter and Carpenter 1984): 16 samples
+/// per pixel, each at another instant of the exposure, which gives anti-aliased edges and motion blur. Each sample has
+/// a square, a row and a column of its own (multi-jittered sampling, Chiu, Shirley and Wang 1994). Robots
 /// are cuboids with patches on top; the ball is a shaded sphere; nearer objects hide farther ones. The floor is
 /// rendered once, so a frame costs only the pixels that objects cover.
 class Renderer {
@@ -37,8 +38,7 @@ class Renderer {
   [[nodiscard]] const Lens& lens() const { return lens_; }
 
  private:
-  static constexpr int kSamplesPerSide = 4;
-  static constexpr int kSamples = kSamplesPerSide * kSamplesPerSide;
+  static constexpr int kSamples = 16;
 
   // Direction of a viewing ray, scaled to descend by 1: (x, y, -1).
   struct Ray {

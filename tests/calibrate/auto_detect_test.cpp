@@ -265,7 +265,7 @@ TEST_F(AutoDetect, LearnsAColorThatOnlyARobotInGlareShowsWithoutTheGlare) {
 TEST_F(AutoDetect, TellsRobotsThatTheTeamFileDoesNotList) {
   arena_.robot[4].colors[0] = "pink";
   arena_.robot[9].colors[0] = "violet";
-  add_picture("a", 1);
+  add_picture("a", 3);
   add_picture("b", 2, [this](hal::Picture& photo) { cover(photo, truth_["b"][8].second); });
   ASSERT_EQ(truth_["a"][8].first + " " + truth_["a"][9].first, "blue pink");
   team_.marker.teams[1].robots[4].colors = team_.marker.teams[0].robots[4].colors;

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cmath>
+#include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
@@ -19,10 +20,6 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr const char* kBallBox = "low = [163, 64, 0]\nhigh = [255, 154, 116]";
-// A corner of the ball's color box that contains almost none of its pixels.
-constexpr const char* kTooSmallBox = "low = [163, 64, 0]\nhigh = [165, 66, 2]";
-
 class Reload : public ::testing::Test {
  protected:
   Reload() : folder_(std::filesystem::temp_directory_path() / ("touchline-reload-" + std::to_string(::getpid()))) {
@@ -30,13 +27,32 @@ class Reload : public ::testing::Test {
   }
   ~Reload() override { std::filesystem::remove_all(folder_); }
 
-  void replace(const std::string& name, const std::string& from, const std::string& to) const {
+  [[nodiscard]] std::string text_of(const std::string& name) const {
     std::ostringstream text;
     text << std::ifstream(folder_ / name).rdbuf();
-    std::string changed = text.str();
+    return text.str();
+  }
+  void replace(const std::string& name, const std::string& from, const std::string& to) const {
+    std::string changed = text_of(name);
     const std::size_t at = changed.find(from);
     ASSERT_NE(at, std::string::npos) << from;
     std::ofstream(folder_ / name) << changed.replace(at, from.size(), to);
+  }
+  /// The lines that bound a color of the venue file.
+  [[nodiscard]] std::string box_of(const std::string& color) const {
+    const std::string text = text_of("venue.toml");
+    const std::size_t low = text.find("low = ", text.find("name = \"" + color + "\"")),
+                      high = text.find("high = ", low);
+    return text.substr(low, text.find('\n', high) - low);
+  }
+  /// A corner of the box, which contains almost none of the color's pixels.
+  static std::string corner_of(const std::string& box) {
+    std::array<int, 3> low{};
+    EXPECT_EQ(std::sscanf(box.c_str(), "low = [%d, %d, %d]", &low[0], &low[1], &low[2]), 3) << box;
+    std::ostringstream out;
+    out << box.substr(0, box.find("high")) << "high = [" << low[0] + 2 << ", " << low[1] + 2 << ", " << low[2] + 2
+        << "]";
+    return out.str();
   }
   void begin() {
     SessionOptions options;
@@ -103,11 +119,12 @@ class Reload : public ::testing::Test {
 
 // Without a reload, no robot moves farther than 0.021 m from frame to frame (1.2 m/s is 0.02 m).
 TEST_F(Reload, ThresholdsChangeWithoutLosingAFrameOrAPose) {
-  replace("venue.toml", kBallBox, kTooSmallBox);
+  const std::string box = box_of("orange"), too_small = corner_of(box);
+  replace("venue.toml", box, too_small);
   begin();
   run(10);
   EXPECT_EQ(with_ball_, 0);
-  replace("venue.toml", kTooSmallBox, kBallBox);
+  replace("venue.toml", too_small, box);
   const std::string messages = reload();
   EXPECT_NE(messages.find(" on: color.orange\n"), std::string::npos) << messages;
   run(30);

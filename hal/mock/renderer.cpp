@@ -20,10 +20,12 @@ struct SamplePlace {
   float u, v;
 };
 constexpr std::size_t kSamplesPerSide = 4;
-// In its square, each sample has its own column and row of the pixel: of 24^2 orders the one that shows the edge in the
-// worst direction best. Edges along the pixel grid move in steps of 1/16 pixel.
+// In its square, each sample has its own column and row of the pixel, so edges along the pixel grid move in steps of
+// 1/16 pixel. Opposite samples have opposite times within the exposure: else edges, above all of what moves, seem
+// displaced. Of all such orders, this one shows the edge in the worst direction best; of a thousand orders of times,
+// this one shows moving edges best.
 constexpr auto kSamplePlaces = [] {
-  constexpr std::array kColumnOrder{0, 1, 3, 2}, kRowOrder{3, 0, 2, 1};
+  constexpr std::array kColumnOrder{0, 2, 1, 3}, kRowOrder{3, 1, 2, 0};
   constexpr auto kSide = static_cast<float>(kSamplesPerSide);
   const auto at = [](std::size_t square, int order) {
     return (static_cast<float>(square) + (static_cast<float>(order) + 0.5f) / kSide) / kSide - 0.5f;
@@ -36,8 +38,11 @@ constexpr auto kSamplePlaces = [] {
   return places;
 }();
 
-// Time of a sample within the exposure, 0 to 1. Neighboring samples are far apart in time, for smooth motion blur.
-float sample_time(int sample) { return (static_cast<float>((sample * 7) % 16) + 0.5f) / 16.0f; }
+constexpr std::array kSampleTimes{9, 4, 5, 13, 1, 12, 8, 0, 15, 7, 3, 14, 2, 10, 11, 6};
+// 0 to 1.
+float sample_time(int sample) {
+  return (static_cast<float>(kSampleTimes[static_cast<std::size_t>(sample)]) + 0.5f) / 16.0f;
+}
 
 LinearRgb paint(const ArenaParameters& parameters, const std::string& name) {
   const Paint* found = find_paint(parameters, name);

@@ -59,7 +59,8 @@ struct MarkPoint {
 };
 
 /// Samples each mark every `step_px` along its projection with `camera`, and searches up to `reach_px` to both sides
-/// for the edge: the position where the light is halfway between the levels of both sides (for a line: of both flanks).
+/// for the edge: where a sharp edge between the levels of both sides would let through as much light (for a line: the
+/// center of its light), or, where something else is too near, where the light is halfway between these levels.
 /// Points with little contrast or at the limit of the reach are left out. `tried_points`: number of points tried per
 /// mark, including points outside the picture.
 std::vector<MarkPoint> find_marks(const LightPicture& picture, const CameraModel& camera,

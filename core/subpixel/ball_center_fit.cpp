@@ -52,7 +52,7 @@ constexpr float kHidingMarginPx = 0.3f;
 constexpr float kLeastFall = 1e-3f;
 // Ratio of the variance of the center to that of a fit whose pixels have independent errors: those of neighboring
 // pixels have the same cause. Measured in the arena (tests/tools/motion_evaluation_test.cpp).
-constexpr float kNeighborsAlike = 2.0f;
+constexpr float kNeighborsAlike = 1.75f;
 
 using Normal = Eigen::Matrix<float, kShadeTerms, kShadeTerms>;
 using Terms = Eigen::Matrix<float, kShadeTerms, 1>;

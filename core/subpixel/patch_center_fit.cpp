@@ -154,7 +154,7 @@ class PatchCenterFit::Solver {
     std::array<float, 3> along;    // as in EdgeFitTask
     std::array<float, 3> weight;   // as in EdgeFitTask
     std::array<float, 3> doubted;  // as in EdgeFitTask
-    BayerSampling::Axes sampling;  // variance of `at` from sampling and the colors' noise
+    BayerSampling::Axes sampling;  // variance of `at` from sampling, the colors' noise and the surroundings
     float repeated;                // variance of `at` relative to that of pixels that have the same weight
     float camera_noise;            // variance of `at`, each axis, from the noise of its light
     PointCovariance noise;         // of `at`
@@ -240,6 +240,7 @@ class PatchCenterFit::Solver {
                                 view_.scale_px_per_m);
     }
     std::array<float, 3> noise_px2, all_px2;  // of the center: of each color, and with errors that colors share
+    std::array<float, 3> foreign_px2;         // the part of the surroundings
     for (std::size_t i = 0; i < 3; ++i) {
       const float light = target.excess[i] * target.excess[i] + kNegligible;
       const float count = inside.count[i];
@@ -247,16 +248,17 @@ class PatchCenterFit::Solver {
       const float repeated = is_bayer_ ? kPixelsPerMeasured[i] : 1.0f;
       noise_px2[i] = repeated * kEdgeNoise * own / (light * slopes);
       const float shared = (is_bayer_ ? kMeasuredLeak : kSharedLeak) * power;
-      all_px2[i] =
-          noise_px2[i] + (repeated * kSurroundingsError * inside.foreign[i] / edge + shared) / (light * slopes);
+      foreign_px2[i] = repeated * kSurroundingsError * inside.foreign[i] / edge / (light * slopes);
+      all_px2[i] = noise_px2[i] + foreign_px2[i] + shared / (light * slopes);
     }
     const std::array<float, 3> weights = channel_weights(sampling, all_px2);
     const BayerSampling::Axes by_sampling = sampling_variance(sampling, weights);
-    float by_noise = 0;
+    float by_noise = 0, by_surroundings = 0;
     target.repeated = is_bayer_ ? 0.0f : 1.0f;
     for (std::size_t i = 0; i < 3; ++i) {
       target.along[i] = target.excess[i] / (target.excess[i] * target.excess[i] + kNegligible);
       by_noise += weights[i] * weights[i] * noise_px2[i];
+      by_surroundings += weights[i] * foreign_px2[i];
       if (is_bayer_) {
         target.weight[i] = weights[i] * kPixelsPerMeasured[i];
         target.repeated += weights[i] * target.weight[i];
@@ -271,7 +273,8 @@ class PatchCenterFit::Solver {
     }
     const float m2_per_px2 = 1.0f / (view_.scale_px_per_m * view_.scale_px_per_m);
     target.camera_noise = m2_per_px2 * by_noise;
-    target.sampling = {m2_per_px2 * (by_sampling.x + by_noise), m2_per_px2 * (by_sampling.y + by_noise)};
+    const float others = by_noise + by_surroundings;
+    target.sampling = {m2_per_px2 * (by_sampling.x + others), m2_per_px2 * (by_sampling.y + others)};
   }
 
   // As in NeighborPatch.

@@ -10,8 +10,8 @@ namespace touchline {
 
 /// The filter of one robot, eq. (4)-(9).
 struct RobotFilterParameters {
-  double position_sigma_m = 0.00009;
-  double heading_sigma_rad = 0.0018;
+  double position_sigma_m = 0.000042;
+  double heading_sigma_rad = 0.00125;
   double position_jitter_m = 0.000005;
   double heading_jitter_rad = 0.0001;
   double patch_sigma_m = 0.025;

@@ -30,6 +30,8 @@ std::vector<std::uint8_t> random_jpeg(const JpegStyle& style, Blocks blocks, int
     jpeg_set_quality(&jpeg, quality, TRUE);
     jpeg.comp_info[0].h_samp_factor = style.horizontal;
     jpeg.comp_info[0].v_samp_factor = style.vertical;
+    jpeg.optimize_coding = style.own_huffman_tables ? TRUE : FALSE;
+    jpeg.restart_in_rows = style.with_restarts ? 1 : 0;
   };
   std::vector<Channels> color_of;
   return encode_jpeg(style.width, style.height, set_up, [&](unsigned v, std::span<std::uint8_t> row) {
@@ -156,6 +158,9 @@ TEST_F(MjpgDecoderTest, SamplesAreThoseOfTheFile) {
       for (const int quality : {3, 25, 60, 95}) {
         expect_samples_of_the_file(style, random_jpeg(style, Blocks::kMostlyFlat, quality));
       }
+      JpegStyle unusual = style;
+      unusual.own_huffman_tables = unusual.with_restarts = true;
+      expect_samples_of_the_file(unusual, random_jpeg(unusual, Blocks::kMostlyFlat, 60));
     }
   }
 }

@@ -6,12 +6,14 @@ namespace TOUCHLINE_SIMD {
 /// Red, green and blue of eight pixels, proportional to the light on the sensor; 1 corresponds to a value of 255.
 using LinearRgb8 = std::array<Float8, 3>;
 
-/// Converts channel values (0 to 255) to linear light: (value / 255) ^ 2.2 with an error below 3e-4, by a polynomial.
-inline Float8 linear_light(Integer8 value) {
-  const Float8 t = to_floats(value) * broadcast(1.0f / 255.0f);
+/// Converts channel values (0 to 1) to linear light: value ^ 2.2 with an error below 3e-4, by a polynomial.
+inline Float8 linear_light(Float8 t) {
   return t * (broadcast(-0.0156862f) +
               t * (broadcast(0.7355875f) + t * (broadcast(0.3826977f) + t * broadcast(-0.1025990f))));
 }
+
+/// The same for values from 0 to 255.
+inline Float8 linear_light(Integer8 value) { return linear_light(to_floats(value) * broadcast(1.0f / 255.0f)); }
 
 /// Reads a frame's pixels as linear light. A pixel that two surfaces share shows the mean of their light, but the
 /// camera delivers this mean after gamma encoding (2.2 here, within 0.1 of ITU-R BT.709, BT.601 and sRGB). With gamma,
@@ -21,30 +23,40 @@ class LinearRgbImage {
   /// `frame` must be one that the scan accepted, wider than one pixel, and must outlive this object.
   explicit LinearRgbImage(const Frame& frame)
       : frame_(frame),
+        width_(frame.width_px),
+        height_(frame.height_px),
+        is_yuv_(touchline::is_yuv(color_space(frame.format))),
         step_(info_of(frame.format).channel[0].step),
         first_is_blue_(info_of(frame.format).channel[0].offset == 2) {
-    if (!is_yuv(color_space(frame.format))) return;
+    if (!is_yuv_) return;
     for (std::size_t c = 0; c < 3; ++c) {
       const ChannelLayout& layout = info_of(frame.format).channel[c];
-      channel_[c] = {frame.plane[layout.plane],
+      channel_[c] = {frame.plane[layout.plane] + layout.offset,
                      static_cast<std::int32_t>(frame.stride_bytes[layout.plane]),
-                     layout.offset,
                      layout.step,
                      layout.shift_u,
                      layout.shift_v,
-                     static_cast<std::int32_t>(plane_bytes(frame, layout.plane)) - 4};
+                     static_cast<std::int32_t>(plane_bytes(frame, layout.plane)) - layout.offset - 4};
     }
+    const ColorSpace space = color_space(frame.format);
+    const YuvToRgb factors = yuv_to_rgb(space);
+    constexpr float kUnit = 1.0f / (255.0f * YuvToRgb::kOne);
+    luma_ = kUnit * static_cast<float>(factors.luma);
+    black_ = luma_ * static_cast<float>(black_value(space, 0));
+    red_v_ = kUnit * static_cast<float>(factors.red_v);
+    green_u_ = kUnit * static_cast<float>(factors.green_u);
+    green_v_ = kUnit * static_cast<float>(factors.green_v);
+    blue_u_ = kUnit * static_cast<float>(factors.blue_u);
   }
 
   /// Light of eight pixels inside the picture.
   [[nodiscard, gnu::always_inline]] LinearRgb8 at(Integer8 u, Integer8 v) const {
-    std::array<Integer8, 3> value;
-    if (color_space(frame_.format) == ColorSpace::kRgb) {
-      value = bytes_at(v * broadcast_integer(stride()) + u * broadcast_integer(step_));
-      if (first_is_blue_) value = {value[2], value[1], value[0]};
-    } else {
-      value = from_yuv(u, v);
+    if (is_yuv_) {
+      const LinearRgb8 value = from_yuv(u, v);
+      return {linear_light(value[0]), linear_light(value[1]), linear_light(value[2])};
     }
+    std::array<Integer8, 3> value = bytes_at(v * broadcast_integer(stride()) + u * broadcast_integer(step_));
+    if (first_is_blue_) value = {value[2], value[1], value[0]};
     return {linear_light(value[0]), linear_light(value[1]), linear_light(value[2])};
   }
 
@@ -53,7 +65,7 @@ class LinearRgbImage {
   [[nodiscard, gnu::always_inline]] LinearRgb8 nearest(Float8 u_px, Float8 v_px, Integer8& inside) const {
     // From the picture's corner. Clamped as floats, because points far outside exceed the range of int.
     const Float8 right = u_px + broadcast(0.5f), down = v_px + broadcast(0.5f), zero = broadcast(0.0f);
-    const Float8 width = broadcast(frame_.width_px), height = broadcast(frame_.height_px);
+    const Float8 width = broadcast(width_), height = broadcast(height_);
     inside = (right > zero) & (down > zero) & (right < width) & (down < height);
     const auto number = [zero](Float8 place, Float8 size) {
       return to_integers(min(max(place, zero), size - broadcast(1.0f)));
@@ -90,56 +102,51 @@ class LinearRgbImage {
 
   // A channel of a frame in YUV.
   struct Channel {
-    const std::uint8_t* plane = nullptr;
-    std::int32_t stride = 0, offset = 0, step = 1, shift_u = 0, shift_v = 0;
+    const std::uint8_t* first = nullptr;
+    std::int32_t stride = 0, step = 1, shift_u = 0, shift_v = 0;
     std::int32_t last_word = 0;  // where the last four bytes of the plane begin; negative: it has fewer
   };
 
-  [[nodiscard, gnu::always_inline]] static Integer8 samples(const Channel& channel, Integer8 u, Integer8 v) {
-    const Integer8 at = (v >> channel.shift_v) * broadcast_integer(channel.stride) +
-                        (u >> channel.shift_u) * broadcast_integer(channel.step) + broadcast_integer(channel.offset);
+  [[nodiscard, gnu::always_inline]] static Integer8 place(const Channel& channel, Integer8 u, Integer8 v) {
+    return (v >> channel.shift_v) * broadcast_integer(channel.stride) +
+           (u >> channel.shift_u) * broadcast_integer(channel.step);
+  }
+
+  [[nodiscard, gnu::always_inline]] static Float8 samples(const Channel& channel, Integer8 at) {
 #if defined(TOUCHLINE_SIMD_AVX2)
     // Reads four bytes per sample, but none beyond the plane.
-    if (channel.last_word >= 0) {
-      const Integer8 end = broadcast_integer(channel.last_word), early = at < end;
-      const Integer8 from = (early & at) | (~early & end);
-      const auto* const words = reinterpret_cast<const int*>(channel.plane);
-      const __m256i four = _mm256_i32gather_epi32(words, __builtin_bit_cast(__m256i, from), 1);
-      return (__builtin_bit_cast(Integer8, four) >> ((at - from) << 3)) & broadcast_integer(255);
+    if (const Integer8 beyond = broadcast_integer(channel.last_word) < at; !any(beyond)) {
+      const auto* const words = reinterpret_cast<const int*>(channel.first);
+      const __m256i four = _mm256_i32gather_epi32(words, __builtin_bit_cast(__m256i, at), 1);
+      return to_floats(__builtin_bit_cast(Integer8, four) & broadcast_integer(255));
     }
 #endif
     StoredInteger8 place, value;
     store(at, place);
-    for (std::size_t i = 0; i < kLanes; ++i) value.value[i] = channel.plane[place.value[i]];
-    return load(value);
+    for (std::size_t i = 0; i < kLanes; ++i) value.value[i] = channel.first[place.value[i]];
+    return to_floats(load(value));
   }
 
-  [[nodiscard, gnu::always_inline]] static Integer8 limited_to_byte(Integer8 value) {
-    const Integer8 positive = value & ~(value < broadcast_integer(0)), most = broadcast_integer(255);
-    const Integer8 is_byte = positive < most;
-    return (is_byte & positive) | (~is_byte & most);
-  }
-
-  // As to_rgb8().
-  [[nodiscard, gnu::always_inline]] std::array<Integer8, 3> from_yuv(Integer8 u, Integer8 v) const {
-    const ColorSpace space = color_space(frame_.format);
-    const YuvToRgb factors = yuv_to_rgb(space);
-    std::array<Integer8, 3> yuv;
-    TOUCHLINE_UNROLL for (std::size_t c = 0; c < 3; ++c) {
-      yuv[c] = samples(channel_[c], u, v) - broadcast_integer(black_value(space, c));
-    }
-    const Integer8 luma = broadcast_integer(factors.luma) * yuv[0] + broadcast_integer(YuvToRgb::kOne / 2);
-    return {
-        limited_to_byte((luma + broadcast_integer(factors.red_v) * yuv[2]) >> 10),
-        limited_to_byte(
-            (luma - broadcast_integer(factors.green_u) * yuv[1] - broadcast_integer(factors.green_v) * yuv[2]) >> 10),
-        limited_to_byte((luma + broadcast_integer(factors.blue_u) * yuv[1]) >> 10)};
+  // R, G and B from 0 to 1; to_rgb8() rounds them.
+  [[nodiscard, gnu::always_inline]] LinearRgb8 from_yuv(Integer8 u, Integer8 v) const {
+    const Float8 middle = broadcast(static_cast<float>(black_value(ColorSpace::kYuv, 1)));
+    const Integer8 at_blue = place(channel_[1], u, v);
+    const Integer8 at_red = channel_[2].stride == channel_[1].stride ? at_blue : place(channel_[2], u, v);
+    const Float8 luma = broadcast(luma_) * samples(channel_[0], place(channel_[0], u, v)) - broadcast(black_);
+    const Float8 blue = samples(channel_[1], at_blue) - middle, red = samples(channel_[2], at_red) - middle;
+    return {clamp_to_unit(luma + broadcast(red_v_) * red),
+            clamp_to_unit(luma - broadcast(green_u_) * blue - broadcast(green_v_) * red),
+            clamp_to_unit(luma + broadcast(blue_u_) * blue)};
   }
 
   Frame frame_;
+  float width_, height_;
+  bool is_yuv_;
   std::int32_t step_;  // bytes of a pixel, in RGB
   bool first_is_blue_;
-  std::array<Channel, 3> channel_;  // in YUV
+  // In YUV: the channels, and the conversion to R, G and B from 0 to 1.
+  std::array<Channel, 3> channel_;
+  float luma_ = 0, black_ = 0, red_v_ = 0, green_u_ = 0, green_v_ = 0, blue_u_ = 0;
 };
 
 }  // namespace TOUCHLINE_SIMD

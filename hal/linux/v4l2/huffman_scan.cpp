@@ -99,10 +99,8 @@ bool HuffmanScan::read_segment() {
   }
   rest_ = {from, end};
   std::memset(bytes_.data() + number, 0, kPadding);
-  at_ = bytes_.data();
-  limit_ = at_ + number + 8;
-  bits_ = 0;
-  count_ = 0;
+  bits_ = {.at = bytes_.data()};
+  limit_ = bits_.at + number + 8;
   return true;
 }
 

@@ -65,26 +65,11 @@ class HuffmanScan {
   /// Number of the last coefficient in zigzag order, or a negative number if the data are damaged. Writes the first
   /// coefficient and those that are not 0, in rows.
   int read_block(const HuffmanCode& first, const HuffmanCode& others, std::uint32_t& first_value, Block& block) {
-    if (at_ > limit_) return -1;
-    refill();
-    const HuffmanCode::Coefficient difference = next(first);
-    if (difference.bits == 0) return -1;
-    first_value += static_cast<std::uint32_t>(difference.value);
-    block[0] = static_cast<std::int16_t>(first_value);
-    constexpr int kBetweenRefills = 4;
-    static_assert((1 + kBetweenRefills) * HuffmanCode::kShortBits <= kLeastBits);
-    for (unsigned last = 0;; refill()) {
-#pragma GCC unroll 4
-      for (int i = 0; i < kBetweenRefills; ++i) {
-        const HuffmanCode::Coefficient other = next(others);
-        if (other.bits == 0) return -1;
-        if (other.advance == HuffmanCode::kEndOfBlock) return static_cast<int>(last);
-        last += other.advance;
-        if (last >= block.size()) return -1;
-        block[kZigzag[last]] = other.value;
-        if (last == block.size() - 1) return static_cast<int>(last);
-      }
-    }
+    if (bits_.at > limit_) return -1;
+    Bits bits = bits_;  // a local variable stays in registers
+    const int last = read_block(first, others, first_value, block, bits);
+    bits_ = bits;
+    return last;
   }
 
  private:
@@ -96,45 +81,73 @@ class HuffmanScan {
                                                         35, 42, 49, 56, 57, 50, 43, 36, 29, 22, 15, 23, 30, 37, 44, 51,
                                                         58, 59, 52, 45, 38, 31, 39, 46, 53, 60, 61, 54, 47, 55, 62, 63};
 
-  static constexpr unsigned kLeastBits = 56;
-  // Fills the buffer with at least kLeastBits bits, without a branch (Giesen, "Reading bits in far too many ways", part
-  // 2).
-  void refill() {
-    std::uint64_t next = 0;
-    std::memcpy(&next, at_, sizeof(next));
-    if constexpr (std::endian::native == std::endian::little) next = __builtin_bswap64(next);
-    bits_ |= next >> count_;
-    at_ += (63 - count_) >> 3;
-    count_ |= kLeastBits;
-  }
-  // Needs kShortBits in the buffer, and uses no more of them; or leaves a full buffer.
-  HuffmanCode::Coefficient next(const HuffmanCode& code) {
-    HuffmanCode::Coefficient found = code.find_short(bits_);
-    if (found.bits != 0) {
+  struct Bits {
+    static constexpr unsigned kLeast = 56;
+
+    const std::uint8_t* at = nullptr;
+    std::uint64_t next = 0;  // from the highest bit
+    unsigned count = 0;      // of valid bits
+
+    // Fills `next` with at least kLeast bits, without a branch (Giesen, "Reading bits in far too many ways", part 2).
+    void refill() {
+      std::uint64_t word = 0;
+      std::memcpy(&word, at, sizeof(word));
+      if constexpr (std::endian::native == std::endian::little) word = __builtin_bswap64(word);
+      next |= word >> count;
+      at += (63 - count) >> 3;
+      count |= kLeast;
+    }
+    void skip(unsigned bits) {
+      next <<= bits;
+      count -= bits;
+    }
+    // Needs kShortBits, and uses no more of them; or refills.
+    HuffmanCode::Coefficient take(const HuffmanCode& code) {
+      HuffmanCode::Coefficient found = code.find_short(next);
+      if (found.bits != 0) {
+        skip(found.bits);
+        return found;
+      }
+      refill();
+      found = code.find_long(next);
       skip(found.bits);
+      refill();
       return found;
     }
-    refill();
-    found = code.find_long(bits_);
-    skip(found.bits);
-    refill();
-    return found;
-  }
-  void skip(unsigned bits) {
-    bits_ <<= bits;
-    count_ -= bits;
+  };
+
+  [[gnu::always_inline]] static int read_block(const HuffmanCode& first, const HuffmanCode& others,
+                                               std::uint32_t& first_value, Block& block, Bits& bits) {
+    bits.refill();
+    const HuffmanCode::Coefficient difference = bits.take(first);
+    if (difference.bits == 0) return -1;
+    first_value += static_cast<std::uint32_t>(difference.value);
+    block[0] = static_cast<std::int16_t>(first_value);
+    constexpr int kBetweenRefills = 4;
+    static_assert((1 + kBetweenRefills) * HuffmanCode::kShortBits <= Bits::kLeast);
+    for (unsigned last = 0;; bits.refill()) {
+#pragma GCC unroll 4
+      for (int i = 0; i < kBetweenRefills; ++i) {
+        const HuffmanCode::Coefficient other = bits.take(others);
+        if (other.bits == 0) return -1;
+        if (other.advance == HuffmanCode::kEndOfBlock) return static_cast<int>(last);
+        last += other.advance;
+        if (last >= block.size()) return -1;
+        block[kZigzag[last]] = other.value;
+        if (last == block.size() - 1) return static_cast<int>(last);
+      }
+    }
   }
   [[nodiscard]] bool is_segment_complete() const {
-    return 8 * (at_ - bytes_.data()) - static_cast<std::ptrdiff_t>(count_) <= 8 * (limit_ - 8 - bytes_.data());
+    return 8 * (bits_.at - bytes_.data()) - static_cast<std::ptrdiff_t>(bits_.count) <=
+           8 * (limit_ - 8 - bytes_.data());
   }
   [[nodiscard]] bool read_segment();
 
   std::span<const std::uint8_t> rest_;  // of the data
   std::vector<std::uint8_t> bytes_;     // of the segment, without the zeros after 0xff
-  const std::uint8_t* at_ = nullptr;
+  Bits bits_;
   const std::uint8_t* limit_ = nullptr;  // eight bytes beyond the segment
-  std::uint64_t bits_ = 0;               // the next ones, from the highest
-  unsigned count_ = 0;                   // of valid bits
   std::uint8_t marker_ = 0;              // after the segment
   std::uint8_t restarts_ = 0;
 };

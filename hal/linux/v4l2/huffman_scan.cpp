@@ -15,11 +15,11 @@ bool HuffmanCode::set(Kind kind, std::span<const std::uint8_t, 17> counts, std::
   is_valid_ = false;
   std::uint32_t code = 0;
   std::int32_t number = 0;
-  for (unsigned bits = 1; bits <= 16; ++bits) {
+  for (unsigned bits = 1; bits <= kMostCodeBits; ++bits) {
     offset_[bits] = number - static_cast<std::int32_t>(code);
     code += counts_[bits];
     number += counts_[bits];
-    limit_[bits] = code << (16 - bits);
+    limit_[bits] = code << (kMostCodeBits - bits);
     if (code > 1u << bits || number > 256) return false;
     code <<= 1;
   }
@@ -33,19 +33,36 @@ bool HuffmanCode::set(Kind kind, std::span<const std::uint8_t, 17> counts, std::
 
 void HuffmanCode::fill_table() {
   for (std::size_t index = 0; index < table_.size(); ++index) {
-    const Coefficient found = find_long(std::uint64_t{index} << (64 - kShortBits));
-    table_[index] = found.bits <= kShortBits ? found : Coefficient{};
+    const std::uint64_t bits = std::uint64_t{index} << (64 - kShortBits);
+    const unsigned length = length_at(bits, 1);
+    if (length > kShortBits) {
+      table_[index] = {};
+      continue;
+    }
+    const Coefficient found = decoded(symbol_at(bits, length), length, bits << length);
+    table_[index] = found;
+    if (found.bits > kShortBits) table_[index] = {symbol_at(bits, length), 0, static_cast<std::uint8_t>(length)};
   }
 }
 
-HuffmanCode::Coefficient HuffmanCode::find_long(std::uint64_t bits) const {
+unsigned HuffmanCode::length_at(std::uint64_t bits, unsigned least) const {
   const auto first = static_cast<std::uint32_t>(bits >> 48);
-  for (unsigned length = 1; length <= 16; ++length) {
-    if (first >= limit_[length]) continue;
-    const std::int32_t number = offset_[length] + static_cast<std::int32_t>(first >> (16 - length));
-    return decoded(symbols_[static_cast<std::uint8_t>(number)], length, bits << length);
-  }
-  return {};
+  unsigned length = least;
+  while (length <= kMostCodeBits && first >= limit_[length]) ++length;
+  return length;
+}
+
+std::uint8_t HuffmanCode::symbol_at(std::uint64_t bits, unsigned length) const {
+  return symbols_[static_cast<std::uint8_t>(offset_[length] + static_cast<std::int32_t>(bits >> (64 - length)))];
+}
+
+HuffmanCode::Coefficient HuffmanCode::find_long(std::uint64_t bits) const {
+  // Mostly, the code is short and only its value is long.
+  const Coefficient known = find_short(bits);
+  if (known.advance > 0) return decoded(static_cast<std::uint8_t>(known.value), known.advance, bits << known.advance);
+  const unsigned length = length_at(bits, kShortBits + 1);
+  if (length > kMostCodeBits) return {};
+  return decoded(symbol_at(bits, length), length, bits << length);
 }
 
 HuffmanCode::Coefficient HuffmanCode::decoded(std::uint8_t symbol, unsigned code_bits, std::uint64_t after) const {

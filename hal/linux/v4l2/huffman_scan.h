@@ -31,11 +31,16 @@ class HuffmanCode {
   bool set(Kind kind, std::span<const std::uint8_t, 17> counts, std::span<const std::uint8_t, 256> symbols);
   /// The coefficient at the beginning of 64 bits, if it has at most kShortBits.
   [[nodiscard]] Coefficient find_short(std::uint64_t bits) const { return table_[bits >> (64 - kShortBits)]; }
-  /// Any coefficient. kMostBits of the bits must be valid.
+  /// One that find_short() did not find. kMostBits of the bits must be valid.
   [[nodiscard]] Coefficient find_long(std::uint64_t bits) const;
 
  private:
+  static constexpr unsigned kMostCodeBits = 16;
+
   void fill_table();
+  // The length of the code at the beginning of `bits`, at least `least`. Above kMostCodeBits: there is no such code.
+  [[nodiscard]] unsigned length_at(std::uint64_t bits, unsigned least) const;
+  [[nodiscard]] std::uint8_t symbol_at(std::uint64_t bits, unsigned length) const;
   [[nodiscard]] Coefficient decoded(std::uint8_t symbol, unsigned code_bits, std::uint64_t after) const;
 
   Kind kind_ = Kind::kFirst;
@@ -45,6 +50,8 @@ class HuffmanCode {
   // By length of a code: the first larger value of 16 bits, and the difference between symbol number and code.
   std::array<std::uint32_t, 17> limit_{};
   std::array<std::int32_t, 17> offset_{};
+  // By the next bits: a coefficient; or with 0 bits, the symbol and the length of a code whose value is longer; or
+  // zeros.
   std::array<Coefficient, 1u << kShortBits> table_{};
 };
 

@@ -59,8 +59,9 @@ constexpr float kBesidePx = 1.0f;
 // The first iteration leaves at most a tenth of its step as error. After a short step the rest is below the noise.
 constexpr int kMaxPatchIterations = 2;
 constexpr float kShortStepPx = 0.05f;
-// After a longer step the edges cross other pixels, so they are sampled again.
-constexpr float kSameEdgePx = 0.2f;
+// After a longer step the edges cross other pixels, so they are sampled again. The pixels that a wide ramp gains or
+// loses by half a pixel lie on its flat ends, where they tell a fiftieth of what all tell.
+constexpr float kSameEdgePx = 0.2f, kSameSharedEdgePx = 0.5f;
 
 float dot(const std::array<float, 3>& a, const std::array<float, 3>& b) {
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
@@ -104,6 +105,7 @@ class PatchCenterFit::Solver {
     view_.v_by_y = (left.v_px - right.v_px) / layout_.robot_side_m;
     view_.scale_px_per_m = std::sqrt(std::abs(view_.u_by_x * view_.v_by_y - view_.u_by_y * view_.v_by_x));
     const bool shared = is_yuv(color_space(frame.format));
+    same_edge_px_ = shared ? kSameSharedEdgePx : kSameEdgePx;
     view_.ramp_m = std::min(shared ? kSharedChromaPx : ramp_px, 0.5f * narrowest_px()) / view_.scale_px_per_m;
     view_.beside_px = kBesidePx;
     view_.bayer = bayer;
@@ -169,7 +171,7 @@ class PatchCenterFit::Solver {
     unevenness_at_start_ = unevenness_;
     float step_px = 2.0f * kShortStepPx;
     for (int iteration = 0; iteration < kMaxPatchIterations && step_px > kShortStepPx; ++iteration) {
-      if (iteration > 0 && step_px > kSameEdgePx && !sample_all()) return false;
+      if (iteration > 0 && step_px > same_edge_px_ && !sample_all()) return false;
       const Targets before = targets_;
       worst_coverage_ = 0;
       error_ = camera_noise_ = 0;
@@ -343,6 +345,7 @@ class PatchCenterFit::Solver {
   const FixedVector<BlurredOutline, kMaxPatches>& outlines_;
   const Frame& frame_;
   bool is_bayer_;
+  float same_edge_px_;
   std::array<PatchEdge, kMaxPatches>& edges_;
   MarkerView view_;
   float unevenness_at_start_ = 0;  // of the first samples, at the centers of the regions

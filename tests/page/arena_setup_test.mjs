@@ -125,7 +125,7 @@ test('the field is found, undone with one key, and saved after its difference wa
     await page.waitForSelector('[data-error-map]');
 
     await page.click('[data-save]');
-    await page.waitForSelector('[data-save-panel] .added:has-text("line_width_m")');
+    await page.waitForSelector('[data-save-panel] .added:has-text("fx_px")');
     assert.equal(await venue(), before, 'nothing is written before the differences were shown');
     await page.click('[data-confirm-save]:not([disabled])');
     await page.waitForSelector('[data-message]:has-text("Saved")');

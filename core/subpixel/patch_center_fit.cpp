@@ -38,6 +38,9 @@ constexpr float kNegligible = 1e-8f;  // squared light
 // walls and the sides of robots make this light no better known than it is large; other errors are 0.1 of the patch's
 // light.
 constexpr float kHalfWeightSurroundings = 0.1f;
+// Standard deviation of a center, each axis, where most pixels on the edges are doubted because of their surroundings:
+// where a line begins beside the robot is known less exactly than that. Measured with robots beside the arena's goals.
+constexpr float kDoubtedPx = 0.03f;
 // A region's centroid rarely has an error of one pixel. A larger correction means that something else was fitted.
 constexpr float kMaxCorrectionPx = 2.0f;
 // RMS error of the covered fraction of edge pixels. Up to the first value the fit is used, beyond the second it is not.
@@ -242,7 +245,7 @@ class PatchCenterFit::Solver {
                                 view_.scale_px_per_m);
     }
     std::array<float, 3> noise_px2, all_px2;  // of the center: of each color, and with errors that colors share
-    std::array<float, 3> foreign_px2;         // the part of the surroundings
+    std::array<float, 3> foreign;             // mean squared light of the surroundings, relative to the patch's
     for (std::size_t i = 0; i < 3; ++i) {
       const float light = target.excess[i] * target.excess[i] + kNegligible;
       const float count = inside.count[i];
@@ -250,8 +253,8 @@ class PatchCenterFit::Solver {
       const float repeated = is_bayer_ ? kPixelsPerMeasured[i] : 1.0f;
       noise_px2[i] = repeated * kEdgeNoise * own / (light * slopes);
       const float shared = (is_bayer_ ? kMeasuredLeak : kSharedLeak) * power;
-      foreign_px2[i] = repeated * kSurroundingsError * inside.foreign[i] / edge / (light * slopes);
-      all_px2[i] = noise_px2[i] + foreign_px2[i] + shared / (light * slopes);
+      foreign[i] = inside.foreign[i] / (edge * light);
+      all_px2[i] = noise_px2[i] + (repeated * kSurroundingsError * foreign[i] + shared / light) / slopes;
     }
     const std::array<float, 3> weights = channel_weights(sampling, all_px2);
     const BayerSampling::Axes by_sampling = sampling_variance(sampling, weights);
@@ -260,7 +263,8 @@ class PatchCenterFit::Solver {
     for (std::size_t i = 0; i < 3; ++i) {
       target.along[i] = target.excess[i] / (target.excess[i] * target.excess[i] + kNegligible);
       by_noise += weights[i] * weights[i] * noise_px2[i];
-      by_surroundings += weights[i] * foreign_px2[i];
+      constexpr float kHalf = kHalfWeightSurroundings * kHalfWeightSurroundings;
+      by_surroundings += weights[i] * kDoubtedPx * kDoubtedPx * foreign[i] / (foreign[i] + kHalf);
       if (is_bayer_) {
         target.weight[i] = weights[i] * kPixelsPerMeasured[i];
         target.repeated += weights[i] * target.weight[i];

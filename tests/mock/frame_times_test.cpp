@@ -72,8 +72,6 @@ TEST_F(FrameTimes, CaptureTimeIsTheMiddleOfTheExposure) {
   arena->world().drive(0, 0.4, 0.4);
   go_to(0.3);
   skip_frames();
-  // A pixel has one sample at each instant of the exposure, so one frame shows an edge along the pixel grid less
-  // exactly than several.
   constexpr int kFrames = 10;
   double mean_u = 0, mean_v = 0;
   for (int i = 0; i < kFrames; ++i) {
@@ -86,7 +84,7 @@ TEST_F(FrameTimes, CaptureTimeIsTheMiddleOfTheExposure) {
     const double x_now = arena->world().snapshot().robots[0].x_m;
     const double x_then = x_now - 0.4 * seconds(arena->now() - frame.capture_time);
     const auto [u, v] = arena->lens().project({x_then, 0.1, parameters.robot_height_m});
-    EXPECT_NEAR(moments.u, u, 0.2);  // 0.4 m/s are 100 px/s: 2 ms
+    EXPECT_NEAR(moments.u, u, 0.15);  // 0.4 m/s are 100 px/s: 1.5 ms
     EXPECT_NEAR(moments.v, v, 0.15);
     mean_u += (moments.u - u) / kFrames;
     mean_v += (moments.v - v) / kFrames;

@@ -79,7 +79,7 @@ constexpr double kDegree = 0.017453292519943295;
 TEST_F(Scenes, Layouts) {
   const evaluate::PoseSummary seen = see("layouts").sightings;
   expect_all_seen(seen, 12);
-  expect_within(seen.position.rms, 0.0001, 0.0005, "position RMS, m");
+  expect_within(seen.position.rms, 0.0001, 0.0003, "position RMS, m");
   expect_within(seen.position.max, 0.0002, 0.001, "position max, m");
   expect_within(seen.angle.rms, 0.06 * kDegree, 0.15 * kDegree, "angle RMS, rad");
   expect_within(seen.angle.p95, 0.12 * kDegree, 0.35 * kDegree, "95 % of the angles, rad");
@@ -90,7 +90,7 @@ TEST_F(Scenes, Layouts) {
 TEST_F(Scenes, Samples) {
   const evaluate::PoseSummary seen = see("samples").sightings;
   expect_all_seen(seen, 6);
-  expect_within(seen.position.rms, 0.0001, 0.0005, "position RMS, m");
+  expect_within(seen.position.rms, 0.0001, 0.0003, "position RMS, m");
   expect_within(seen.angle.rms, 0.08 * kDegree, 0.2 * kDegree, "angle RMS, rad");
 }
 
@@ -98,7 +98,7 @@ TEST_F(Scenes, StationaryRobots) {
   const evaluate::PoseReport report = see("static");
   expect_all_seen(report.sightings, 12);
   expect_all_seen(report.tracks, 12);
-  expect_within(report.sightings.position.rms, 0.0001, 0.0005, "position RMS, m");
+  expect_within(report.sightings.position.rms, 0.0001, 0.0003, "position RMS, m");
   ASSERT_EQ(report.spread.size(), 11u);
   for (const evaluate::PoseSpread& spread : report.spread) {
     // The paper reports errors within 1 mm and 1 degree.

@@ -135,6 +135,33 @@ TEST(MotionEvaluation, RobotsBesideLines) {
   EXPECT_LT(rest.nees_angle, 1.8);
 }
 
+// Robots along the pixel grid, whose errors do not average out along an edge, beside the field's ends as goalkeepers.
+// What lines may add is part of the stated errors.
+TEST(MotionEvaluation, GoalkeepersBesideLines) {
+  const auto game = std::make_unique<RecordedGame>();
+  ASSERT_OK(game->load({kMockBoard, "", "", {"arena.opponents=stand"}}, 7));
+  game->drive(standing());
+  for (int layout = 0; layout < 20; ++layout) {
+    for (std::size_t i = 0; i < 10; ++i) {
+      const double side = i < 5 ? -1.0 : 1.0, row = static_cast<double>(i % 5) - 2.0;
+      game->world().place(i, {side * (1.008 + 0.002 * layout), 0.23 * row, side * 0.5 * std::numbers::pi - 0.01});
+    }
+    ASSERT_OK(game->skip(0.6));
+    ASSERT_OK(game->play(0.1));
+  }
+  const MotionReport report = evaluate_motion(*game);
+  print(report, std::cout);
+  const MotionRow& rest = row(report, "at rest");
+  EXPECT_GT(rest.tracked.count, 1000U);
+  expect_not_worse(rest);
+  constexpr double kDegree = std::numbers::pi / 180.0;
+  EXPECT_LT(rest.sighted_angle.p95, 0.6 * kDegree);
+  EXPECT_LT(rest.sighted.p95, 0.4e-3);
+  EXPECT_GT(rest.nees_angle, kLeast);
+  EXPECT_LT(rest.nees_angle, kMost);
+  EXPECT_LT(rest.nees_position, kMost);
+}
+
 // The ball at a wall, free or pinned by a robot that hides a part of it. The border begins under the ball; with one
 // light of the surroundings and an edge of fixed width, the errors were 2 to 3 mm.
 TEST(MotionEvaluation, TheBallAtAWall) {

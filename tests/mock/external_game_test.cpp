@@ -138,21 +138,29 @@ TEST_F(ExternalGame, HeightsOfTheRefereeReplaceThoseOfTheTeamFile) {
   EXPECT_GT(worst_error_m(), 0.01);
 }
 
-// The ball starts near the center, and nobody defends the other half.
+// The ball starts near the center, and nobody defends the other half. The ball is put back to the center after a goal.
 TEST_F(ExternalGame, SidesAreExchanged) {
   begin({"arena.opponents=stand"});
   RefereeState state;
   state.phase = GamePhase::kRunning;
   state.own_on_positive_half = true;
   put(state);
-  double least_x = 0.0, largest_x = 0.0;
+  double first_end_m = 0.0;  // x of the ball when it is first more than 0.5 m from the center line
+  int on_positive_half = 0, on_negative_half = 0;
   for (int i = 0; i < 60 * 15; ++i) {
     run(1);
-    least_x = std::min(least_x, static_cast<double>(tracks_.ball.position.x_m));
-    largest_x = std::max(largest_x, static_cast<double>(tracks_.ball.position.x_m));
+    const double x_m = static_cast<double>(tracks_.ball.position.x_m);
+    if (first_end_m == 0.0 && std::abs(x_m) > 0.5) first_end_m = x_m;
+    on_positive_half += x_m > 0.0 ? 1 : 0;
+    on_negative_half += x_m < 0.0 ? 1 : 0;
   }
-  EXPECT_LT(least_x, -0.5);
-  EXPECT_LT(largest_x, 0.5);
+  EXPECT_LT(first_end_m, -0.5);
+  EXPECT_GT(on_negative_half, on_positive_half);
+  double last_robot_x_m = 0.0;
+  for (const RobotTrack& robot : tracks_.robots) {
+    if (robot.team == Team::kOwn) last_robot_x_m = std::max(last_robot_x_m, position(robot.pose).x);
+  }
+  EXPECT_GT(last_robot_x_m, 0.8) << "the goalkeeper";
 }
 
 }  // namespace

@@ -170,9 +170,9 @@ static ColorBoxes widened_by(std::uint8_t levels, const ColorBoxes& boxes) {
   return widened;
 }
 
-bool is_pale_box_valid(const ColorBoxes& moved, const ColorBoxes& boxes) {
+bool have_moved_within(std::uint8_t levels, const ColorBoxes& moved, const ColorBoxes& boxes) {
   if (moved.size() != boxes.size()) return false;
-  const ColorBoxes widest = widened_by(kPaleShiftLimit, boxes);
+  const ColorBoxes widest = widened_by(levels, boxes);
   for (std::size_t i = 0; i < moved.size(); ++i) {
     for (std::size_t c = 0; c < 3; ++c) {
       if (moved[i].low[c] < widest[i].low[c] || moved[i].high[c] > widest[i].high[c]) return false;
@@ -195,8 +195,7 @@ void BackgroundRanges::build(PixelFormat format, const ColorBoxes& boxes, std::u
   dark_ = ranges_of(dark);
   usual_ = usual.exists ? ranges_of(usual) : dark_;
   if (!has_pale_) return;
-  const BackgroundBox pale =
-      find_pale_box(widened_by(std::min(box_shift_limit, kPaleShiftLimit), boxes), color_space(format), background);
+  const BackgroundBox pale = find_pale_box(widened, color_space(format), background);
   has_pale_ = pale.exists;
   pale_ = ranges_of(pale);
 }

@@ -29,11 +29,8 @@ BackgroundBox find_background_box(const ColorBoxes& boxes, ColorSpace space, con
 /// brightness. It finds what surrounds a field, and lines. It contains the same value as find_background_box().
 BackgroundBox find_pale_box(const ColorBoxes& boxes, ColorSpace space, const TypicalBackground& background = {});
 
-/// The pale box of BackgroundRanges leaves less room to color boxes that move than the other one: with as much, boxes
-/// on both sides of grey leave nothing between them.
-constexpr std::uint8_t kPaleShiftLimit = 4;
-/// Whether no box has moved farther than that from `boxes`, to which it belongs by its place in the list.
-bool is_pale_box_valid(const ColorBoxes& moved, const ColorBoxes& boxes);
+/// Whether no box has moved by more than `levels` from `boxes`, to which it belongs by its place in the list.
+bool have_moved_within(std::uint8_t levels, const ColorBoxes& moved, const ColorBoxes& boxes);
 
 /// An interval of values, bounds inclusive. Empty: low is above high.
 struct ValueRange {
@@ -68,13 +65,13 @@ constexpr std::array<std::uint8_t, 3> background_bytes(PixelFormat format) {
 /// The background box of each light level, in pixel values before correction.
 class BackgroundRanges {
  public:
-  /// Finds the background box for color boxes that may later move by up to `box_shift_limit` levels. A typical
-  /// background that a moved color box can contain counts as unknown.
+  /// Finds the background box and, in YUV, the pale box for color boxes that may later move by up to `box_shift_limit`
+  /// levels. A typical background that a moved color box can contain counts as unknown.
   void build(PixelFormat format, const ColorBoxes& boxes, std::uint8_t box_shift_limit,
              const TypicalBackground& background = {});
   [[nodiscard]] TileParameters of(const std::array<std::uint8_t, 3>& level) const;
-  /// The values that the pale box, found for color boxes that move by up to kPaleShiftLimit, contains at each of these
-  /// light levels, as background of `pale`; its levels are undefined. False: there are none, or the format is RGB.
+  /// The values that the pale box contains at each of these light levels, as background of `pale`; its levels are
+  /// undefined. False: there are none, or the format is RGB.
   [[nodiscard]] bool find_pale(std::span<const TileParameters> tiles, TileParameters& pale) const;
   [[nodiscard]] bool exist() const { return exist_; }
   /// Whether all ranges begin at 0. This holds in RGB if the typical background is unknown or dark.

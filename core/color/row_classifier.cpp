@@ -4,6 +4,10 @@
 
 namespace touchline {
 
+// Levels by which boxes may move and still count as near. With much more, boxes on both sides of grey can leave nothing
+// between them.
+static constexpr std::uint8_t kNearShift = 4;
+
 Status RowClassifier::configure(PixelFormat format, std::uint16_t width_px, std::uint16_t height_px,
                                 const ColorBoxes& boxes, const LightMap& light, KernelChoice kernel,
                                 std::uint8_t box_shift_limit, const TypicalBackground& background) {
@@ -14,10 +18,11 @@ Status RowClassifier::configure(PixelFormat format, std::uint16_t width_px, std:
   width_px_ = width_px;
   height_px_ = height_px;
   background_.build(format, boxes, box_shift_limit, background);
+  near_background_.build(format, boxes, std::min(box_shift_limit, kNearShift), background);
   boxes_ = boxes;
-  is_pale_valid_ = true;
-  tiles_[0] = background_.of({kNeutralLevel, kNeutralLevel, kNeutralLevel});
-  has_pale_[0] = background_.find_pale({tiles_.data(), 1}, pale_[0]);
+  are_boxes_near_ = true;
+  tiles_[0].level = {kNeutralLevel, kNeutralLevel, kNeutralLevel};
+  find_background(0);
   for (std::uint16_t row = 0; shading_.active() && row < shading_.rows(); ++row) update_tiles(row, nullptr, nullptr);
   nibbles_.build(tables_, boxes.size());
   choice_ = kernel;
@@ -34,11 +39,19 @@ void RowClassifier::update_tiles(std::uint16_t tile_row, const LightChange* chan
     } else {
       for (std::size_t c = 0; c < 3; ++c) level[c] = shading_.level(c, column, tile_row);
     }
-    tiles[column] = background_.of(level);
+    tiles[column].level = {level[0], level[1], level[2]};
   }
+  find_background(tile_row);
+}
+
+void RowClassifier::find_background(std::uint16_t tile_row) {
+  const BackgroundRanges& ranges = are_boxes_near_ ? near_background_ : background_;
+  const std::size_t columns = shading_.active() ? shading_.columns() : 1, first = tile_row * columns;
+  const std::span<TileParameters> tiles(&tiles_[first], columns);
+  for (std::size_t i = 0; i < columns; ++i) tiles[i] = ranges.of(levels_of_tile(first + i));
   has_one_light_[tile_row] =
-      std::all_of(tiles, tiles + shading_.columns(), [&](const TileParameters& tile) { return tile == *tiles; });
-  has_pale_[tile_row] = background_.find_pale({tiles, shading_.columns()}, pale_[tile_row]);
+      std::all_of(tiles.begin(), tiles.end(), [&](const TileParameters& tile) { return tile == tiles.front(); });
+  has_pale_[tile_row] = ranges.find_pale(tiles, pale_[tile_row]);
 }
 
 void RowClassifier::apply_light_change(const LightChange& change, const FieldLight& field, std::uint16_t tile_row) {
@@ -47,8 +60,12 @@ void RowClassifier::apply_light_change(const LightChange& change, const FieldLig
 }
 
 void RowClassifier::rebuild_tables(const ColorBoxes& boxes, std::size_t channel, std::uint8_t level) {
-  // Tables of other levels may keep such a box after this one has moved back.
-  if (!is_pale_box_valid(boxes, boxes_)) is_pale_valid_ = false;
+  // Not near again when they move back: tables of other levels may not have followed.
+  if (are_boxes_near_ && !have_moved_within(kNearShift, boxes, boxes_)) {
+    are_boxes_near_ = false;
+    const std::uint16_t rows = shading_.active() ? shading_.rows() : 1;
+    for (std::uint16_t row = 0; row < rows; ++row) find_background(row);
+  }
   tables_.rebuild(boxes, channel, level);
   nibbles_.rebuild(tables_, boxes.size(), channel, level);
 }
@@ -72,14 +89,15 @@ OccupiedWords RowClassifier::classify(const Frame& frame, std::uint16_t v, std::
 
   const std::size_t tile_row = shading_.active() ? v / kTileHeight : 0, first_tile = tile_row * shading_.columns();
   const bool has_one_light = shading_.active() && has_one_light_[tile_row];
+  const BackgroundRanges& background = are_boxes_near_ ? near_background_ : background_;
   const SpanTables tables = {&tables_,
                              &nibbles_,
                              &tiles_[first_tile],
                              !shading_.active(),
-                             background_.exist(),
-                             background_.begin_at_zero(),
+                             background.exist(),
+                             background.begin_at_zero(),
                              has_one_light,
-                             is_pale_valid_ && has_pale_[tile_row] ? &pale_[tile_row] : nullptr};
+                             has_pale_[tile_row] ? &pale_[tile_row] : nullptr};
   return kernel_(tables, row, begin, end, colors);
 }
 

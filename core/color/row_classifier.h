@@ -51,6 +51,8 @@ class RowClassifier {
  private:
   // Null: no change since the light map was made.
   void update_tiles(std::uint16_t tile_row, const LightChange* change, const FieldLight* field);
+  // Finds the background of a row's tiles at their light levels.
+  void find_background(std::uint16_t tile_row);
 
   SpanKernel kernel_ = nullptr;
   KernelChoice choice_ = KernelChoice::kFastest;
@@ -59,11 +61,12 @@ class RowClassifier {
   ColorTables tables_;
   NibbleTables nibbles_;
   Shading shading_;
-  BackgroundRanges background_;
+  // For boxes that move as far as they may, and for boxes that stay near, which leave more room to the background.
+  BackgroundRanges background_, near_background_;
+  bool are_boxes_near_ = false;                     // all of them stayed near since configure()
   std::array<TileParameters, kMaxTiles> tiles_{};   // without a light map, the first applies to all columns
   std::array<bool, kMaxTileRows> has_one_light_{};  // all tiles of the row are equal
   ColorBoxes boxes_;                                // as configured
-  bool is_pale_valid_ = false;                      // no box has moved farther than the pale box allows
   std::array<bool, kMaxTileRows> has_pale_{};       // without a light map, the first of both applies to all rows
   std::array<TileParameters, kMaxTileRows> pale_{};
 };

@@ -64,6 +64,27 @@ TEST(BoxLearning, StaysAwayFromTheBackground) {
   EXPECT_EQ(caught(learned, 1, input.colors[0].pixels), 1.0);
 }
 
+TEST(BoxLearning, KeepsHalfOfTheDistanceBeyondTheLargestMargin) {
+  LearningInput input;
+  input.colors = {{"a", cloud({120, 120, 120}, 5, 2000, 1)}};
+  input.background = cloud({60, 120, 120}, 5, 100000, 2);
+  const Result<LearnedColors> result = learn_boxes(input, {});
+  ASSERT_TRUE(result.ok()) << result.text();
+  EXPECT_NEAR(result.value().boxes[0].low[0], 90, 2);  // half the distance from 115 to 65
+}
+
+// Where brown has grown halfway to the floor, it touches the green.
+TEST(BoxLearning, KeepsHalfOfTheDistanceBehindAnotherBox) {
+  LearningInput input;
+  input.colors = {{"brown", cloud({115, 68, 37}, 10, 2000, 1)}, {"green", cloud({26, 152, 58}, 10, 2000, 2)}};
+  input.background = cloud({58, 61, 59}, 6, 100000, 3);
+  const Result<LearnedColors> result = learn_boxes(input, {});
+  ASSERT_TRUE(result.ok()) << result.text();
+  const ColorBox& brown = result.value().boxes[0];
+  EXPECT_GT(result.value().boxes[1].high[0], 66) << "the green is touched";
+  EXPECT_NEAR(brown.low[0], 85, 2);  // half the distance from 105 to 64
+}
+
 TEST(BoxLearning, SplitsAColorBesideAnotherOne) {
   // Two slanted clouds, like colors under increasing light: a single box around one would include the other.
   std::vector<Channels> first, second;

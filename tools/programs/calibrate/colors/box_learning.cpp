@@ -49,40 +49,60 @@ class Grower {
  private:
   // Moves a side by one level, or stops it.
   bool step(Growing& g, std::size_t side, const std::vector<Growing>& all) const {
-    const int now = side_value(g.box, side), next = side % 2 == 0 ? now - 1 : now + 1;
-    if (next < 0 || next > 255 || std::abs(next - side_value(g.core, side)) > rules_.max_margin) {
-      g.stopped[side] = true;
+    const int next = side_value(g.box, side) + outwards(side);
+    g.stopped[side] = true;
+    if (next < 0 || next > 255) return false;
+    const ColorBox slab = slab_at(g.box, side, next);
+    const bool touches = std::any_of(all.begin(), all.end(), [&](const Growing& other) {
+      return other.box.color != g.box.color && boxes_overlap(other.box, slab);
+    });
+    const bool is_widest = std::abs(next - side_value(g.core, side)) > rules_.max_margin;
+    if (touches || is_widest || !take(g, slab)) {
+      keep_half(g, side);
       return false;
     }
-    ColorBox slab = g.box;
-    set_side(slab, side, next);
-    set_side(slab, side ^ 1, next);
-    for (const Growing& other : all) {
-      if (other.box.color != g.box.color && boxes_overlap(other.box, slab)) {
-        g.stopped[side] = true;  // two boxes touch
-        return false;
-      }
-    }
-    bool met = false;
+    g.stopped[side] = false;
+    set_side(g.box, side, next);
+    return true;
+  }
+
+  // Adds the slab's samples to what the box has caught, unless they would be too many.
+  bool take(Growing& g, const ColorBox& slab) const {
     const double background = count_in(input_.background, slab);
-    met |= g.caught_background + background > rules_.background_share * background_total_;
+    bool met = g.caught_background + background > rules_.background_share * background_total_;
     std::vector<double> other(color_total_.size());
     for (std::size_t c = 0; c < color_total_.size(); ++c) {
       if (c + 1 == g.box.color) continue;
       other[c] = count_in(input_.colors[c].pixels, slab);
       met |= g.caught_other[c] + other[c] > rules_.other_share * color_total_[c];
     }
-    if (met) {
-      // Keeps half of the distance to the samples, so that both colors have the same tolerance against changes.
-      const int core = side_value(g.core, side);
-      set_side(g.box, side, core + (now - core) / 2);
-      g.stopped[side] = true;
-      return false;
-    }
+    if (met) return false;
     g.caught_background += background;
     for (std::size_t c = 0; c < other.size(); ++c) g.caught_other[c] += other[c];
-    set_side(g.box, side, next);
     return true;
+  }
+
+  // A side that has stopped keeps at most half of its core's distance to samples in that direction, so that both colors
+  // have the same tolerance against changes.
+  void keep_half(Growing& g, std::size_t side) const {
+    const int core = side_value(g.core, side), margin = std::abs(side_value(g.box, side) - core);
+    Growing beyond = g;
+    for (int farther = margin; farther < 2 * margin; ++farther) {
+      const int next = core + outwards(side) * (farther + 1);
+      if (next < 0 || next > 255) return;
+      if (!take(beyond, slab_at(g.box, side, next))) {
+        set_side(g.box, side, core + outwards(side) * (farther / 2));
+        return;
+      }
+    }
+  }
+
+  static int outwards(std::size_t side) { return side % 2 == 0 ? -1 : 1; }
+  // The plane of the box's size where its side would be at `value`.
+  static ColorBox slab_at(ColorBox box, std::size_t side, int value) {
+    set_side(box, side, value);
+    set_side(box, side ^ 1, value);
+    return box;
   }
 
   const LearningInput& input_;

@@ -75,7 +75,7 @@ class ExternalGame : public ::testing::Test {
 };
 
 TEST_F(ExternalGame, WhenAStrategyEndsItsRobotStopsAndTheOthersPlayOn) {
-  begin({});
+  begin({"arena.opponents=stand"});  // they would push it
   run(30);
   for (int i = 0; i < 60; ++i) {
     ExternalCommand command;
@@ -91,10 +91,15 @@ TEST_F(ExternalGame, WhenAStrategyEndsItsRobotStopsAndTheOthersPlayOn) {
   // The age limit is 12 frames. After as many more, the robot has stopped.
   run(25);
   way_m_ = {};
-  run(180);
-  EXPECT_LT(way_m_[2], 0.1) << "but for pushes";
+  run(60);
+  EXPECT_LT(way_m_[2], 0.01);
+  run(120);
   for (const RobotCommand& robot : sent_.robots) {
     EXPECT_EQ(robot.source, robot.id == 2 ? CommandSource::kExpired : CommandSource::kPlay);
+    if (robot.id == 2) {
+      EXPECT_EQ(robot.twist.v_mps, 0.0f);
+      EXPECT_EQ(robot.twist.w_radps, 0.0f);
+    }
   }
   EXPECT_GT(way_m_[0] + way_m_[1] + way_m_[3] + way_m_[4], 0.5);
   EXPECT_EQ(session_.loop().statistics().external.commands_expired, 1U);

@@ -56,9 +56,14 @@ class Grower {
     const bool touches = std::any_of(all.begin(), all.end(), [&](const Growing& other) {
       return other.box.color != g.box.color && boxes_overlap(other.box, slab);
     });
-    const bool is_widest = std::abs(next - side_value(g.core, side)) > rules_.max_margin;
-    if (touches || is_widest || !take(g, slab)) {
-      keep_half(g, side);
+    if (touches || std::abs(next - side_value(g.core, side)) > rules_.max_margin) {
+      keep_away_from_background(g, side);
+      return false;
+    }
+    if (!take(g, slab)) {
+      // Keeps half of the distance to the samples, so that both colors have the same tolerance against changes.
+      const int core = side_value(g.core, side);
+      set_side(g.box, side, core + (side_value(g.box, side) - core) / 2);
       return false;
     }
     g.stopped[side] = false;
@@ -82,18 +87,19 @@ class Grower {
     return true;
   }
 
-  // A side that has stopped keeps at most half of its core's distance to samples in that direction, so that both colors
-  // have the same tolerance against changes.
-  void keep_half(Growing& g, std::size_t side) const {
+  // A side that has met no samples may still have background right behind it, which needs room for light that changes.
+  // Other colors have a box of their own.
+  void keep_away_from_background(Growing& g, std::size_t side) const {
+    constexpr int kRoom = 10;
     const int core = side_value(g.core, side), margin = std::abs(side_value(g.box, side) - core);
-    Growing beyond = g;
-    for (int farther = margin; farther < 2 * margin; ++farther) {
-      const int next = core + outwards(side) * (farther + 1);
+    double caught = g.caught_background;
+    for (int distance = margin; distance < std::min(2 * margin, margin + kRoom); ++distance) {
+      const int next = core + outwards(side) * (distance + 1);
       if (next < 0 || next > 255) return;
-      if (!take(beyond, slab_at(g.box, side, next))) {
-        set_side(g.box, side, core + outwards(side) * (farther / 2));
-        return;
-      }
+      caught += count_in(input_.background, slab_at(g.box, side, next));
+      if (caught <= rules_.background_share * background_total_) continue;
+      set_side(g.box, side, core + outwards(side) * std::max(distance / 2, distance - kRoom));
+      return;
     }
   }
 

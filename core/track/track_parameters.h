@@ -10,10 +10,11 @@ namespace touchline {
 
 /// The filter of one robot, eq. (4)-(9).
 struct RobotFilterParameters {
-  double position_sigma_m = 0.000042;
-  double heading_sigma_rad = 0.00125;
+  double position_sigma_m = 0.00003;
+  double heading_sigma_rad = 0.0009;
   double position_jitter_m = 0.000005;
   double heading_jitter_rad = 0.0001;
+  double motion_sigma_s = 0.000045;
   double patch_sigma_m = 0.025;
   double wheel_lag_s = 0.08;
   double tire_grip_mps2 = 7.8;
@@ -62,6 +63,12 @@ struct RobotFilterParameters {
                   .range = {1e-5, 1.0},
                   .unit = "rad",
                   .help = "The same of a sighted heading; noise.robot_heading_rad adds to it"});
+    visit.number(self.motion_sigma_s,
+                 {.name = "motion_sigma_s",
+                  .range = {0.0, 0.1},
+                  .unit = "s",
+                  .help = "Standard deviation of a moving robot's sighted position per speed, by motion blur and the "
+                          "time stamp; the heading's grows in proportion"});
     visit.number(self.patch_sigma_m,
                  {.name = "patch_sigma_m",
                   .range = {1e-4, 0.2},

@@ -73,6 +73,18 @@ SightingNoise noise_of(const RobotSighting& sighting, const RobotFilterParameter
   return noise;
 }
 
+// Blur displaces patches against each other, as other errors of their centers do. It lasts while the robot moves as
+// now.
+void add_motion(const RobotSighting& sighting, const Twist& twist, double sigma_s, PoseCovariance& lasting) {
+  const auto by_speed = static_cast<float>(sigma_s) * twist.v_mps,
+             by_turn = static_cast<float>(sigma_s) * twist.w_radps;
+  const float position = by_speed * by_speed, of_picture = sighting.noise.xx + sighting.noise.yy;
+  lasting.xx += position;
+  lasting.yy += position;
+  lasting.tt += by_turn * by_turn;
+  if (of_picture > 0.0f) lasting.tt += 2.0f * position * sighting.noise.tt / of_picture;
+}
+
 PoseCovariance sum_of(const SightingNoise& noise) {
   const PoseCovariance &a = noise.white, &b = noise.lasting;
   return {a.xx + b.xx, a.yy + b.yy, a.tt + b.tt, a.xy + b.xy, a.xt + b.xt, a.yt + b.yt};
@@ -166,7 +178,8 @@ void TrackedRobot::look_ahead(Instant from, Instant to, const CommandHistory* co
 // A sighting that free motion cannot explain may show that the robot collided since the last one. One that is pushed,
 // moves sideways, which the model excludes: if several sightings surprise, the prediction counts less (fading memory).
 bool TrackedRobot::fuse_pose(const RobotSighting& sighting, Instant now, const RobotFilterParameters& parameters) {
-  const SightingNoise errors = noise_of(sighting, parameters);
+  SightingNoise errors = noise_of(sighting, parameters);
+  add_motion(sighting, drive_.twist(), parameters.motion_sigma_s, errors.lasting);
   const PoseCovariance& noise = errors.white;
   RobotMotion drive = drive_;
   drive.renew_lasting_error(sighting.pose, errors);

@@ -234,5 +234,36 @@ TEST(Activity, InnovationsOfADrivingOpponentAreAsLargeAsPredictedAndBrakingIsSee
   EXPECT_LT(largest.speed_error_mps, 0.15);
 }
 
+// Standard deviations of an opponent's track after two seconds of straight driving.
+std::array<float, 3> sigma_at(double speed_mps, double motion_sigma_s) {
+  Tracker tracker;
+  TrackParameters parameters;
+  parameters.robot.motion_sigma_s = motion_sigma_s;
+  EXPECT_TRUE(tracker.configure(parameters).ok());
+  Tracks tracks;
+  for (int k = 0; k < 120; ++k) {
+    const auto x_m = static_cast<float>(speed_mps * k * kPeriod_s - 1.0);
+    RobotSighting sighting = sighting_of(Team::kOpponent, 3, {{x_m, 0.2f}, 0.0f});
+    sighting.noise = sighting_noise(1e-4, 2e-3);
+    Sightings sightings;
+    sightings.robots.push_back(sighting);
+    tracker.update(sightings, at(k * kPeriod_s), at(k * kPeriod_s), tracks);
+  }
+  EXPECT_EQ(tracks.robots.size(), 1U);
+  return tracks.robots[0].sigma;
+}
+
+TEST(MotionNoise, GrowsWithTheSpeedAndTheHeadingsInProportion) {
+  const std::array<float, 3> standing = sigma_at(0.0, 1e-3), without = sigma_at(0.0, 0.0);
+  const std::array<float, 3> half = sigma_at(0.5, 1e-3), fast = sigma_at(1.0, 1e-3), exact = sigma_at(1.0, 0.0);
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_NEAR(standing[i], without[i], 1e-2f * without[i]);
+    EXPECT_GT(fast[i], 4.0f * exact[i]);
+    EXPECT_GT(fast[i], 1.5f * half[i]);
+  }
+  EXPECT_NEAR(fast[2] / fast[0], 2e-3 / 1e-4, 6.0) << "as in the picture";
+  EXPECT_LT(fast[0], 1e-3f);
+}
+
 }  // namespace
 }  // namespace touchline

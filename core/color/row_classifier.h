@@ -25,7 +25,7 @@ class RowClassifier {
 
   /// Update the light of one row of tiles to the sum of both changes (Shading::level; no effect without a light map),
   /// and the tables of one channel and light level (ColorTables::rebuild). Call them between two frames, one part at a
-  /// time to bound the time.
+  /// time to bound the time. The first box that moves by more than a few levels updates all tiles, once.
   void apply_light_change(const LightChange& change, const FieldLight& field, std::uint16_t tile_row);
   void rebuild_tables(const ColorBoxes& boxes, std::size_t channel, std::uint8_t level);
 

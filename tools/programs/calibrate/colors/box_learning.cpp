@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <map>
 
+#include "core/adaptation.h"
 #include "tools/programs/calibrate/colors/box_separation.h"
 #include "tools/programs/calibrate/colors/initial_boxes.h"
 #include "tools/programs/calibrate/colors/light_boxes.h"
@@ -87,18 +88,17 @@ class Grower {
     return true;
   }
 
-  // A side that has met no samples may still have background right behind it, which needs room for light that changes.
+  // A side that has met no samples may still have background right behind it, and boxes move while the light changes.
   // Other colors have a box of their own.
   void keep_away_from_background(Growing& g, std::size_t side) const {
-    constexpr int kRoom = 10;
     const int core = side_value(g.core, side), margin = std::abs(side_value(g.box, side) - core);
     double caught = g.caught_background;
-    for (int distance = margin; distance < std::min(2 * margin, margin + kRoom); ++distance) {
+    for (int distance = margin; distance < std::min(2 * margin, margin + room_); ++distance) {
       const int next = core + outwards(side) * (distance + 1);
       if (next < 0 || next > 255) return;
       caught += count_in(input_.background, slab_at(g.box, side, next));
       if (caught <= rules_.background_share * background_total_) continue;
-      set_side(g.box, side, core + outwards(side) * std::max(distance / 2, distance - kRoom));
+      set_side(g.box, side, core + outwards(side) * std::max(distance / 2, distance - room_));
       return;
     }
   }
@@ -113,6 +113,7 @@ class Grower {
 
   const LearningInput& input_;
   const LearningRules& rules_;
+  const int room_ = static_cast<int>(AdaptationParameters{}.most_shift);  // by so much boxes may move in a game
   double background_total_ = 0;
   std::vector<double> color_total_;
 };

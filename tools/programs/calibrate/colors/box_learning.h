@@ -63,10 +63,10 @@ struct LearnedColors {
 /// Learns color boxes from samples. Each color starts with a core box (percentiles). If the core contains pixels of
 /// another color or of the background, the color is split into several boxes; cores that still overlap are cut where
 /// the loss is least. Then all boxes grow together, level by level. A side that meets samples keeps half of that
-/// distance, one that meets another box leaves some room to background behind it. Team colors get further boxes for
-/// other light (light_boxes()), for which identification colors make room. kOutOfRange: no colors, or more than
-/// kMaxColors. kNotFound: a color without pixels. kFull: more boxes than kMaxColorBoxes. kInconsistent: two colors
-/// cannot be distinguished. The message names the color.
+/// distance, one that meets another box or has the largest margin leaves background behind it the room by which boxes
+/// may move in a game. Team colors get further boxes for other light (light_boxes()), for which identification colors
+/// make room. kOutOfRange: no colors, or more than kMaxColors. kNotFound: a color without pixels. kFull: more boxes
+/// than kMaxColorBoxes. kInconsistent: two colors cannot be distinguished. The message names the color.
 Result<LearnedColors> learn_boxes(const LearningInput& input, const LearningRules& rules);
 
 }  // namespace touchline::calibrate

@@ -67,8 +67,8 @@ struct RobotFilterParameters {
                  {.name = "motion_sigma_s",
                   .range = {0.0, 0.1},
                   .unit = "s",
-                  .help = "Standard deviation of a moving robot's sighted position per speed, by motion blur and the "
-                          "time stamp; the heading's grows in proportion"});
+                  .help = "Error of a moving robot's sighting by motion blur and the time stamp: speed times this is "
+                          "its standard deviation, that of the heading grows in proportion"});
     visit.number(self.patch_sigma_m,
                  {.name = "patch_sigma_m",
                   .range = {1e-4, 0.2},

@@ -73,8 +73,8 @@ SightingNoise noise_of(const RobotSighting& sighting, const RobotFilterParameter
   return noise;
 }
 
-// Blur displaces patches against each other, as other errors of their centers do. It lasts while the robot moves as
-// now.
+// Motion blur displaces each patch center by itself: the heading's variance grows in the ratio that the picture's noise
+// has. The time stamp displaces the position along the way, and the heading by the turn.
 void add_motion(const RobotSighting& sighting, const Twist& twist, double sigma_s, PoseCovariance& lasting) {
   const auto by_speed = static_cast<float>(sigma_s) * twist.v_mps,
              by_turn = static_cast<float>(sigma_s) * twist.w_radps;

@@ -90,6 +90,8 @@ void PatchFinder::configure(const CameraModel& camera, const FieldParameters& fi
   field_ = field;
   least_scale_px_per_m_ = std::numeric_limits<float>::max();
   largest_scale_px_per_m_ = 0;
+  constexpr float kMost = std::numeric_limits<float>::max();
+  PixelPoint low{kMost, kMost}, high{-kMost, -kMost};
   const float half_length_m = 0.5f * field.length_m + field.goal_depth_m + field.margin_m;
   for (const float x : {-1.0f, 0.0f, 1.0f}) {
     for (const float y : {-1.0f, 0.0f, 1.0f}) {
@@ -97,8 +99,12 @@ void PatchFinder::configure(const CameraModel& camera, const FieldParameters& fi
       const float scale = camera.scale_px_per_m(point, 0.0f);
       least_scale_px_per_m_ = std::min(least_scale_px_per_m_, scale);
       largest_scale_px_per_m_ = std::max(largest_scale_px_per_m_, scale);
+      const PixelPoint seen = camera.to_pixel(point, 0.0f);
+      low = {std::min(low.u_px, seen.u_px), std::min(low.v_px, seen.v_px)};
+      high = {std::max(high.u_px, seen.u_px), std::max(high.v_px, seen.v_px)};
     }
   }
+  places_.configure(camera, low, high);
 }
 
 // True for a region that is too small for a partly visible patch anywhere on the field.
@@ -135,6 +141,13 @@ void PatchFinder::place(const PatchKind& kind, PatchCandidate& patch) const {
   if (kind.height_m[other] != height) patch.at[other] = camera_.to_field(patch.center, kind.height_m[other]);
 }
 
+void PatchFinder::place_roughly(const PatchKind& kind, PatchCandidate& patch) const {
+  for (std::size_t team = 0; team < patch.at.size(); ++team) {
+    // What lies outside of the table is at the field's border.
+    if (!places_.find(patch.center, kind.height_m[team], patch.at[team])) return place(kind, patch);
+  }
+}
+
 void PatchFinder::find_scale(const PatchKind& kind, PatchCandidate& patch) const {
   patch.scale_px_per_m = camera_.scale_px_per_m(patch.at[kind.plane], kind.height_m[kind.plane]);
 }
@@ -162,7 +175,7 @@ void PatchFinder::examine(const PatchKind& kind, const Runs& runs, const Regions
   patch.area_px = static_cast<float>(region.area_px);
   patch.region = number;
   patch.color = region.color;
-  place(kind, patch);
+  is_small ? place_roughly(kind, patch) : place(kind, patch);
   if (!inside_field(field_, patch.at[kind.plane])) {
     verdicts.verdicts[number] = Verdict::kOutsideField;
     return;

@@ -5,6 +5,7 @@
 
 #include "core/geometry/camera_model.h"
 #include "core/geometry/field_area.h"
+#include "core/geometry/place_table.h"
 #include "core/marker/marker_layout.h"
 #include "core/marker/region_shape.h"
 #include "core/types.h"
@@ -87,6 +88,8 @@ class PatchFinder {
                       const PatchCandidate& whole, float ratio_to_largest, SplitBudget& budget,
                       ColorPatches& out) const;
   void place(const PatchKind& kind, PatchCandidate& patch) const;
+  // As place(), to a fraction of a pixel. Enough for the distances of a fragment to others.
+  void place_roughly(const PatchKind& kind, PatchCandidate& patch) const;
   void find_scale(const PatchKind& kind, PatchCandidate& patch) const;
   [[nodiscard]] bool is_fragment(const PatchKind& kind, const Region& region) const;
   [[nodiscard]] bool is_isolated_noise(const PatchKind& kind, const Regions& regions, std::uint16_t number,
@@ -97,6 +100,7 @@ class PatchFinder {
   float field_axis(const PatchKind& kind, const PatchCandidate& patch, const RegionShape& shape) const;
 
   CameraModel camera_;
+  PlaceTable places_;
   FieldParameters field_;
   float least_scale_px_per_m_ = 0, largest_scale_px_per_m_ = 0;  // extremes over the field, on the floor
 };

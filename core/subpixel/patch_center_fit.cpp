@@ -113,8 +113,7 @@ class PatchCenterFit::Solver {
     view_.beside_px = kBesidePx;
     view_.bayer = bayer;
     view_.middle = {0.5f * (front.u_px + back.u_px), 0.5f * (front.v_px + back.v_px)};
-    for (const PatchPlace& place : layout_.patches)
-      targets_.push_back({seen_at(place.x_m, place.y_m), {}, {}, {}, {}, {}, {}, 1.0f, 0, {}});
+    for (const PatchPlace& place : layout_.patches) targets_.push_back({.pixel = seen_at(place.x_m, place.y_m)});
   }
 
   // Returns the weight of the fit, 0 to 1.
@@ -153,16 +152,17 @@ class PatchCenterFit::Solver {
 
  private:
   struct Target {
-    PixelPoint pixel;              // center of the patch according to the pose
-    FieldPoint at;                 // offset from there along the outline's axes
-    std::array<float, 3> excess;   // light of the patch minus light of the top
-    std::array<float, 3> along;    // as in EdgeFitTask
-    std::array<float, 3> weight;   // as in EdgeFitTask
-    std::array<float, 3> doubted;  // as in EdgeFitTask
-    BayerSampling::Axes sampling;  // variance of `at` from sampling, the colors' noise and the surroundings
-    float repeated;                // variance of `at` relative to that of pixels that have the same weight
-    float camera_noise;            // variance of `at`, each axis, from the noise of its light
-    PointCovariance noise;         // of `at`
+    PixelPoint pixel;                // center of the patch according to the pose
+    FieldPoint at{};                 // offset from there along the outline's axes
+    float step_px = 0;               // of the last iteration
+    std::array<float, 3> excess{};   // light of the patch minus light of the top
+    std::array<float, 3> along{};    // as in EdgeFitTask
+    std::array<float, 3> weight{};   // as in EdgeFitTask
+    std::array<float, 3> doubted{};  // as in EdgeFitTask
+    BayerSampling::Axes sampling{};  // variance of `at` from sampling, the colors' noise and the surroundings
+    float repeated = 1;              // variance of `at` relative to that of pixels that have the same weight
+    float camera_noise = 0;          // variance of `at`, each axis, from the noise of its light
+    PointCovariance noise{};         // of `at`
   };
   using Targets = FixedVector<Target, kMaxPatches>;
 
@@ -170,32 +170,33 @@ class PatchCenterFit::Solver {
     if (!(view_.scale_px_per_m > 0.0f) || !std::isfinite(view_.scale_px_per_m)) return false;
     if (narrowest_px() < kMinWidthPx) return false;
     if (!find_top()) return false;
-    if (!sample_all()) return false;
+    for (std::size_t k = 0; k < targets_.size(); ++k) {
+      if (!sample(k)) return false;
+    }
     unevenness_at_start_ = unevenness_;
-    float step_px = 2.0f * kShortStepPx;
-    for (int iteration = 0; iteration < kMaxPatchIterations && step_px > kShortStepPx; ++iteration) {
-      if (iteration > 0 && step_px > same_edge_px_ && !sample_all()) return false;
+    float longest_px = 2.0f * kShortStepPx;
+    for (int iteration = 0; iteration < kMaxPatchIterations && longest_px > kShortStepPx; ++iteration) {
+      for (std::size_t k = 0; k < targets_.size(); ++k) {
+        if (targets_[k].step_px > same_edge_px_ && !sample(k)) return false;
+      }
       const Targets before = targets_;
       worst_coverage_ = 0;
       error_ = camera_noise_ = 0;
       widening_ = {};
-      step_px = 0;
+      longest_px = 0;
       for (std::size_t k = 0; k < targets_.size(); ++k) {
         if (!step(k, iteration == 0, before)) return false;
-        const FieldPoint now = targets_[k].at, then = before[k].at;
-        step_px = std::max(step_px, std::hypot(now.x_m - then.x_m, now.y_m - then.y_m) * view_.scale_px_per_m);
+        longest_px = std::max(longest_px, targets_[k].step_px);
       }
     }
     return true;
   }
 
-  bool sample_all() {
-    for (std::size_t k = 0; k < targets_.size(); ++k) {
-      ColorSums inside;
-      if (!kernel_.sample_patch(frame_, view_, {k, center(k), targets_[k].at}, inside, edges_[k])) return false;
-      if (!find_color(inside, k)) return false;
-    }
-    return true;
+  // Samples the pixels of patch k where it is now.
+  bool sample(std::size_t k) {
+    ColorSums inside;
+    return kernel_.sample_patch(frame_, view_, {k, center(k), targets_[k].at}, inside, edges_[k]) &&
+           find_color(inside, k);
   }
 
   // Offset of patch k in the robot's frame.
@@ -335,6 +336,7 @@ class PatchCenterFit::Solver {
     camera_noise_ += 2.0f * target.camera_noise;
     target.at.x_m += x;
     target.at.y_m += y;
+    target.step_px = std::hypot(x, y) * view_.scale_px_per_m;
     return std::hypot(target.at.x_m, target.at.y_m) * view_.scale_px_per_m <= kMaxCorrectionPx;
   }
 

@@ -229,7 +229,7 @@ inline bool sample_ball(const Frame& frame, const BallView& ball, BallDisk& disk
           [&](Float8 from_v) { return crossed(from_v, std::max(0.0f, 2.0f - reach)); })) {
     return false;
   }
-  const bool is_collected = pixels_of_ball.for_each_eight([&](Integer8 u, Integer8 v, Integer8 counts) {
+  const auto add = [&](Integer8 u, Integer8 v, Integer8 counts) {
     const Float8 from_u = to_floats(u) - broadcast(ball.center.u_px);
     const Float8 from_v = to_floats(v) - broadcast(ball.center.v_px);
     const Float8 x = broadcast(inverse[0]) * from_u + broadcast(inverse[1]) * from_v;
@@ -271,7 +271,8 @@ inline bool sample_ball(const Frame& frame, const BallView& ball, BallDisk& disk
     store(select(counts, one), pixels.counts);
     cover(ball, pixels);
     return true;
-  });
+  };
+  const bool is_collected = pixels_of_ball.edge().for_each_eight(add) && pixels_of_ball.inside().for_each_eight(add);
   if (is_collected) follow_lines(picture, ball, disk);
   return is_collected;
 }

@@ -95,11 +95,9 @@ class OutlinePixels {
     return true;
   }
 
-  /// Calls use(u, v, counts) for all pixels, as PixelList does.
-  template <class Use>
-  bool for_each_eight(Use use) {
-    return edge_.for_each_eight(use) && inside_.for_each_eight(use);
-  }
+  /// The pixels on the edge, of which a few may be completely covered or not touched, and those that are covered.
+  [[nodiscard]] PixelList& edge() { return edge_; }
+  [[nodiscard]] PixelList& inside() { return inside_; }
 
  private:
   // Of the columns [left, last], those in [inner, outer) are completely covered.

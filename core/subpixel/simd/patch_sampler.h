@@ -89,7 +89,10 @@ class PatchSampler {
     check_robot_edge(box);
     // Ranges of the rows between two parallel sides of a box, and inside the box.
     const auto between_sides = [](float by_u, Float8 at_center, float half) {
-      if (std::abs(by_u) * kFarPx < half) return ColumnRange{broadcast(-kFarPx), broadcast(kFarPx)};
+      if (std::abs(by_u) * kFarPx < half) {  // parallel to the row
+        const Float8 far = select(broadcast(half) >= abs(at_center), broadcast(kFarPx), broadcast(-kFarPx));
+        return ColumnRange{broadcast(0.0f) - far, far};
+      }
       const Float8 per_u = broadcast(1.0f / by_u);
       const Float8 a = (broadcast(-half) - at_center) * per_u, b = (broadcast(half) - at_center) * per_u;
       return ColumnRange{min(a, b), max(a, b)};
@@ -109,19 +112,43 @@ class PatchSampler {
             })) {
       return false;
     }
+    static_cast<void>(pixels.inside().for_each_eight([&](Integer8 u, Integer8 v, Integer8 counts) {
+      add_covered(counts, without_top(u, v), measured_at(u, v));
+      return true;
+    }));
     const float per_m = 1.0f / robot_.ramp_m;
-    return pixels.for_each_eight([&](Integer8 u, Integer8 v, Integer8 counts) {
+    return pixels.edge().for_each_eight([&](Integer8 u, Integer8 v, Integer8 counts) {
       const Float8 from_u = to_floats(u) - broadcast(patch_.center.u_px);
       const Float8 from_v = to_floats(v) - broadcast(patch_.center.v_px);
       const Float8 x = broadcast(x_by_u) * from_u + broadcast(x_by_v) * from_v;
       const Float8 y = broadcast(y_by_u) * from_u + broadcast(y_by_v) * from_v;
       const Float8 value = shape.at(x, y, per_m).value;
-      return add({x + broadcast(patch_.at.x_m), y + broadcast(patch_.at.y_m), picture_.at(u, v), measured_at(u, v)},
+      return add({x + broadcast(patch_.at.x_m), y + broadcast(patch_.at.y_m), without_top(u, v), measured_at(u, v)},
                  (value > broadcast(0.0f)) & counts, value < broadcast(1.0f));
     });
   }
 
-  // Eight pixels: places along the outline's axes, light, and masks of those that measured each color.
+  // Light of eight pixels, minus that of the robot's top.
+  [[nodiscard, gnu::always_inline]] LinearRgb8 without_top(Integer8 u, Integer8 v) const {
+    LinearRgb8 light = picture_.at(u, v);
+    TOUCHLINE_UNROLL for (std::size_t c = 0; c < 3; ++c) light[c] -= top_[c];
+    return light;
+  }
+
+  // Adds pixels that the patch covers completely. `measured`: masks of those that measured each color.
+  [[gnu::always_inline]] void add_covered(Integer8 whole, const LinearRgb8& light,
+                                          const std::array<Integer8, 3>& measured) {
+    TOUCHLINE_UNROLL for (std::size_t c = 0; c < 3; ++c) {
+      const Integer8 counts = whole & measured[c];
+      const Float8 inner = select(counts, light[c]);
+      sum_[c] += inner;
+      squares_[c] += inner * inner;
+      count_[c] += select(counts, broadcast(1.0f));
+    }
+  }
+
+  // Eight pixels: places along the outline's axes, light without that of the top, and masks of those that measured each
+  // color.
   struct Pixels {
     Float8 x, y;
     LinearRgb8 light;
@@ -148,18 +175,9 @@ class PatchSampler {
 
   [[gnu::always_inline]] bool add(const Pixels& shown, Integer8 seen, Integer8 in_part) {
     const Integer8 whole = seen & ~in_part, edge = seen & in_part;
-    LinearRgb8 light = shown.light;
-    TOUCHLINE_UNROLL for (std::size_t c = 0; c < 3; ++c) light[c] -= top_[c];
-    if (any(whole)) {
-      TOUCHLINE_UNROLL for (std::size_t c = 0; c < 3; ++c) {
-        const Integer8 counts = whole & shown.measured[c];
-        const Float8 inner = select(counts, light[c]);
-        sum_[c] += inner;
-        squares_[c] += inner * inner;
-        count_[c] += select(counts, broadcast(1.0f));
-      }
-    }
+    if (any(whole)) add_covered(whole, shown.light, shown.measured);
     if (!any(edge)) return true;
+    LinearRgb8 light = shown.light;
     if (edge_.full()) return false;
     edge_.resize(edge_.size() + 1);
     Surroundings around{broadcast(0.0f), edge};

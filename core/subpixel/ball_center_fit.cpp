@@ -44,8 +44,10 @@ constexpr float kErrorWithoutFit = 2.0f;
 // Largest correction in radii. Shading hides at most the side that the lamp does not reach.
 constexpr float kMaxCorrection = 0.6f;
 
-// Width of the outline: at the beginning, of one pixel with a sharp lens, and the largest one.
-constexpr float kFirstRampPx = 2.0f, kLeastRampPx = 1.2f, kMostRampPx = 2.8f;
+// Width of the outline: of one pixel with a sharp lens, and the largest one.
+// Part of the way to the outline of a new ball by which the width that fits begin with follows: it depends on the camera.
+constexpr float kFollow = 0.1f;
+constexpr float kLeastRampPx = 1.2f, kMostRampPx = 2.8f;
 // Pixels this far from a robot's top may still show it.
 constexpr float kHidingMarginPx = 0.3f;
 // A viewing ray that falls more steeply along a robot, in half sides, counts as vertical.
@@ -63,8 +65,8 @@ using Step = Eigen::Vector2f;
 class BallCenterFit::Solver {
  public:
   Solver(const FitKernel& kernel, const CameraModel& camera, float radius_m, const Frame& frame,
-         const BallSighting& ball, std::span<const RobotTop> tops, BallDisk& disk)
-      : kernel_(kernel), frame_(frame), disk_(disk), radius_m_(radius_m) {
+         const BallSighting& ball, float ramp_px, std::span<const RobotTop> tops, BallDisk& disk)
+      : kernel_(kernel), frame_(frame), disk_(disk), radius_m_(radius_m), first_ramp_px_(ramp_px) {
     // Two directions perpendicular to the line of sight: a horizontal one, and the one perpendicular to both.
     const Ray ray = camera.ray(ball.center);
     const std::array<float, 3>& d = ray.direction;
@@ -88,7 +90,7 @@ class BallCenterFit::Solver {
              {axis[1].v_px / determinant, -axis[1].u_px / determinant, -axis[0].v_px / determinant,
               axis[0].u_px / determinant},
              std::sqrt(std::abs(determinant)),
-             kFirstRampPx,
+             ramp_px,
              {},
              {}};
     const FieldPoint under = camera.to_field(ball.center, 0.0f);
@@ -121,6 +123,7 @@ class BallCenterFit::Solver {
     view_.center = best.center;
     fitting_ = best.fitting;
     sigma_ = best.sigma;
+    view_.ramp_px = best.ramp_px;
     const float moved = std::hypot(center().u_px - start.u_px, center().v_px - start.v_px);
     return moved <= kMaxCorrection * view_.radius_px &&
            fitting_ >= (view_.tops.empty() ? kMinFittingFraction : kMinFittingBesideTops);
@@ -129,17 +132,20 @@ class BallCenterFit::Solver {
   [[nodiscard]] PixelPoint center() const { return view_.center; }
   // Standard deviation of the center along each axis, in radii.
   [[nodiscard]] float sigma() const { return sigma_; }
+  // Width of the outline.
+  [[nodiscard]] float ramp_px() const { return view_.ramp_px; }
 
  private:
   struct Outcome {
     PixelPoint center;
     float fitting = 0, sigma = 0;  // fitting: 0 if there is no center
     float seen = 0;                // share of the ball that counts
+    float ramp_px = 0;
   };
 
   Outcome converge_from(PixelPoint start) {
     view_.center = start;
-    view_.ramp_px = kFirstRampPx;
+    view_.ramp_px = first_ramp_px_;
     moved_.setZero();
     found_.setZero();
     taken_.setZero();
@@ -149,7 +155,7 @@ class BallCenterFit::Solver {
     for (int iteration = 0; iteration < kMaxBallIterations && step_px > kConvergedPx; ++iteration) {
       if (!sample() || !shade() || !step(step_px)) return {};
     }
-    return {view_.center, fitting_, sigma_, seen_};
+    return {view_.center, fitting_, sigma_, seen_, view_.ramp_px};
   }
 
   // Adds a top that the ball reaches.
@@ -270,7 +276,7 @@ class BallCenterFit::Solver {
   const FitKernel& kernel_;
   const Frame& frame_;
   BallDisk& disk_;
-  float radius_m_;
+  float radius_m_, first_ramp_px_;
   BallView view_;
   float fitting_ = 0, sigma_ = 0, seen_ = 0;
   PixelPoint sampled_at_;
@@ -286,14 +292,16 @@ void BallCenterFit::configure(const BallParameters& ball, const CameraModel& cam
   kernel_ = &fit_kernel(kernel);
   ball_ = ball;
   camera_ = camera;
+  ramp_px_ = kFirstRampPx;
 }
 
 void BallCenterFit::refine(const Frame& frame, Sightings& sightings) {
   BallSighting& ball = sightings.ball;
   if (!ball.seen || frame.width_px < 2) return;
   const auto tops = tops_near(ball.position, camera_, robots_, sightings);
-  Solver fit(*kernel_, camera_, ball_.radius_m, frame, ball, {tops.data(), tops.size()}, disk_);
+  Solver fit(*kernel_, camera_, ball_.radius_m, frame, ball, ramp_px_, {tops.data(), tops.size()}, disk_);
   if (!fit.run()) return;
+  ramp_px_ += kFollow * (fit.ramp_px() - ramp_px_);
   ball.center = fit.center();
   ball.position = camera_.to_field(ball.center, ball_.radius_m);
   ball.sigma_m = fit.sigma() * ball_.radius_m;

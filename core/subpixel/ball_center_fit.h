@@ -43,10 +43,14 @@ class BallCenterFit {
  private:
   class Solver;
 
+  // At first, the width of one pixel and a Gaussian blur of 0.4 pixels.
+  static constexpr float kFirstRampPx = 2.0f;
+
   const FitKernel* kernel_ = nullptr;
   BallParameters ball_;
   CameraModel camera_;
   std::array<RobotSize, 2> robots_{};
+  float ramp_px_ = kFirstRampPx;  // width of the last ball's outline
   BallDisk disk_;
 };
 

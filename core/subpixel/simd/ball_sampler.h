@@ -102,29 +102,39 @@ inline Integer8 is_on_outline(const BallPixels& pixels) {
 // Finds the light of most of the surroundings, which is near that of the darkest or the brightest place around the
 // ball. False if the ball has no outline.
 inline bool find_most_frequent(const BallDisk& disk, std::array<float, kLightChannels>& most) {
-  const Float8 zero = broadcast(0.0f), one = broadcast(1.0f);
+  const Float8 zero = broadcast(0.0f);
   using Light = std::array<float, kLightChannels>;
-  float darkest = 1e9f, brightest = -1.0f;
-  std::array<Light, 2> ends{};
+  // The darkest and the brightest one of each lane, then of all lanes.
+  std::array<Float8, 2> sums{broadcast(1e9f), broadcast(-1.0f)};
+  std::array<LinearRgb8, 2> lights{};
   for (const BallPixels& pixels : disk) {
     if (!pixels.on_edge) continue;
-    StoredFloat8 sums, edge;
-    store(load(pixels.outside[0]) + load(pixels.outside[1]) + load(pixels.outside[2]), sums);
-    store(select(is_on_outline(pixels), one), edge);
-    for (std::size_t i = 0; i < kLanes; ++i) {
-      if (edge.value[i] == 0.0f) continue;
-      const Light light{pixels.outside[0].value[i], pixels.outside[1].value[i], pixels.outside[2].value[i]};
-      if (sums.value[i] < darkest) {
-        darkest = sums.value[i];
-        ends[0] = light;
-      }
-      if (sums.value[i] > brightest) {
-        brightest = sums.value[i];
-        ends[1] = light;
+    const LinearRgb8 light{load(pixels.outside[0]), load(pixels.outside[1]), load(pixels.outside[2])};
+    const Float8 sum = light[0] + light[1] + light[2];
+    const Integer8 edge = is_on_outline(pixels);
+    const std::array<Integer8, 2> beyond{edge & (sum < sums[0]), edge & (sum > sums[1])};
+    TOUCHLINE_UNROLL for (std::size_t end = 0; end < 2; ++end) {
+      sums[end] = select(beyond[end], sum, sums[end]);
+      TOUCHLINE_UNROLL for (std::size_t c = 0; c < kLightChannels; ++c) {
+        lights[end][c] = select(beyond[end], light[c], lights[end][c]);
       }
     }
   }
-  if (brightest < darkest) return false;
+  std::array<Light, 2> ends{};
+  std::array<float, 2> extreme{};
+  for (std::size_t end = 0; end < 2; ++end) {
+    StoredFloat8 sum, channel;
+    store(sums[end], sum);
+    const auto& value = sum.value;
+    const auto* const at =
+        end == 0 ? std::min_element(value.begin(), value.end()) : std::max_element(value.begin(), value.end());
+    extreme[end] = *at;
+    for (std::size_t c = 0; c < kLightChannels; ++c) {
+      store(lights[end][c], channel);
+      ends[end][c] = channel.value[static_cast<std::size_t>(at - value.begin())];
+    }
+  }
+  if (extreme[1] < extreme[0]) return false;
   float apart2 = 1e-6f;
   for (std::size_t c = 0; c < kLightChannels; ++c) apart2 += (ends[1][c] - ends[0][c]) * (ends[1][c] - ends[0][c]);
   const Float8 scale2 = broadcast(kOtherSurroundings * apart2);

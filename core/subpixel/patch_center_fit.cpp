@@ -43,6 +43,8 @@ constexpr float kHalfWeightSurroundings = 0.1f;
 constexpr float kDoubtedPx = 0.03f;
 // A region's centroid rarely has an error of one pixel. A larger correction means that something else was fitted.
 constexpr float kMaxCorrectionPx = 2.0f;
+// A centroid farther from where the layout says is not that of a whole patch.
+constexpr float kMaxBeginPx = 1.0f;
 // RMS error of the covered fraction of edge pixels. Up to the first value the fit is used, beyond the second it is not.
 // (Sharp edges under the ramp, noise and shared chroma leave 0.1; patches that are not quite where the layout says, or
 // rounded and under glare, leave up to 0.4, and their fitted centers are still far steadier than centroids.)
@@ -84,18 +86,19 @@ PoseCovariance of_mean(const PoseCovariance& a, float weight, const PoseCovarian
 // One robot in one picture.
 class PatchCenterFit::Solver {
  public:
-  Solver(const FitKernel& kernel, const Marker& marker, const CameraModel& camera, const Frame& frame, const Pose& pose,
-         const BayerPattern& bayer, float ramp_px, std::array<PatchEdge, kMaxPatches>& edges)
+  Solver(const FitKernel& kernel, const Marker& marker, const CameraModel& camera, const Frame& frame,
+         const RobotSighting& robot, const BayerPattern& bayer, float ramp_px,
+         std::array<PatchEdge, kMaxPatches>& edges)
       : kernel_(kernel),
         layout_(marker.layout),
         outlines_(marker.outlines),
         frame_(frame),
         is_bayer_(bayer.found),
         edges_(edges) {
-    const float c = std::cos(pose.theta_rad), s = std::sin(pose.theta_rad);
+    const float c = std::cos(robot.pose.theta_rad), s = std::sin(robot.pose.theta_rad);
+    const FieldPoint at = robot.pose.position;
     const auto seen_at = [&](float x_m, float y_m) {
-      return camera.to_pixel({pose.position.x_m + c * x_m - s * y_m, pose.position.y_m + s * x_m + c * y_m},
-                             layout_.height_m);
+      return camera.to_pixel({at.x_m + c * x_m - s * y_m, at.y_m + s * x_m + c * y_m}, layout_.height_m);
     };
     view_.layout = &layout_;
     view_.outlines = &outlines_;
@@ -114,6 +117,8 @@ class PatchCenterFit::Solver {
     view_.bayer = bayer;
     view_.middle = {0.5f * (front.u_px + back.u_px), 0.5f * (front.v_px + back.v_px)};
     for (const PatchPlace& place : layout_.patches) targets_.push_back({.pixel = seen_at(place.x_m, place.y_m)});
+    // The patches of real robots are not quite where the layout says, so each begins at its own centroid.
+    for (const PatchSighting& patch : robot.patches) begin_at(patch.center, patch.patch);
   }
 
   // Returns the weight of the fit, 0 to 1.
@@ -165,6 +170,16 @@ class PatchCenterFit::Solver {
     PointCovariance noise{};         // of `at`
   };
   using Targets = FixedVector<Target, kMaxPatches>;
+
+  // Moves patch k towards a place in the picture, by a pixel at most.
+  void begin_at(PixelPoint seen, std::size_t k) {
+    const float u = seen.u_px - targets_[k].pixel.u_px, v = seen.v_px - targets_[k].pixel.v_px;
+    const float part = std::min(1.0f, kMaxBeginPx / std::hypot(u, v));
+    const float per = part / (view_.u_by_x * view_.v_by_y - view_.u_by_y * view_.v_by_x);
+    const float x = per * (view_.v_by_y * u - view_.u_by_y * v), y = per * (view_.u_by_x * v - view_.v_by_x * u);
+    const float c = outlines_[k].cos(), s = outlines_[k].sin();
+    targets_[k].at = {c * x + s * y, c * y - s * x};
+  }
 
   bool converge() {
     if (!(view_.scale_px_per_m > 0.0f) || !std::isfinite(view_.scale_px_per_m)) return false;
@@ -388,7 +403,7 @@ void PatchCenterFit::refine(const Frame& frame, Sightings& sightings) {
     const Marker& marker = markers_[static_cast<std::size_t>(robot.team)];
     const std::size_t patches = marker.layout.patches.size();
     if (!robot.has_heading || patches < 2 || robot.patches.size() != patches) continue;
-    Solver fit(*kernel_, marker, camera_, frame, robot.pose, bayer_.pattern(), edge_width_.px(), edges_);
+    Solver fit(*kernel_, marker, camera_, frame, robot, bayer_.pattern(), edge_width_.px(), edges_);
     const float trust = fit.run();
     if (trust == 0.0f) continue;
     all.power += fit.widening().power;

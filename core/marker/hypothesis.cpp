@@ -57,6 +57,7 @@ class Search {
         table_(marking_),
         work_left_(work) {
     set_.fill(kMissing);
+    points_.push_back({place_of(layout_.patches[0]), patch_.at[team_]});
   }
 
   [[nodiscard]] int work_left() const { return work_left_; }
@@ -124,18 +125,28 @@ class Search {
     }
     const bool may_be_filled = slot + missing_left_ < slots_;
     if (may_be_filled) work_left_ -= static_cast<int>(neighbors_.size());
-    for (unsigned left = may_be_filled ? table_.candidates(slot, robot_) & ~unsigned{used_} : 0u; left != 0;
-         left &= left - 1) {
+    NeighborTable::Spreads added_m2;
+    unsigned left = 0;
+    if (may_be_filled) {
+      const auto free = static_cast<NeighborSet>(table_.candidates(slot, robot_) & ~unsigned{used_});
+      if (free != 0) {
+        left = table_.fitting(slot, free, {of_slot_.data(), slot}, 2 * gate_m_, most_spread_m2_ - spread_m2_[slot],
+                              added_m2);
+      }
+    }
+    for (; left != 0; left &= left - 1) {
       const auto i = static_cast<std::size_t>(std::countr_zero(left));
-      float added_m2 = 0;
-      if (!table_.fits(slot, i, {of_slot_.data(), slot}, 2 * gate_m_, added_m2)) continue;
-      spread_m2_[slot + 1] = spread_m2_[slot] + added_m2;
-      if (spread_m2_[slot + 1] > most_spread_m2_) continue;
+      spread_m2_[slot + 1] = spread_m2_[slot] + added_m2[i];
+      if (spread_m2_[slot + 1] > most_spread_m2_) continue;  // it fell since
       set_[slot] = neighbors_[i].number;
       of_slot_[slot] = static_cast<std::uint8_t>(i);
+      points_.push_back({place_of(layout_.patches[slot + 1]), patches_.identification[set_[slot]].at[team_]});
       used_ ^= static_cast<NeighborSet>(1u << i);
+      dull_ += neighbors_[i].is_partly_visible ? 1 : 0;
       fill_slot(slot + 1);
+      dull_ -= neighbors_[i].is_partly_visible ? 1 : 0;
       used_ ^= static_cast<NeighborSet>(1u << i);
+      points_.pop_back();
       if (exhausted_) return;
     }
     set_[slot] = kMissing;
@@ -159,29 +170,24 @@ class Search {
   void evaluate() {
     if (robot_ < 0 && is_of_a_known_robot()) return;
     work_left_ -= kEvaluationWork;
+    if (points_.size() < 2) return;
     Hypothesis h;
-    FixedVector<Correspondence, kMaxPatches> points;
-    points.push_back({place_of(layout_.patches[0]), patch_.at[team_]});
-    for (std::size_t s = 0; s < slots_; ++s) {
-      if (set_[s] == kMissing) continue;
-      points.push_back({place_of(layout_.patches[s + 1]), patches_.identification[set_[s]].at[team_]});
-    }
-    if (points.size() < 2) return;
     h.team_patch = static_cast<std::uint16_t>(index_);
     h.team = patches_.team[index_].team;
     h.robot = robot_;
-    h.seen = static_cast<std::uint8_t>(points.size() - 1);
+    h.seen = static_cast<std::uint8_t>(points_.size() - 1);
     h.identification = set_;
     if (patch_.is_partly_visible) {
-      evaluate_partly_visible(h, {points.data() + 1, points.size() - 1});
+      evaluate_partly_visible(h, {points_.data() + 1, points_.size() - 1});
       return;
     }
-    if (!fit_rigidly_within(gate_m_, {points.data(), points.size()}, h.fit)) return;
-    if (is_contradicted(RobotFrame(h.fit.pose))) return;
+    if (!fit_rigidly_within(gate_m_, {points_.data(), points_.size()}, h.fit)) return;
+    if (dull_ > 0 && is_contradicted(RobotFrame(h.fit.pose))) return;
     h.precise = h.fit.residual_m <= precise_gate_m(patch_.scale_px_per_m);
     const float sigma = sigma_m(patch_.scale_px_per_m);
-    const float n = static_cast<float>(points.size());
-    h.value = reward() - 0.5f * n * h.fit.residual_m * h.fit.residual_m / (sigma * sigma) -
+    const float n = static_cast<float>(points_.size()), dull = static_cast<float>(dull_);
+    h.value = kPatchReward * (n - 1 - (1 - kPartlyVisibleReward) * dull) -
+              0.5f * n * h.fit.residual_m * h.fit.residual_m / (sigma * sigma) -
               kForeignPatchPenalty * static_cast<float>(foreign_team_patches(h.fit.pose));
     if (robot_ >= 0) h.value += kIdentityReward;
     if (patch_.has_axis) {
@@ -215,15 +221,6 @@ class Search {
     const auto better = [](const Hypothesis& a, const Hypothesis& b) { return a.value > b.value; };
     std::rotate(std::upper_bound(found_.begin(), found_.end() - 1, h, better), found_.end() - 1, found_.end());
     if (found_.full()) limit_spread();
-  }
-
-  float reward() const {
-    float sum = 0;
-    for (std::size_t s = 0; s < slots_; ++s) {
-      if (set_[s] == kMissing) continue;
-      sum += patches_.identification[set_[s]].is_partly_visible ? kPartlyVisibleReward * kPatchReward : kPatchReward;
-    }
-    return sum;
   }
 
   // True if another color has nearly the same area at the place of a dull patch.
@@ -326,6 +323,9 @@ class Search {
   FixedVector<FieldPoint, kMaxTeamPatches> rivals_;
   std::array<std::uint16_t, kMaxPatches - 1> set_{};
   std::array<std::uint8_t, kMaxPatches - 1> of_slot_{};  // the same patches as neighbors
+  // The team patch and the patches of the set, and the number of partly visible ones among them.
+  FixedVector<Correspondence, kMaxPatches> points_;
+  int dull_ = 0;
   NeighborSet used_ = 0;
   std::int8_t robot_ = -1;
   std::size_t missing_ = 0, missing_left_ = 0;  // empty slots: in the whole set, and from the next slot on
@@ -360,7 +360,7 @@ bool add_hypotheses(const std::array<TeamMarking, 2>& teams, const PatchLists& p
 
 bool on_robot(const MarkerLayout& layout, FieldPoint point, float inset_m) {
   const float half = 0.5f * layout.robot_side_m - inset_m;
-  return std::abs(point.x_m) < half && std::abs(point.y_m) < half;
+  return std::max(std::abs(point.x_m), std::abs(point.y_m)) < half;
 }
 
 }  // namespace touchline

@@ -25,19 +25,22 @@ float NeighborTable::reach_m() const {
 
 void NeighborTable::compare(std::span<const Neighbor> neighbors, const PatchLists& patches, std::size_t team) {
   const std::size_t slots = marking_.layout.patches.size() - 1;
+  fours_ = (neighbors.size() + 3) / 4;
   for (std::size_t i = 0; i < neighbors.size(); ++i) {
     const PatchCandidate& patch = patches.identification[neighbors[i].number];
-    const float distance = from_team_patch_m_[i] = neighbors[i].distance_m;
+    const float distance = neighbors[i].distance_m;
     const auto bit = static_cast<NeighborSet>(1u << i);
     with_color_[patch.color] |= bit;
     for (std::size_t s = 0; s < slots; ++s) {
+      const float error = distance - expected_m_[s + 1][0];
+      value_of(from_team_patch_m2_[s], i) = error * error;
       if (distance <= window_[s].low_m || distance >= window_[s].high_m) continue;
       in_window_[s] |= bit;
       if (!patch.is_partly_visible && is_used_in_slot(s, patch.color)) of_any_robot_[s] |= bit;
     }
     for (std::size_t k = 0; k < i; ++k) {
       const PatchCandidate& other = patches.identification[neighbors[k].number];
-      seen_m_[i][k] = seen_m_[k][i] = distance_m(other.at[team], patch.at[team]);
+      value_of(seen_m_[i], k) = value_of(seen_m_[k], i) = distance_m(other.at[team], patch.at[team]);
     }
   }
 }

@@ -1,11 +1,12 @@
 #pragma once
 
 #include <array>
-#include <cmath>
 #include <cstdint>
+#include <cstring>
 #include <span>
 
 #include "core/marker/hypothesis.h"
+#include "core/marker/simd4.h"
 
 namespace touchline {
 
@@ -44,18 +45,26 @@ class NeighborTable {
   /// robot if it is negative; then they must be completely visible, too.
   [[nodiscard]] NeighborSet candidates(std::size_t slot, int robot) const;
 
-  /// False if the distance of neighbor i from a patch before it, `set` by slot, differs by more than `gate_m` from that
-  /// of the layout. `added_m2`: the squared differences of all its distances, summed.
-  bool fits(std::size_t slot, std::size_t i, std::span<const std::uint8_t> set, float gate_m, float& added_m2) const;
+  /// By neighbor: squared differences of its distances from other patches and those of the layout, summed.
+  using Spreads = std::array<float, kMaxNeighbors>;
+  /// The neighbors of `candidates` of which no distance from a patch of the slots before, `set`, differs by more than
+  /// `gate_m` from that of the layout, and whose spread is at most `most_m2`.
+  [[nodiscard]] NeighborSet fitting(std::size_t slot, NeighborSet candidates, std::span<const std::uint8_t> set,
+                                    float gate_m, float most_m2, Spreads& spreads_m2) const;
 
  private:
   [[nodiscard]] bool is_used_in_slot(std::size_t slot, ColorId color) const;
 
+  // Values of all neighbors, four at a time.
+  using Fours = std::array<Simd4<float>, kMaxNeighbors / 4>;
+  static float& value_of(Fours& values, std::size_t i) { return reinterpret_cast<float*>(values.data())[i]; }
+
   const TeamMarking& marking_;
   std::array<DistanceWindow, kMaxPatches> window_{};
   std::array<std::array<float, kMaxPatches>, kMaxPatches> expected_m_{};  // between patches of the layout
-  std::array<std::array<float, kMaxNeighbors>, kMaxNeighbors> seen_m_;    // between neighbors
-  std::array<float, kMaxNeighbors> from_team_patch_m_;
+  std::array<Fours, kMaxNeighbors> seen_m_{};                             // between neighbors
+  std::array<Fours, kMaxPatches - 1> from_team_patch_m2_{};  // by slot: squared difference of this distance
+  std::size_t fours_ = 0;                                    // that have neighbors
   std::array<NeighborSet, kMaxColors + 1> with_color_{};
   std::array<NeighborSet, kMaxPatches - 1> in_window_{}, of_any_robot_{};  // by slot
 };
@@ -66,17 +75,23 @@ inline NeighborSet NeighborTable::candidates(std::size_t slot, int robot) const 
   return static_cast<NeighborSet>(in_window_[slot] & with_color_[color]);
 }
 
-inline bool NeighborTable::fits(std::size_t slot, std::size_t i, std::span<const std::uint8_t> set, float gate_m,
-                                float& added_m2) const {
-  const auto squared = [](float x) { return x * x; };
-  added_m2 = squared(from_team_patch_m_[i] - expected_m_[slot + 1][0]);
-  for (std::size_t s = 0; s < set.size(); ++s) {
-    if (set[s] == kNone) continue;
-    const float error = seen_m_[set[s]][i] - expected_m_[slot + 1][s + 1];
-    if (std::abs(error) > gate_m) return false;
-    added_m2 += squared(error);
+inline NeighborSet NeighborTable::fitting(std::size_t slot, NeighborSet candidates, std::span<const std::uint8_t> set,
+                                          float gate_m, float most_m2, Spreads& spreads_m2) const {
+  unsigned fit = 0;
+  for (std::size_t four = 0; four < fours_; ++four) {
+    Simd4<float> spread = from_team_patch_m2_[slot][four];
+    Simd4<std::int32_t> is_within{-1, -1, -1, -1};
+    for (std::size_t s = 0; s < set.size(); ++s) {
+      if (set[s] == kNone) continue;
+      const Simd4<float> error = seen_m_[set[s]][four] - expected_m_[slot + 1][s + 1], square = error * error;
+      is_within &= square <= gate_m * gate_m;
+      spread += square;
+    }
+    is_within &= spread <= most_m2;
+    std::memcpy(&spreads_m2[4 * four], &spread, sizeof spread);
+    fit |= bits_of(is_within) << 4 * four;
   }
-  return true;
+  return static_cast<NeighborSet>(fit & candidates);
 }
 
 }  // namespace touchline

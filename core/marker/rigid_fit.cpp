@@ -38,7 +38,9 @@ struct Moments {
     const FieldPoint place{mean[0], mean[1]}, seen{mean[2], mean[3]};
     RigidFit fit;
     fit.pose.theta_rad = wrap_angle(std::atan2(across, along));
-    const float c = std::cos(fit.pose.theta_rad), s = std::sin(fit.pose.theta_rad);
+    const float length = std::sqrt(along * along + across * across);
+    // Points in one place have any direction.
+    const float c = length > 0.0f ? along / length : 1.0f, s = length > 0.0f ? across / length : 0.0f;
     fit.pose.position = {seen.x_m - (c * place.x_m - s * place.y_m), seen.y_m - (s * place.x_m + c * place.y_m)};
     float sum = 0;
     for (const Correspondence& p : points) {

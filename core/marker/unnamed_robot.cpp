@@ -3,16 +3,17 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <numbers>
+#include <span>
 
 #include "core/fixed_vector.h"
+#include "core/marker/simd4.h"
 #include "core/marker/surface_color.h"
 
 namespace touchline {
 namespace {
-
-using Rgb = std::array<float, 3>;
 
 // Log odds of a team patch whose outline and surroundings are as in the layout, and what each missing share takes from
 // them. Logistic regression over 965 sightings in rendered scenes of four fields, a fifth of them each as they are, at
@@ -39,48 +40,63 @@ constexpr float kWithinTeam = 0.6f, kWithinOther = 0.5f, kBlurredEdge_px = 1.5f;
 // Least difference of two surfaces in a channel, relative to their mean; stray light is added to both.
 constexpr float kOtherSurface = 0.25f, kAmbient_levels = 6.0f;
 
-using Offsets = FixedVector<FieldPoint, 5 * kMaxPatches>;
+using Rgb = std::array<float, 3>;
+using Floats = Simd4<float>;
+using Lanes = Simd4<std::int32_t>;  // -1: true, 0: false
+using Rgb4 = std::array<Floats, 3>;
 
-// An identification patch relative to the team patch.
-struct OtherPatch {
-  FieldPoint center;
-  Offsets outside;  // beyond its outline
+// Up to four points of the plane of the patches, relative to the team patch.
+struct FourPoints {
+  Floats x_m{}, y_m{};
+  Lanes is_point{};
+
+  void set(std::size_t lane, FieldPoint point) {
+    x_m[lane] = point.x_m;
+    y_m[lane] = point.y_m;
+    is_point[lane] = -1;
+  }
 };
 
-bool differ(const Rgb& a, const Rgb& b) {
+Lanes differ(const Rgb4& a, const Rgb& b) {
+  Lanes out{};
   for (std::size_t c = 0; c < 3; ++c) {
-    if (std::abs(a[c] - b[c]) > kOtherSurface * (0.5f * (a[c] + b[c]) + kAmbient_levels)) return true;
+    const Floats apart = a[c] - b[c], allowed = kOtherSurface * (0.5f * (a[c] + b[c]) + kAmbient_levels);
+    out |= (apart < 0.0f ? -apart : apart) > allowed;
   }
-  return false;
+  return out;
 }
 
-// Adds four points of a patch, `part` of the way from its center to its outline and `beyond_m` farther, relative to
+// Number of lanes. std::popcount calls a function on processors that may lack the instruction.
+std::size_t count(Lanes is_true) {
+  constexpr std::array<std::uint8_t, 16> kBits{0, 1, 1, 2, 1, 2, 2, 3, 1, 2, 2, 3, 2, 3, 3, 4};
+  return kBits[bits_of(is_true)];
+}
+
+// Four points of a patch, `part` of the way from its center to its outline and `beyond_m` farther, relative to
 // `origin`.
-void add_points(const PatchPlace& patch, const PatchPlace& origin, float part, float beyond_m, Offsets& out) {
+FourPoints points_of(const PatchPlace& patch, const PatchPlace& origin, float part, float beyond_m) {
   // A triangle's centroid is a third of its height above the base, where it has two thirds of its width.
   const bool is_triangle = patch.outline == PatchOutline::kTriangle;
   const float ahead = part * (is_triangle ? 2.0f / 3.0f : 0.5f) * patch.length_m + beyond_m;
   const float behind = part * (is_triangle ? 1.0f / 3.0f : 0.5f) * patch.length_m + beyond_m;
   const float beside = part * (is_triangle ? 1.0f / 3.0f : 0.5f) * patch.width_m + beyond_m;
   const float c = std::cos(patch.turn_rad), s = std::sin(patch.turn_rad);
-  const auto add = [&](float along, float across) {
-    out.push_back({patch.x_m - origin.x_m + c * along - s * across, patch.y_m - origin.y_m + s * along + c * across});
-  };
-  add(ahead, 0);
-  add(-behind, 0);
-  add(0, beside);
-  add(0, -beside);
+  const Floats along{ahead, -behind, 0, 0}, across{0, 0, beside, -beside};
+  return {patch.x_m - origin.x_m + c * along - s * across, patch.y_m - origin.y_m + s * along + c * across,
+          Lanes{} - 1};
 }
 
-FieldPoint turned(const FieldPoint& point, float c, float s) {
-  return {c * point.x_m - s * point.y_m, s * point.x_m + c * point.y_m};
-}
+// Cosine and sine of a direction.
+struct Turn {
+  float c = 1, s = 0;
+  explicit Turn(float angle_rad) : c(std::cos(angle_rad)), s(std::sin(angle_rad)) {}
+};
 
 // The picture near a point of the plane of the patches, where it is nearly an affine map of the plane.
 class Surroundings {
  public:
   Surroundings(const Frame& frame, const CameraModel& camera, FieldPoint at, float height_m)
-      : frame_(frame), center_(camera.to_pixel(at, height_m)) {
+      : frame_(frame), info_(info_of(frame.format)), center_(camera.to_pixel(at, height_m)) {
     constexpr float kStep_m = 0.02f;
     const PixelPoint x = camera.to_pixel({at.x_m + kStep_m, at.y_m}, height_m);
     const PixelPoint y = camera.to_pixel({at.x_m, at.y_m + kStep_m}, height_m);
@@ -92,39 +108,36 @@ class Surroundings {
   [[nodiscard]] float scale_px_per_m() const {
     return std::sqrt(std::abs(by_x_.u_px * by_y_.v_px - by_x_.v_px * by_y_.u_px));
   }
-  // False if the point is not in the picture.
-  [[gnu::always_inline]] bool sample(FieldPoint offset, Rgb& out) const {
-    const float u = center_.u_px + offset.x_m * by_x_.u_px + offset.y_m * by_y_.u_px + 0.5f;
-    const float v = center_.v_px + offset.x_m * by_x_.v_px + offset.y_m * by_y_.v_px + 0.5f;
-    if (!(u >= 0.0f && v >= 0.0f && u < static_cast<float>(frame_.width_px) &&
-          v < static_cast<float>(frame_.height_px))) {
-      return false;
+  /// The pixels of points turned by an angle. Returns the points that are in the picture.
+  Lanes sample(const FourPoints& points, const Turn& turn, Rgb4& out) const {
+    const Floats x = turn.c * points.x_m - turn.s * points.y_m, y = turn.s * points.x_m + turn.c * points.y_m;
+    const Floats u = center_.u_px + x * by_x_.u_px + y * by_y_.u_px + 0.5f;
+    const Floats v = center_.v_px + x * by_x_.v_px + y * by_y_.v_px + 0.5f;
+    const Lanes inside = points.is_point & (u >= 0.0f) & (v >= 0.0f) & (u < static_cast<float>(frame_.width_px)) &
+                         (v < static_cast<float>(frame_.height_px));
+    // The first pixel stands for those that do not count.
+    const Lanes column = __builtin_convertvector(inside ? u : Floats{}, Lanes);
+    const Lanes row = __builtin_convertvector(inside ? v : Floats{}, Lanes);
+    std::array<std::array<std::int32_t, 4>, 3> value{};
+    // gcc 12 unrolls no loops at -O2.
+    _Pragma("GCC unroll 4") for (std::size_t i = 0; i < 4; ++i) {
+      const auto at_u = static_cast<std::size_t>(column[i]), at_v = static_cast<std::size_t>(row[i]);
+      _Pragma("GCC unroll 3") for (std::size_t c = 0; c < 3; ++c) {
+        const ChannelLayout& channel = info_.channel[c];
+        const std::size_t line = (at_v >> channel.shift_v) * frame_.stride_bytes[channel.plane];
+        value[c][i] = frame_.plane[channel.plane][line + channel.byte(at_u)];
+      }
     }
-    const auto value = pixel_at(frame_, static_cast<std::size_t>(u), static_cast<std::size_t>(v));
-    out = to_rgb({static_cast<float>(value[0]), static_cast<float>(value[1]), static_cast<float>(value[2])},
-                 color_space(frame_.format));
-    return true;
-  }
-  /// Finds the share of the points, turned by the angle whose cosine and sine are given, at which `is` holds; 1 without
-  /// any. False, without a share, as soon as may_be(the largest share that is still possible) is false.
-  template <class Is, class MayBe>
-  bool find_share(const Offsets& points, float c, float s, Is is, MayBe may_be, float& out) const {
-    std::size_t valid = 0, missing = 0;
-    const auto share = [&](std::size_t all) { return static_cast<float>(all - missing) / static_cast<float>(all); };
-    for (const FieldPoint& point : points) {
-      Rgb rgb;
-      if (!sample(turned(point, c, s), rgb)) continue;
-      ++valid;
-      if (is(rgb)) continue;
-      ++missing;
-      if (!may_be(share(points.size()))) return false;
+    for (std::size_t c = 0; c < 3; ++c) {
+      out[c] = __builtin_convertvector(__builtin_bit_cast(Lanes, value[c]), Floats);
     }
-    out = valid == 0 ? 1.0f : share(valid);
-    return true;
+    if (info_.space != ColorSpace::kRgb) out = yuv_to_rgb4(out, info_.space);
+    return inside;
   }
 
  private:
   const Frame& frame_;
+  const PixelFormatInfo& info_;
   PixelPoint center_, by_x_, by_y_;
 };
 
@@ -144,14 +157,27 @@ Rgb median_of(ChannelSamples<kCapacity>& samples) {
   return out;
 }
 
+template <std::size_t kCapacity>
+void add(const Rgb4& pixels, Lanes is_valid, ChannelSamples<kCapacity>& samples) {
+  for (std::size_t i = 0; i < 4; ++i) {
+    if (is_valid[i] == 0) continue;
+    for (std::size_t c = 0; c < 3; ++c) samples[c].push_back(pixels[c][i]);
+  }
+}
+
 // Finds the median of the surfaces around a robot. False if most of them are not in the picture.
 bool floor_around(const Surroundings& picture, float radius_m, Rgb& out) {
   ChannelSamples<kFloorSamples> around;
-  for (std::size_t i = 0; i < kFloorSamples; ++i) {
-    const float angle = 2.0f * std::numbers::pi_v<float> * static_cast<float>(i) / float{kFloorSamples};
-    Rgb rgb;
-    if (!picture.sample({radius_m * std::cos(angle), radius_m * std::sin(angle)}, rgb)) continue;
-    for (std::size_t c = 0; c < 3; ++c) around[c].push_back(rgb[c]);
+  static_assert(kFloorSamples % 4 == 0);
+  for (std::size_t i = 0; i < kFloorSamples; i += 4) {
+    FourPoints points;
+    for (std::size_t k = 0; k < 4; ++k) {
+      const float angle = 2.0f * std::numbers::pi_v<float> * static_cast<float>(i + k) / float{kFloorSamples};
+      points.set(k, {radius_m * std::cos(angle), radius_m * std::sin(angle)});
+    }
+    Rgb4 pixels;
+    const Lanes is_valid = picture.sample(points, Turn(0), pixels);
+    add(pixels, is_valid, around);
   }
   if (around[0].size() < kFloorSamples / 2) return false;
   out = median_of(around);
@@ -186,15 +212,16 @@ class TopView {
                   floor_around(picture_, kFloorCircle * layout.robot_side_m, floor_);
     if (!is_visible_) return;
     const PatchPlace& origin = layout.patches[0];
-    add_points(origin, origin, kWithinTeam, 0, inside_);
-    add_points(origin, origin, 1.0f, kBlurredEdge_px / scale, outside_);
+    inside_ = points_of(origin, origin, kWithinTeam, 0);
+    outside_ = points_of(origin, origin, 1.0f, kBlurredEdge_px / scale);
     for (std::size_t k = 1; k < layout.patches.size(); ++k) {
-      OtherPatch other{{layout.patches[k].x_m - origin.x_m, layout.patches[k].y_m - origin.y_m}, {}};
-      add_points(layout.patches[k], origin, kWithinOther, 0, patches_);
-      add_points(layout.patches[k], origin, 1.0f, kBlurredEdge_px / scale, other.outside);
-      patches_.push_back(other.center);
-      others_.push_back(other);
+      const PatchPlace& place = layout.patches[k];
+      patches_.push_back(points_of(place, origin, kWithinOther, 0));
+      if (k % 4 == 1) centers_.push_back({});
+      centers_.back().set((k - 1) % 4, {place.x_m - origin.x_m, place.y_m - origin.y_m});
+      others_.push_back(points_of(place, origin, 1.0f, kBlurredEdge_px / scale));
     }
+    for (const FourPoints& four : centers_) patches_.push_back(four);
   }
 
   /// False at the border of the picture.
@@ -213,62 +240,81 @@ class TopView {
  private:
   // Stops when the doubt is no longer below `limit`: what was not looked at then agrees with the layout.
   [[nodiscard]] Shares along(float heading_rad, float limit) const {
-    const float c = std::cos(heading_rad), s = std::sin(heading_rad);
-    const auto differs = [&](const Rgb& seen) { return differ(seen, team_.rgb); };
+    const Turn turn(heading_rad);
+    const auto differs = [&](const Rgb4& seen) { return differ(seen, team_.rgb); };
     Shares shares;
-    const auto measure = [&](float& share, const Offsets& points, auto is) {
+    const auto measure = [&](float& share, std::span<const FourPoints> points, auto is) {
       const auto may_be = [&](float most) {
         share = most;
         return shares.doubt() < limit;
       };
-      return picture_.find_share(points, c, s, is, may_be, share);
+      return find_share(points, turn, is, may_be, share);
     };
     // What tells most comes first, what takes most time last.
-    if (measure(shares.outside, outside_, differs) &&
-        measure(shares.patches, patches_, [&](const Rgb& seen) { return differs(seen) && differ(seen, floor_); }) &&
-        measure(shares.inside, inside_, [&](const Rgb& seen) { return !differs(seen); })) {
-      weigh_patches(c, s, limit, shares);
+    if (measure(shares.outside, {&outside_, 1}, differs) &&
+        measure(shares.patches, {patches_.data(), patches_.size()},
+                [&](const Rgb4& seen) { return differs(seen) & differ(seen, floor_); }) &&
+        measure(shares.inside, {&inside_, 1}, [&](const Rgb4& seen) { return ~differs(seen); })) {
+      weigh_patches(turn, limit, shares);
     }
     return shares;
   }
+
+  // Finds the share of the turned points at which `is` holds; 1 without any. False, without a share, as soon as
+  // may_be(the largest share that is still possible) is false.
+  template <class Is, class MayBe>
+  bool find_share(std::span<const FourPoints> points, const Turn& turn, Is is, MayBe may_be, float& out) const {
+    std::size_t valid = 0, missing = 0, all = 0;
+    for (const FourPoints& four : points) all += count(four.is_point);
+    const auto share = [&](std::size_t of) { return static_cast<float>(of - missing) / static_cast<float>(of); };
+    for (const FourPoints& four : points) {
+      Rgb4 seen;
+      const Lanes is_valid = picture_.sample(four, turn, seen);
+      valid += count(is_valid);
+      const std::size_t more = count(is_valid & ~is(seen));
+      missing += more;
+      if (more != 0 && !may_be(share(all))) return false;
+    }
+    out = valid == 0 ? 1.0f : share(valid);
+    return true;
+  }
+
   // A thing that is larger than a robot's patches shows the same surface beside a stripe of the team's color and where
   // a patch would be.
-  void weigh_patches(float c, float s, float limit, Shares& out) const {
+  void weigh_patches(const Turn& turn, float limit, Shares& out) const {
     ChannelSamples<4> samples;
-    for (const FieldPoint& point : outside_) {
-      Rgb rgb;
-      if (!picture_.sample(turned(point, c, s), rgb)) continue;
-      for (std::size_t k = 0; k < 3; ++k) samples[k].push_back(rgb[k]);
-    }
+    Rgb4 around;
+    const Lanes is_around = picture_.sample(outside_, turn, around);
+    add(around, is_around, samples);
     if (samples[0].empty()) return;
     const Rgb top = median_of(samples);
     struct SeenPatch {
-      const OtherPatch* place;
+      const FourPoints* outside;
       Rgb rgb;
     };
     FixedVector<SeenPatch, kMaxPatches> seen;
-    float unlike = 0;
-    for (const OtherPatch& other : others_) {
-      Rgb patch;
-      if (!picture_.sample(turned(other.center, c, s), patch)) continue;
-      seen.push_back({&other, patch});
-      unlike += differ(patch, top) ? 1.0f : 0.0f;
+    std::size_t unlike = 0;
+    for (std::size_t k = 0; k < centers_.size(); ++k) {
+      Rgb4 patch;
+      const Lanes is_seen = picture_.sample(centers_[k], turn, patch);
+      unlike += count(is_seen & differ(patch, top));
+      for (std::size_t i = 0; i < 4; ++i) {
+        if (is_seen[i] != 0) seen.push_back({&others_[4 * k + i], {patch[0][i], patch[1][i], patch[2][i]}});
+      }
     }
     if (seen.empty()) return;
     const auto valid = static_cast<float>(seen.size());
-    out.unlike_top = unlike / valid;
+    out.unlike_top = static_cast<float>(unlike) / valid;
     float outline = 0;
     for (std::size_t k = 0; k < seen.size() && out.doubt() < limit; ++k) {
-      const auto differs = [&](const Rgb& rgb) { return differ(rgb, seen[k].rgb); };
+      const auto differs = [&](const Rgb4& rgb) { return differ(rgb, seen[k].rgb); };
       const auto may_be = [&](float most) {
         // The patches after this one may have their whole outline.
-        float sum = outline + most;
-        for (std::size_t left = k + 1; left < seen.size(); ++left) sum += 1.0f;
-        out.patch_outline = sum / valid;
+        out.patch_outline = (outline + most + static_cast<float>(seen.size() - k - 1)) / valid;
         return out.doubt() < limit;
       };
       float share = 0;
-      if (!picture_.find_share(seen[k].place->outside, c, s, differs, may_be, share)) return;
+      if (!find_share({seen[k].outside, 1}, turn, differs, may_be, share)) return;
       outline += share;
       if (k + 1 == seen.size()) out.patch_outline = outline / valid;
     }
@@ -278,8 +324,10 @@ class TopView {
   SurfaceColor team_;
   Rgb floor_{};
   bool is_visible_ = false;
-  Offsets inside_, outside_, patches_;
-  FixedVector<OtherPatch, kMaxPatches> others_;
+  FourPoints inside_, outside_;
+  FixedVector<FourPoints, 2 * kMaxPatches> patches_;  // within identification patches, and their centers
+  FixedVector<FourPoints, kMaxPatches> centers_;      // of identification patches
+  FixedVector<FourPoints, kMaxPatches> others_;       // beyond the outline of each of them
 };
 
 }  // namespace

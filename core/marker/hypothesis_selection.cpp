@@ -42,33 +42,44 @@ void Selector::find_conflicts() {
   };
   for (std::size_t i = 0; i < hypotheses_.size(); ++i) {
     const Hypothesis& h = hypotheses_[i];
-    Set& conflicts = conflicts_[i];
-    conflicts = {};
-    for (std::size_t j = options_[h.team_patch].begin; j < i; ++j) conflicts.insert(j);
+    conflicts_[i] = {};
+    const Set known = same_patch_or_name(h);
     for (const std::uint16_t patch : h.identification) {
-      if (patch == kMissing) continue;
-      conflicts.insert(with_patch_[patch]);
-      with_patch_[patch].insert(i);
+      if (patch != kMissing) with_patch_[patch].insert(i);
     }
     const std::size_t team = index_of(h.team);
-    if (h.robot >= 0) {
-      Set& with_name = with_name_[team][static_cast<std::size_t>(h.robot)];
-      conflicts.insert(with_name);
-      with_name.insert(i);
-    }
+    if (h.robot >= 0) with_name_[team][static_cast<std::size_t>(h.robot)].insert(i);
     const FieldPoint at = h.fit.pose.position;
     const std::array<std::size_t, 2> strip{strip_of(at.x_m / far), strip_of(at.y_m / far)};
-    near_[0][strip[0]].common(near_[1][strip[1]]).for_each_below(options_[h.team_patch].begin, [&](std::size_t j) {
+    const Set near = near_[0][strip[0]].common(near_[1][strip[1]]).without(known);
+    near.for_each_below(options_[h.team_patch].begin, [&](std::size_t j) {
       const float side = 0.5f * (robot_side_m_[team] + robot_side_m_[index_of(hypotheses_[j].team)]);
-      if (distance_m(at, hypotheses_[j].fit.pose.position) < kMinRobotDistance * side) conflicts.insert(j);
+      if (distance_m(at, hypotheses_[j].fit.pose.position) >= kMinRobotDistance * side) return;
+      conflicts_[i].insert(j);
+      conflicts_[j].insert(i);
     });
     for (std::size_t axis = 0; axis < near_.size(); ++axis) {
       for (const std::size_t beside : {strip[axis] + kStrips - 1, strip[axis], strip[axis] + 1}) {
         near_[axis][beside % kStrips].insert(i);
       }
     }
-    conflicts.for_each_below(i, [&](std::size_t j) { conflicts_[j].insert(i); });
   }
+  for (std::size_t i = 0; i < hypotheses_.size(); ++i) {
+    const Hypothesis& h = hypotheses_[i];
+    conflicts_[i].insert(same_patch_or_name(h));
+    for (std::size_t j = options_[h.team_patch].begin; j < options_[h.team_patch].end; ++j) conflicts_[i].insert(j);
+    conflicts_[i].remove(i);
+  }
+}
+
+// The hypotheses so far that use an identification patch of this one, or have its name.
+HypothesisSet Selector::same_patch_or_name(const Hypothesis& h) const {
+  Set out;
+  for (const std::uint16_t patch : h.identification) {
+    if (patch != kMissing) out.insert(with_patch_[patch]);
+  }
+  if (h.robot >= 0) out.insert(with_name_[index_of(h.team)][static_cast<std::size_t>(h.robot)]);
+  return out;
 }
 
 void Selector::form_groups(std::size_t team_patches) {

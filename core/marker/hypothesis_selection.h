@@ -25,6 +25,7 @@ class HypothesisSet {
   void insert(const HypothesisSet& other) {
     for (std::size_t i = 0; i < words_.size(); ++i) words_[i] |= other.words_[i];
   }
+  void remove(std::size_t number) { words_[number / 64] &= ~(std::uint64_t{1} << (number % 64)); }
   [[nodiscard]] HypothesisSet with(const HypothesisSet& other) const {
     HypothesisSet both = *this;
     both.insert(other);
@@ -34,6 +35,11 @@ class HypothesisSet {
     HypothesisSet both = *this;
     for (std::size_t i = 0; i < words_.size(); ++i) both.words_[i] &= other.words_[i];
     return both;
+  }
+  [[nodiscard]] HypothesisSet without(const HypothesisSet& other) const {
+    HypothesisSet rest = *this;
+    for (std::size_t i = 0; i < words_.size(); ++i) rest.words_[i] &= ~other.words_[i];
+    return rest;
   }
   /// Bit i: contains number `first` + i, for `count` numbers, at most 63.
   [[nodiscard]] std::uint64_t from(std::size_t first, std::size_t count) const {
@@ -84,6 +90,7 @@ class Selector {
   using Strips = std::array<Set, kStrips>;
 
   void find_conflicts();
+  [[nodiscard]] Set same_patch_or_name(const Hypothesis& h) const;
   void form_groups(std::size_t team_patches);
   // Nodes of the search trees that may still be visited.
   struct Nodes {

@@ -37,9 +37,6 @@ Floats for_lanes(Lanes needed, Floats x, Function function) {
   }
   return out;
 }
-Floats square_root(Floats x) {
-  return for_lanes(Lanes{} - 1, x, [](float one) { return std::sqrt(one); });
-}
 
 // Logarithm of the probability that a standard normal variable exceeds z.
 float log_upper_tail(float z) {
@@ -47,21 +44,24 @@ float log_upper_tail(float z) {
   return std::log(0.5f * std::erfc(std::min(z, kFarthest) / std::numbers::sqrt2_v<float>));
 }
 
+// gcc 12 unrolls no loops at -O2, and without that keeps the values of a loop in memory.
+//
 // Errors are relative: 2 (a - b) / (a + b), which is nearly log(a / b). Their covariance is diagonal plus that of a
 // factor that is common to all channels; it is inverted with the formula of Sherman and Morrison. A saturated value is
 // a lower bound: its likelihood is the probability of larger values, given the other channels. What is surely below
 // kFloor is not exact.
 Floats log_densities(const SurfaceColor& surface, const ExpectedColors4& expected) {
-  std::array<Floats, 3> error{}, variance{};
+  std::array<Floats, 3> error, variance;
+  const float noise = square(kNoise_levels) + square(surface.spread);
   Floats precision = Floats{} + 1.0f, determinant = precision, sum{}, squares{};  // of the common factor
-  for (std::size_t c = 0; c < 3; ++c) {
-    const Floats middle = 0.5f * (surface.rgb[c] + expected.rgb[c]) + kStrayLight_levels;
-    error[c] = (surface.rgb[c] - expected.rgb[c]) / middle;
-    variance[c] = expected.variance[c] + (square(kNoise_levels) + square(surface.spread)) / square(middle);
+  _Pragma("GCC unroll 3") for (std::size_t c = 0; c < 3; ++c) {
+    const Floats per_middle = 1.0f / (0.5f * (surface.rgb[c] + expected.rgb[c]) + kStrayLight_levels);
+    error[c] = (surface.rgb[c] - expected.rgb[c]) * per_middle;
+    variance[c] = expected.variance[c] + noise * square(per_middle);
     if (surface.saturated[c]) continue;
-    const Floats weight = 1.0f / variance[c];
-    precision += weight * square(expected.common_sigma[c]);
-    sum += weight * expected.common_sigma[c] * error[c];
+    const Floats weight = 1.0f / variance[c], of_common = weight * expected.common_sigma[c];
+    precision += of_common * expected.common_sigma[c];
+    sum += of_common * error[c];
     squares += weight * square(error[c]);
     determinant *= variance[c];
   }
@@ -69,7 +69,7 @@ Floats log_densities(const SurfaceColor& surface, const ExpectedColors4& expecte
   const Lanes is_near = misfit < kFar;
   Floats density = -0.5f * (misfit + logarithm(determinant * precision));
   float evidence = kFirstSaturated;
-  for (std::size_t c = 0; c < 3; ++c) {
+  _Pragma("GCC unroll 3") for (std::size_t c = 0; c < 3; ++c) {
     if (!surface.saturated[c]) continue;
     const Floats sigma = square_root(variance[c] + square(expected.common_sigma[c]) / precision);
     density += std::exchange(evidence, kNextSaturated) +
@@ -97,11 +97,14 @@ Simd4<float> ColorEvidence::log_likelihoods(const SurfaceColor& surface, const E
   const Lanes may_be_whiter = is_glossy ? Lanes{} - 1 : in_box;
   if (any(may_be_whiter)) {
     // A share of the lamps' light that brings the patch nearest to what is seen (least squares in linear light).
-    Floats sum{}, weights{};
-    for (std::size_t c = 0; c < 3; ++c) {
-      const Floats white = square(expected.white[c]);
+    std::array<Floats, 3> variance;
+    _Pragma("GCC unroll 3") for (std::size_t c = 0; c < 3; ++c) {
       const Floats middle = square(0.5f * (surface.rgb[c] + expected.rgb[c]) + kStrayLight_levels);
-      const Floats weight = white / (square(middle) * (expected.variance[c] + square(kNoise_levels) / middle));
+      variance[c] = middle * (middle * expected.variance[c] + square(kNoise_levels));
+    }
+    Floats sum{}, weights{};
+    _Pragma("GCC unroll 3") for (std::size_t c = 0; c < 3; ++c) {
+      const Floats white = square(expected.white[c]), weight = white / variance[c];
       sum += weight * (square(surface.rgb[c]) - square(expected.rgb[c]));
       weights += weight * white;
     }

@@ -104,7 +104,7 @@ void PatchFinder::configure(const CameraModel& camera, const FieldParameters& fi
       high = {std::max(high.u_px, seen.u_px), std::max(high.v_px, seen.v_px)};
     }
   }
-  places_.configure(camera, low, high);
+  lines_.configure(camera, low, high);
 }
 
 // True for a region that is too small for a partly visible patch anywhere on the field.
@@ -135,21 +135,16 @@ bool PatchFinder::is_isolated_noise(const PatchKind& kind, const Regions& region
 
 void PatchFinder::place(const PatchKind& kind, PatchCandidate& patch) const {
   const float height = kind.height_m[kind.plane];
+  if (SightLine line; lines_.find(patch.center, line)) {
+    for (std::size_t team = 0; team < patch.at.size(); ++team) patch.at[team] = line.at(kind.height_m[team]);
+    patch.scale_px_per_m = line.scale_px_per_m(height);
+    return;
+  }
   const FieldPoint here = camera_.to_field(patch.center, height);
   patch.at = {here, here};
   const std::size_t other = 1 - kind.plane;
   if (kind.height_m[other] != height) patch.at[other] = camera_.to_field(patch.center, kind.height_m[other]);
-}
-
-void PatchFinder::place_roughly(const PatchKind& kind, PatchCandidate& patch) const {
-  for (std::size_t team = 0; team < patch.at.size(); ++team) {
-    // What lies outside of the table is at the field's border.
-    if (!places_.find(patch.center, kind.height_m[team], patch.at[team])) return place(kind, patch);
-  }
-}
-
-void PatchFinder::find_scale(const PatchKind& kind, PatchCandidate& patch) const {
-  patch.scale_px_per_m = camera_.scale_px_per_m(patch.at[kind.plane], kind.height_m[kind.plane]);
+  patch.scale_px_per_m = camera_.scale_px_per_m(here, height);
 }
 
 float PatchFinder::field_axis(const PatchKind& kind, const PatchCandidate& patch, const RegionShape& shape) const {
@@ -175,7 +170,7 @@ void PatchFinder::examine(const PatchKind& kind, const Runs& runs, const Regions
   patch.area_px = static_cast<float>(region.area_px);
   patch.region = number;
   patch.color = region.color;
-  is_small ? place_roughly(kind, patch) : place(kind, patch);
+  place(kind, patch);
   if (!inside_field(field_, patch.at[kind.plane])) {
     verdicts.verdicts[number] = Verdict::kOutsideField;
     return;
@@ -184,7 +179,6 @@ void PatchFinder::examine(const PatchKind& kind, const Runs& runs, const Regions
     out.push_back(patch);  // its ratio matters only if others are merged into it
     return;
   }
-  find_scale(kind, patch);
   const float square = patch.scale_px_per_m * patch.scale_px_per_m;
   const float of_largest = patch.area_px / (kind.largest_area_m2 * square);
   const float of_least = patch.area_px / (kind.least_area_m2 * square);
@@ -237,7 +231,6 @@ bool PatchFinder::split_touching(const PatchKind& kind, const Runs& runs, const 
     patch.ratio = std::min(1.0f, part.area_px / (kind.least_area_m2 * square));
     patch.is_split_part = true;
     place(kind, patch);
-    find_scale(kind, patch);
     if (!out.push_back(patch)) break;
   }
   return true;
@@ -248,7 +241,6 @@ bool PatchFinder::split_touching(const PatchKind& kind, const Runs& runs, const 
 bool PatchFinder::merge(const PatchKind& kind, const PatchCandidate& from, PatchCandidate& into,
                         float largest_ratio) const {
   const float area = into.area_px + from.area_px;
-  if (into.scale_px_per_m == 0.0f) find_scale(kind, into);
   const float square = into.scale_px_per_m * into.scale_px_per_m;
   if (area > largest_ratio * kind.largest_area_m2 * square) return false;
   const float share = from.area_px / area;
@@ -275,9 +267,7 @@ void PatchFinder::find(const PatchKind& kind, const Runs& runs, const Regions& r
   merge_close(kind, verdicts, out);
   merge_small(kind, verdicts, out);
   for (PatchCandidate& patch : out) {
-    if (!patch.is_merged) continue;
-    place(kind, patch);
-    find_scale(kind, patch);
+    if (patch.is_merged) place(kind, patch);
   }
 }
 

@@ -5,7 +5,7 @@
 
 #include "core/geometry/camera_model.h"
 #include "core/geometry/field_area.h"
-#include "core/geometry/place_table.h"
+#include "core/geometry/sight_table.h"
 #include "core/marker/marker_layout.h"
 #include "core/marker/region_shape.h"
 #include "core/types.h"
@@ -33,8 +33,8 @@ struct PatchCandidate {
   PixelPoint center;
   std::array<FieldPoint, 2> at{};  // by Team: projection to the plane of that team's patches
   float area_px = 0;
-  float ratio = 0;              // area / expected area
-  float scale_px_per_m = 0;     // 0: a fragment, of which it is not needed
+  float ratio = 0;  // area / expected area
+  float scale_px_per_m = 0;
   float axis_rad = 0;           // direction of the longer side on the field, modulo pi
   bool has_axis = false;        // the shape is that of one complete patch
   bool has_rough_axis = false;  // axis_rad is valid, but the patch may be partly hidden
@@ -87,10 +87,8 @@ class PatchFinder {
   bool split_touching(const PatchKind& kind, const Runs& runs, const Region& region, const RegionShape& shape,
                       const PatchCandidate& whole, float ratio_to_largest, SplitBudget& budget,
                       ColorPatches& out) const;
+  // Finds `at` and the scale.
   void place(const PatchKind& kind, PatchCandidate& patch) const;
-  // As place(), to a fraction of a pixel. Enough for the distances of a fragment to others.
-  void place_roughly(const PatchKind& kind, PatchCandidate& patch) const;
-  void find_scale(const PatchKind& kind, PatchCandidate& patch) const;
   [[nodiscard]] bool is_fragment(const PatchKind& kind, const Region& region) const;
   [[nodiscard]] bool is_isolated_noise(const PatchKind& kind, const Regions& regions, std::uint16_t number,
                                        std::span<const std::uint16_t> candidates, const ColorPatches& larger) const;
@@ -100,7 +98,7 @@ class PatchFinder {
   float field_axis(const PatchKind& kind, const PatchCandidate& patch, const RegionShape& shape) const;
 
   CameraModel camera_;
-  PlaceTable places_;
+  SightTable lines_;
   FieldParameters field_;
   float least_scale_px_per_m_ = 0, largest_scale_px_per_m_ = 0;  // extremes over the field, on the floor
 };

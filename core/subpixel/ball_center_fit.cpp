@@ -45,7 +45,8 @@ constexpr float kErrorWithoutFit = 2.0f;
 constexpr float kMaxCorrection = 0.6f;
 
 // Width of the outline: of one pixel with a sharp lens, and the largest one.
-// Part of the way to the outline of a new ball by which the width that fits begin with follows: it depends on the camera.
+// Part of the way to the outline of a new ball by which the width that fits begin with follows: it depends on the
+// camera.
 constexpr float kFollow = 0.1f;
 constexpr float kLeastRampPx = 1.2f, kMostRampPx = 2.8f;
 // Pixels this far from a robot's top may still show it.
@@ -152,7 +153,8 @@ class BallCenterFit::Solver {
     is_sampled_ = false;
     shading_ = {};
     float step_px = 2.0f * kConvergedPx;
-    for (int iteration = 0; iteration < kMaxBallIterations && step_px > kConvergedPx; ++iteration) {
+    // The first iteration knows no errors yet.
+    for (int iteration = 0; iteration < kMaxBallIterations && (iteration < 2 || step_px > kConvergedPx); ++iteration) {
       if (!sample() || !shade() || !step(step_px)) return {};
     }
     return {view_.center, fitting_, sigma_, seen_, view_.ramp_px};
@@ -195,6 +197,9 @@ class BallCenterFit::Solver {
   // Solves for b of every channel at the current center.
   bool shade() {
     const ShadingEquations found = kernel_.accumulate_shading(disk_, shading_);
+    if (found.covered <= 0.0f) return false;
+    fitting_ = found.fitting / found.covered;
+    seen_ = found.covered / (std::numbers::pi_v<float> * view_.radius_px * view_.radius_px);
     Normal sums;
     for (std::size_t i = 0; i < kShadeTerms; ++i) {
       for (std::size_t j = 0; j <= i; ++j) {
@@ -218,9 +223,6 @@ class BallCenterFit::Solver {
 
   bool step(float& step_px) {
     const BallOutlineEquations sums = kernel_.accumulate_outline(disk_, shading_, view_);
-    if (sums.covered <= 0.0f) return false;
-    fitting_ = sums.fitting / sums.covered;
-    seen_ = sums.covered / (std::numbers::pi_v<float> * view_.radius_px * view_.radius_px);
     const float prior = kStartWeight * shading_.allowed;
     float xx = sums.edge.xx + prior, xy = sums.edge.xy, yy = sums.edge.yy + prior;
     const float scale = xx + yy;

@@ -148,11 +148,11 @@ struct BallShading {
 struct ShadingEquations {
   std::array<std::array<float, kShadeTerms>, kShadeTerms> normal{};  // lower triangle only
   std::array<std::array<float, kShadeTerms>, kLightChannels> right{};
+  float fitting = 0, covered = 0;  // sum of the covered fractions, with and without the weights of their errors before
 };
 struct BallOutlineEquations {
   CenterEquations edge;                                                               // for the center, in radii
   std::array<std::array<float, kShadeTerms>, kLightChannels> shared_x{}, shared_y{};  // derivatives times terms
-  float fitting = 0, covered = 0;  // sum of the covered fractions, with and without the weights of their errors
   float pull_xx = 0, pull_xy = 0, pull_yy = 0;  // (w r s)^2: the squared contributions to rx and ry
   float ramp_power = 0, ramp_pull = 0;          // w s s and w r s for the ramp's width, in radii
 };

@@ -314,6 +314,8 @@ struct ShadedPixels {
     }
     const Float8 allowed = broadcast(shading.allowed);
     fitting = allowed / (allowed + square);
+    weight = fitting;
+    if (!pixels.on_edge) return;
     const Float8 doubt = load(pixels.doubt);
     const Float8 counted = doubt * doubt / (doubt + broadcast(kNegligibleDoubt) * allowed);
     weight = allowed / (allowed + square + broadcast(kDoubtWeight) * counted);
@@ -326,8 +328,11 @@ inline ShadingEquations accumulate_shading(const BallDisk& disk, const BallShadi
   std::array<std::array<Float8, kShadeTerms>, kLightChannels> right;
   for (auto& row : normal) row.fill(zero);
   for (auto& row : right) row.fill(zero);
+  Float8 fitting = zero, covered = zero;
   for (const BallPixels& stored : disk) {
     const ShadedPixels pixels(stored, before);
+    fitting += pixels.fitting * pixels.terms[0];
+    covered += pixels.terms[0];
     TOUCHLINE_UNROLL for (std::size_t i = 0; i < kShadeTerms; ++i) {
       const Float8 term = pixels.weight * pixels.terms[i];
       TOUCHLINE_UNROLL for (std::size_t j = 0; j <= i; ++j) normal[i][j] += term * pixels.terms[j];
@@ -335,6 +340,8 @@ inline ShadingEquations accumulate_shading(const BallDisk& disk, const BallShadi
     }
   }
   ShadingEquations sums;
+  sums.fitting = horizontal_sum(fitting);
+  sums.covered = horizontal_sum(covered);
   TOUCHLINE_UNROLL for (std::size_t i = 0; i < kShadeTerms; ++i) {
     TOUCHLINE_UNROLL for (std::size_t j = 0; j <= i; ++j) sums.normal[i][j] = horizontal_sum(normal[i][j]);
     TOUCHLINE_UNROLL for (std::size_t c = 0; c < kLightChannels; ++c) sums.right[c][i] = horizontal_sum(right[c][i]);
@@ -344,18 +351,16 @@ inline ShadingEquations accumulate_shading(const BallDisk& disk, const BallShadi
 
 inline BallOutlineEquations accumulate_outline(const BallDisk& disk, const BallShading& shading, const BallView& ball) {
   const Float8 zero = broadcast(0.0f), steepness = broadcast(ball.radius_px / ball.ramp_px);
-  Float8 xx = zero, xy = zero, yy = zero, rx = zero, ry = zero, fitting = zero, covered = zero;
+  Float8 xx = zero, xy = zero, yy = zero, rx = zero, ry = zero;
   Float8 pull_xx = zero, pull_xy = zero, pull_yy = zero;
   Float8 ramp_power = zero, ramp_pull = zero;
   std::array<std::array<Float8, kShadeTerms>, kLightChannels> shared_x, shared_y;
   for (auto& row : shared_x) row.fill(zero);
   for (auto& row : shared_y) row.fill(zero);
   for (const BallPixels& stored : disk) {
+    if (!stored.on_edge) continue;
     const ShadedPixels pixels(stored, shading);
     const Float8 coverage = pixels.terms[0];
-    fitting += pixels.fitting * coverage;
-    covered += coverage;
-    if (!stored.on_edge) continue;
     const Float8 whole = broadcast(1.0f) / max(coverage, broadcast(1e-6f));
     const Float8 out_x = load(stored.out_x), out_y = load(stored.out_y);
     const Float8 weight_x = pixels.weight * out_x, weight_y = pixels.weight * out_y;
@@ -397,8 +402,6 @@ inline BallOutlineEquations accumulate_outline(const BallDisk& disk, const BallS
   sums.pull_yy = horizontal_sum(pull_yy);
   sums.ramp_pull = horizontal_sum(ramp_pull);
   sums.ramp_power = horizontal_sum(ramp_power);
-  sums.fitting = horizontal_sum(fitting);
-  sums.covered = horizontal_sum(covered);
   return sums;
 }
 

@@ -107,30 +107,36 @@ void PatchFinder::configure(const CameraModel& camera, const FieldParameters& fi
   lines_.configure(camera, low, high);
 }
 
-// True for a region that is too small for a partly visible patch anywhere on the field.
-bool PatchFinder::is_fragment(const PatchKind& kind, const Region& region) const {
-  return static_cast<float>(region.area_px) <
-         kMinVisibleRatio * kind.least_area_m2 * least_scale_px_per_m_ * least_scale_px_per_m_;
+// Area of the smallest partly visible patch anywhere on the field.
+float PatchFinder::least_visible_px(const PatchKind& kind) const {
+  return kMinVisibleRatio * kind.least_area_m2 * least_scale_px_per_m_ * least_scale_px_per_m_;
 }
 
-// True for a fragment that is too far from every larger patch and every other region of its color to belong to one.
-// Most noise is rejected here, before it is projected to the field.
-bool PatchFinder::is_isolated_noise(const PatchKind& kind, const Regions& regions, std::uint16_t number,
-                                    std::span<const std::uint16_t> candidates,
-                                    const ColorPatches& larger_patches) const {
+// True for a fragment that can be part of no patch: it is too far from every larger one, and together with all other
+// regions of its color that are near enough, it is too small even for a partly visible one. Most noise is rejected
+// here, before it is placed on the field.
+bool PatchFinder::is_noise(const PatchKind& kind, const Regions& regions, std::uint16_t number,
+                           std::span<const std::uint16_t> candidates, const ColorPatches& larger_patches) const {
   const Region& region = regions[number];
   const float reach_m = kReachMargin * std::max(kind.side_m, kHalvesApart * kind.length_m);
-  const auto is_near = [&](PixelPoint other, float scale_px_per_m) {
+  const auto distance2 = [&region](PixelPoint other) {
     const float du = other.u_px - region.centroid.u_px, dv = other.v_px - region.centroid.v_px;
-    const float reach_px = reach_m * scale_px_per_m;
-    return du * du + dv * dv < reach_px * reach_px;
+    return du * du + dv * dv;
   };
-  const bool near_region = std::any_of(candidates.begin(), candidates.end(), [&](std::uint16_t other) {
-    return other != number && is_near(regions[other].centroid, largest_scale_px_per_m_);
-  });
-  return !near_region && std::none_of(larger_patches.begin(), larger_patches.end(), [&](const PatchCandidate& patch) {
-    return is_near(patch.center, patch.scale_px_per_m);
-  });
+  const bool is_near_larger =
+      std::any_of(larger_patches.begin(), larger_patches.end(), [&](const PatchCandidate& patch) {
+        const float reach_px = reach_m * patch.scale_px_per_m;
+        return distance2(patch.center) < reach_px * reach_px;
+      });
+  if (is_near_larger) return false;
+  const float far_px = reach_m * largest_scale_px_per_m_, least_px = least_visible_px(kind);
+  float near_px = 0;  // area, with that of this region
+  for (const std::uint16_t other : candidates) {
+    if (distance2(regions[other].centroid) >= far_px * far_px) continue;
+    near_px += static_cast<float>(regions[other].area_px);
+    if (near_px >= least_px) return false;
+  }
+  return true;
 }
 
 void PatchFinder::place(const PatchKind& kind, PatchCandidate& patch) const {
@@ -160,8 +166,8 @@ void PatchFinder::examine(const PatchKind& kind, const Runs& runs, const Regions
                           std::span<const std::uint16_t> candidates, std::uint16_t number, Sightings& verdicts,
                           SplitBudget& budget, ColorPatches& out) const {
   const Region& region = regions[number];
-  const bool is_small = is_fragment(kind, region);
-  if (is_small && is_isolated_noise(kind, regions, number, candidates, out)) {
+  const bool is_small = static_cast<float>(region.area_px) < least_visible_px(kind);
+  if (is_small && is_noise(kind, regions, number, candidates, out)) {
     verdicts.verdicts[number] = Verdict::kTooSmall;
     return;
   }

@@ -89,9 +89,9 @@ class PatchFinder {
                       ColorPatches& out) const;
   // Finds `at` and the scale.
   void place(const PatchKind& kind, PatchCandidate& patch) const;
-  [[nodiscard]] bool is_fragment(const PatchKind& kind, const Region& region) const;
-  [[nodiscard]] bool is_isolated_noise(const PatchKind& kind, const Regions& regions, std::uint16_t number,
-                                       std::span<const std::uint16_t> candidates, const ColorPatches& larger) const;
+  [[nodiscard]] float least_visible_px(const PatchKind& kind) const;
+  [[nodiscard]] bool is_noise(const PatchKind& kind, const Regions& regions, std::uint16_t number,
+                              std::span<const std::uint16_t> candidates, const ColorPatches& larger) const;
   void merge_close(const PatchKind& kind, Sightings& verdicts, ColorPatches& out) const;
   void merge_small(const PatchKind& kind, Sightings& verdicts, ColorPatches& out) const;
   bool merge(const PatchKind& kind, const PatchCandidate& from, PatchCandidate& into, float largest_ratio) const;

@@ -53,9 +53,13 @@ constexpr float kLeastRampPx = 1.2f, kMostRampPx = 2.8f;
 constexpr float kHidingMarginPx = 0.3f;
 // A viewing ray that falls more steeply along a robot, in half sides, counts as vertical.
 constexpr float kLeastFall = 1e-3f;
-// Ratio of the variance of the center to that of a fit whose pixels have independent errors: those of neighboring
-// pixels have the same cause. Measured in the arena (tests/tools/motion_evaluation_test.cpp).
-constexpr float kNeighborsAlike = 1.75f;
+// Ratio of the variance of the center to that of a fit whose pixels have independent errors, of a ball on the bare
+// floor and of one beside something: what hides a part of the ball or is beside it gives neighboring pixels the same
+// error. Measured in the arena (tests/tools/motion_evaluation_test.cpp).
+constexpr float kAlikeOnFloor = 0.5f, kAlikeBeside = 1.75f;
+// Something is beside a ball of which less than the first share counts, the more so down to the second one, or whose
+// surroundings are so doubtful that they take this part of the pixels' weight.
+constexpr float kWholeSeen = 0.9f, kPartSeen = 0.8f, kDoubted = 0.01f;
 
 using Normal = Eigen::Matrix<float, kShadeTerms, kShadeTerms>;
 using Terms = Eigen::Matrix<float, kShadeTerms, 1>;
@@ -199,6 +203,7 @@ class BallCenterFit::Solver {
     const ShadingEquations found = kernel_.accumulate_shading(disk_, shading_);
     if (found.covered <= 0.0f) return false;
     fitting_ = found.fitting / found.covered;
+    doubted_ = 1.0f - found.weighted / found.fitting;
     seen_ = found.covered / (std::numbers::pi_v<float> * view_.radius_px * view_.radius_px);
     Normal sums;
     for (std::size_t i = 0; i < kShadeTerms; ++i) {
@@ -246,7 +251,7 @@ class BallCenterFit::Solver {
     const float by_xx = yy * yy + xy * xy, by_yy = xx * xx + xy * xy, by_xy = -xy * (xx + yy);
     const float pulled =
         by_xx * (sums.pull_xx + start_pull) + 2.0f * by_xy * sums.pull_xy + by_yy * (sums.pull_yy + start_pull);
-    sigma_ = std::hypot(std::sqrt(std::max(0.0f, 0.5f * kNeighborsAlike * pulled)) / determinant,
+    sigma_ = std::hypot(std::sqrt(std::max(0.0f, 0.5f * alike() * pulled)) / determinant,
                         kErrorWithoutFit * (1.0f - fitting_) * (1.0f - fitting_));
     const float rx = sums.edge.rx - prior * moved_[0], ry = sums.edge.ry - prior * moved_[1];
     const Step by = scaled({(yy * rx - xy * ry) / determinant, (xx * ry - xy * rx) / determinant});
@@ -260,6 +265,11 @@ class BallCenterFit::Solver {
       view_.ramp_px = std::clamp(view_.ramp_px + wider, kLeastRampPx, kMostRampPx);
     }
     return true;
+  }
+
+  [[nodiscard]] float alike() const {
+    const float hidden = (kWholeSeen - seen_) / (kWholeSeen - kPartSeen), doubtful = doubted_ / kDoubted;
+    return std::lerp(kAlikeOnFloor, kAlikeBeside, std::clamp(std::max(hidden, doubtful), 0.0f, 1.0f));
   }
 
   // Steps of this method are too short or too long by a factor that hardly changes. It follows from how much of a step
@@ -281,6 +291,7 @@ class BallCenterFit::Solver {
   float radius_m_, first_ramp_px_;
   BallView view_;
   float fitting_ = 0, sigma_ = 0, seen_ = 0;
+  float doubted_ = 0;  // part of the pixels' weight that doubtful surroundings take
   PixelPoint sampled_at_;
   float sampled_ramp_px_ = 0;
   bool is_sampled_ = false;

@@ -148,7 +148,9 @@ struct BallShading {
 struct ShadingEquations {
   std::array<std::array<float, kShadeTerms>, kShadeTerms> normal{};  // lower triangle only
   std::array<std::array<float, kShadeTerms>, kLightChannels> right{};
-  float fitting = 0, covered = 0;  // sum of the covered fractions, with and without the weights of their errors before
+  // Sums of the covered fractions: with the weights of their errors before, of these and of doubtful surroundings, and
+  // without weights.
+  float fitting = 0, weighted = 0, covered = 0;
 };
 struct BallOutlineEquations {
   CenterEquations edge;                                                               // for the center, in radii

@@ -104,16 +104,14 @@ TEST_F(BallCenterTest, ImprovesAHalfHiddenBall) {
   }
 }
 
-// A robot that was seen does not pull the center to its edge.
-TEST_F(BallCenterTest, IgnoresThePixelsOfARobot) {
-  constexpr float kSide = 0.08f, kHeight = 0.06f;
-  centers_.set_robots({{{kSide, kHeight}, {kSide, kHeight}}});
-  for (int n = 0; n < 6; ++n) {
-    const FieldPoint at{dice_.real(-0.9f, 0.9f), dice_.real(-0.7f, 0.7f)};
+class BallBesideRobot : public BallCenterTest {
+ protected:
+  BallBesideRobot() { centers_.set_robots({{{kSide, kHeight}, {kSide, kHeight}}}); }
+
+  // A ball of which a robot hides the right half, nearly: the robot's left edge is at this column.
+  Photograph hidden_by_robot(FieldPoint at) {
     const PixelPoint middle = camera_.to_pixel(at, ball_.radius_m);
-    // The robot's axes are those of the picture, nearly: its left edge is at this column.
     const PixelPoint edge{middle.u_px + 1.0f, middle.v_px};
-    const Photograph picture = photograph(PixelFormat::kRgb24, at, {0.3, -0.2, 0.93}, edge.u_px);
     const FieldPoint left = camera_.to_field(edge, kHeight),
                      right = camera_.to_field({edge.u_px + 20, edge.v_px}, kHeight);
     RobotSighting robot;
@@ -123,9 +121,36 @@ TEST_F(BallCenterTest, IgnoresThePixelsOfARobot) {
                            left.y_m + 0.5f * kSide * std::sin(robot.pose.theta_rad)};
     sightings_.robots.clear();
     sightings_.robots.push_back(robot);
-    EXPECT_LT(error_px(picture, at, -0.5f, 0.4f), 1.0f) << n;
+    return photograph(PixelFormat::kRgb24, at, {0.3, -0.2, 0.93}, edge.u_px);
+  }
+
+ private:
+  static constexpr float kSide = 0.08f, kHeight = 0.06f;
+};
+
+// A robot that was seen does not pull the center to its edge.
+TEST_F(BallBesideRobot, IsNotPulledToItsEdge) {
+  for (int n = 0; n < 6; ++n) {
+    const FieldPoint at{dice_.real(-0.9f, 0.9f), dice_.real(-0.7f, 0.7f)};
+    EXPECT_LT(error_px(hidden_by_robot(at), at, -0.5f, 0.4f), 1.0f) << n;
     EXPECT_LT(sightings_.ball.sigma_m, 0.004f) << n;
   }
+}
+
+// A wrong edge of the robot gives neighboring pixels the same error. That the ball has half of its pixels accounts for
+// six times the noise.
+TEST_F(BallBesideRobot, HasMoreThanTheNoiseOfFewerPixels) {
+  constexpr int kBalls = 6;
+  float ratio = 1;
+  for (int n = 0; n < kBalls; ++n) {
+    const FieldPoint at{dice_.real(-0.9f, 0.9f), dice_.real(-0.7f, 0.7f)};
+    error_px(hidden_by_robot(at), at, -0.5f, 0.4f);
+    const float hidden_m = sightings_.ball.sigma_m;
+    sightings_.robots.clear();
+    error_px(photograph(PixelFormat::kRgb24, at, {0.3, -0.2, 0.93}), at, -0.5f, 0.4f);
+    ratio *= hidden_m / sightings_.ball.sigma_m;
+  }
+  EXPECT_GT(std::pow(ratio, 1.0f / kBalls), 7.5f);
 }
 
 // The white border of the field begins under the ball or just beside it.

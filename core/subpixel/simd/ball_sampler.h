@@ -328,10 +328,11 @@ inline ShadingEquations accumulate_shading(const BallDisk& disk, const BallShadi
   std::array<std::array<Float8, kShadeTerms>, kLightChannels> right;
   for (auto& row : normal) row.fill(zero);
   for (auto& row : right) row.fill(zero);
-  Float8 fitting = zero, covered = zero;
+  Float8 fitting = zero, weighted = zero, covered = zero;
   for (const BallPixels& stored : disk) {
     const ShadedPixels pixels(stored, before);
     fitting += pixels.fitting * pixels.terms[0];
+    weighted += pixels.weight * pixels.terms[0];
     covered += pixels.terms[0];
     TOUCHLINE_UNROLL for (std::size_t i = 0; i < kShadeTerms; ++i) {
       const Float8 term = pixels.weight * pixels.terms[i];
@@ -341,6 +342,7 @@ inline ShadingEquations accumulate_shading(const BallDisk& disk, const BallShadi
   }
   ShadingEquations sums;
   sums.fitting = horizontal_sum(fitting);
+  sums.weighted = horizontal_sum(weighted);
   sums.covered = horizontal_sum(covered);
   TOUCHLINE_UNROLL for (std::size_t i = 0; i < kShadeTerms; ++i) {
     TOUCHLINE_UNROLL for (std::size_t j = 0; j <= i; ++j) sums.normal[i][j] = horizontal_sum(normal[i][j]);

@@ -29,9 +29,9 @@ void SightTable::configure(const CameraModel& camera, PixelPoint low, PixelPoint
       const PixelPoint pixel = pixel_at(static_cast<float>(row) - 1.0f, static_cast<float>(column) - 1.0f);
       const Ray ray = camera.ray(pixel);
       camera_m_ = ray.origin_m;
-      grids_[kX][row][column] = -ray.direction[0] / ray.direction[2];
-      grids_[kY][row][column] = -ray.direction[1] / ray.direction[2];
-      grids_[kScale][row][column] = camera_m_[2] * camera.scale_px_per_m(camera.to_field(pixel, 0.0f), 0.0f);
+      grids_[kSlopeX][row][column] = -ray.direction[0] / ray.direction[2];
+      grids_[kSlopeY][row][column] = -ray.direction[1] / ray.direction[2];
+      grids_[kScaleOfSight][row][column] = camera_m_[2] * camera.scale_px_per_m(camera.to_field(pixel, 0.0f), 0.0f);
     }
   }
   // The error is largest in the middle of a cell.
@@ -72,7 +72,7 @@ bool SightTable::find(PixelPoint pixel, SightLine& out) const {
   const auto column = static_cast<std::size_t>(u), row = static_cast<std::size_t>(v);
   if (!is_known_[row * kCells + column]) return false;
   const auto values = interpolate(row, column, v - static_cast<float>(row), u - static_cast<float>(column));
-  out = {camera_m_, values[kX], values[kY], values[kScale]};
+  out = {camera_m_, values[kSlopeX], values[kSlopeY], values[kScaleOfSight]};
   return true;
 }
 

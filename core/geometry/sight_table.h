@@ -48,7 +48,7 @@ class SightTable {
   static constexpr std::size_t kCells = 32;
   // One more on each side, because interpolation takes the nodes around a cell, too.
   static constexpr std::size_t kNodes = kCells + 3;
-  enum Value : std::size_t { kX, kY, kScale, kValues };  // as in SightLine
+  enum Value : std::size_t { kSlopeX, kSlopeY, kScaleOfSight, kValues };  // as in SightLine
 
   [[nodiscard]] std::array<float, kValues> interpolate(std::size_t row, std::size_t column, float down,
                                                        float right) const;

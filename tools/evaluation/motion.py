@@ -2,8 +2,9 @@
 import math
 
 NAME = "motion"
-# Nothing was developed on games with these seeds.
-SEEDS, QUICK_SEEDS = (401, 402, 403, 404), (401,)
+# Nothing was developed on games with these seeds. A robot that stands long at a place with an unusual error makes the NEES of
+# one game three times that of others, so there are many.
+SEEDS, QUICK_SEEDS = tuple(range(401, 409)), (401,)
 DURATION_S = 30
 # Squared errors per variance that is stated, and the track's error relative to the sighting's.
 CONSISTENT, NOT_WORSE = (0.7, 1.5), (0.0, 1.0)

@@ -43,8 +43,8 @@ constexpr float kHalfWeightSurroundings = 0.1f;
 constexpr float kDoubtedPx = 0.03f;
 // A region's centroid rarely has an error of one pixel. A larger correction means that something else was fitted.
 constexpr float kMaxCorrectionPx = 2.0f;
-// A centroid farther from where the layout says is not that of a whole patch.
-constexpr float kMaxBeginPx = 1.0f;
+// A centroid farther from where the layout says is not that of a whole patch: something hides a part of it.
+constexpr float kMaxBeginPx = 0.5f;
 // RMS error of the covered fraction of edge pixels. Up to the first value the fit is used, beyond the second it is not.
 // (Sharp edges under the ramp, noise and shared chroma leave 0.1; patches that are not quite where the layout says, or
 // rounded and under glare, leave up to 0.4, and their fitted centers are still far steadier than centroids.)
@@ -171,11 +171,11 @@ class PatchCenterFit::Solver {
   };
   using Targets = FixedVector<Target, kMaxPatches>;
 
-  // Moves patch k towards a place in the picture, by a pixel at most.
+  // Moves patch k to its centroid, unless that is too far away.
   void begin_at(PixelPoint seen, std::size_t k) {
     const float u = seen.u_px - targets_[k].pixel.u_px, v = seen.v_px - targets_[k].pixel.v_px;
-    const float part = std::min(1.0f, kMaxBeginPx / std::hypot(u, v));
-    const float per = part / (view_.u_by_x * view_.v_by_y - view_.u_by_y * view_.v_by_x);
+    if (!(u * u + v * v < kMaxBeginPx * kMaxBeginPx)) return;
+    const float per = 1.0f / (view_.u_by_x * view_.v_by_y - view_.u_by_y * view_.v_by_x);
     const float x = per * (view_.v_by_y * u - view_.u_by_y * v), y = per * (view_.u_by_x * v - view_.v_by_x * u);
     const float c = outlines_[k].cos(), s = outlines_[k].sin();
     targets_[k].at = {c * x + s * y, c * y - s * x};

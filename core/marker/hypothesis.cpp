@@ -137,7 +137,7 @@ class Search {
     for (; left != 0; left &= left - 1) {
       const auto i = static_cast<std::size_t>(std::countr_zero(left));
       spread_m2_[slot + 1] = spread_m2_[slot] + added_m2[i];
-      if (spread_m2_[slot + 1] > most_spread_m2_) continue;  // it fell since
+      if (spread_m2_[slot + 1] > most_spread_m2_) continue;  // the limit fell since
       set_[slot] = neighbors_[i].number;
       of_slot_[slot] = static_cast<std::uint8_t>(i);
       points_.push_back({place_of(layout_.patches[slot + 1]), patches_.identification[set_[slot]].at[team_]});

@@ -82,34 +82,38 @@ void measure_shape(const Frame& frame, const BallColor& color, std::span<const T
   BallSamples samples(frame, pixels, tops, disk.reach, disk.reach);
   samples.read_dense(color, true);
   const Samples shape = samples.ball.without_holes(disk, 0, 0);
-  float n = 0, mean_x = 0, mean_y = 0;
+  using Four = Simd4<float>;
   const auto for_each = [&](const auto& add) {
     for (int row = -disk.reach; row <= disk.reach; ++row) {
-      for (std::uint64_t bits = shape.row(row); bits != 0; bits &= bits - 1) {
-        add(static_cast<float>(std::countr_zero(bits) - kSampleReach), static_cast<float>(row));
-      }
+      const Four y = Four{} + static_cast<float>(row);
+      for_each_four(shape.row(row), [&](Four column, Simd4<std::int32_t> is_shape) {
+        add(column - static_cast<float>(kSampleReach), y, is_shape);
+      });
     }
   };
-  for_each([&](float x, float y) {
-    n += 1;
-    mean_x += x;
-    mean_y += y;
+  Four ones{}, sum_x{}, sum_y{};
+  for_each([&](Four x, Four y, Simd4<std::int32_t> is_shape) {
+    ones += is_shape ? Four{1, 1, 1, 1} : Four{};
+    sum_x += is_shape ? x : Four{};
+    sum_y += is_shape ? y : Four{};
   });
+  const float n = sum_of(ones);
   if (n == 0.0f) return;
-  mean_x /= n;
-  mean_y /= n;
+  const float mean_x = sum_of(sum_x) / n, mean_y = sum_of(sum_y) / n;
   // z^2 and z^4 of z = x + i y.
-  float re2 = 0, im2 = 0, size2 = 0, re4 = 0, im4 = 0, size4 = 0;
-  for_each([&](float x, float y) {
-    const float dx = x - mean_x, dy = y - mean_y;
-    const float re = dx * dx - dy * dy, im = 2 * dx * dy, size = dx * dx + dy * dy;
-    re2 += re;
-    im2 += im;
-    size2 += size;
-    re4 += re * re - im * im;
-    im4 += 2 * re * im;
-    size4 += size * size;
+  Four real2{}, imaginary2{}, square2{}, real4{}, imaginary4{}, square4{};
+  for_each([&](Four x, Four y, Simd4<std::int32_t> is_shape) {
+    const Four dx = is_shape ? x - mean_x : Four{}, dy = is_shape ? y - mean_y : Four{};
+    const Four re = dx * dx - dy * dy, im = 2 * dx * dy, size = dx * dx + dy * dy;
+    real2 += re;
+    imaginary2 += im;
+    square2 += size;
+    real4 += re * re - im * im;
+    imaginary4 += 2 * re * im;
+    square4 += size * size;
   });
+  const float re2 = sum_of(real2), im2 = sum_of(imaginary2), size2 = sum_of(square2);
+  const float re4 = sum_of(real4), im4 = sum_of(imaginary4), size4 = sum_of(square4);
   if (size2 <= 0.0f) return;
   out.elongation = std::sqrt(re2 * re2 + im2 * im2) / size2;
   out.squareness = std::sqrt(re4 * re4 + im4 * im4) / size4;

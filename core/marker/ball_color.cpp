@@ -66,11 +66,13 @@ BallColor::BallColor(const Rgb& ball, const Rgb& floor) : ball_(ball), floor_(fl
   }
   const float least_chroma = kColorful * (has_hue_ ? saturation : kNoHue * saturation) + kPixelNoise_levels;
   for (std::size_t c = 0; c < 3; ++c) {
-    floor_vectors_[c] = broadcast4(floor[c]);
     floor_chroma_[c] = broadcast4(of_floor[c]);
     way_[c] = broadcast4(way[c] / dot(way, way));
     hue_[c] = broadcast4(axis[c]);
   }
+  least_way_ = broadcast4(kMinContrast + dot(floor, way) / dot(way, way));
+  // The squared length of a color's white part is a third of its squared sum.
+  white_ = broadcast4(has_hue_ ? 1.0f / 3.0f : 0.0f);
   least_along_ = broadcast4(kMinSaturation * saturation);
   tolerance_ = broadcast4(tolerance);
   least_chroma2_ = broadcast4(least_chroma * least_chroma);
@@ -84,23 +86,16 @@ bool BallColor::differs_from_floor() const {
 std::uint32_t BallColor::is_ball(const PixelGroup& rgb) const {
   std::array<Simd4<std::int32_t>, 2> is_like;
   for (std::size_t half = 0; half < 2; ++half) {
-    const Simd4<float> r = rgb[0][half], g = rgb[1][half], b = rgb[2][half];
-    is_like[half] =
-        (r - floor_vectors_[0]) * way_[0] + (g - floor_vectors_[1]) * way_[1] + (b - floor_vectors_[2]) * way_[2] >=
-        broadcast4(kMinContrast);
+    is_like[half] = rgb[0][half] * way_[0] + rgb[1][half] * way_[1] + rgb[2][half] * way_[2] >= least_way_;
   }
   if (!any(is_like[0] | is_like[1])) return 0;
   for (std::size_t half = 0; half < 2; ++half) {
-    Simd4<float> x = rgb[0][half], y = rgb[1][half], z = rgb[2][half];
-    if (has_hue_) {
-      const Simd4<float> white = (x + y + z) / 3.0f;
-      x -= white;
-      y -= white;
-      z -= white;
-    }
-    const Simd4<float> along = x * hue_[0] + y * hue_[1] + z * hue_[2];
+    const Simd4<float> r = rgb[0][half], g = rgb[1][half], b = rgb[2][half];
+    const Simd4<float> sum = r + g + b;
+    // The axis of a hue has no white part.
+    const Simd4<float> along = r * hue_[0] + g * hue_[1] + b * hue_[2];
     // Rounding may make it negative; `allowed` is not 0.
-    const Simd4<float> across2 = x * x + y * y + z * z - along * along;
+    const Simd4<float> across2 = r * r + g * g + b * b - white_ * sum * sum - along * along;
     const Simd4<float> allowed = kPixelNoise_levels + tolerance_ * along;
     is_like[half] &= (along > least_along_) & (across2 < allowed * allowed);
   }

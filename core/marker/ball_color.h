@@ -33,8 +33,8 @@ class BallColor {
 
   Rgb ball_, floor_;
   // The same value in all four places.
-  ChannelVectors floor_vectors_, floor_chroma_, way_, hue_;
-  Simd4<float> least_along_, tolerance_, least_chroma2_;
+  ChannelVectors floor_chroma_, way_, hue_;
+  Simd4<float> least_way_, white_, least_along_, tolerance_, least_chroma2_;
   bool has_hue_ = false;
 };
 

@@ -12,6 +12,7 @@
 #include "core/marker/ball_appearance.h"
 #include "core/marker/ball_color.h"
 #include "core/marker/ball_samples.h"
+#include "core/marker/pixel_rows.h"
 
 // The pixels around a possible ball, on a square grid of samples.
 namespace touchline {
@@ -23,12 +24,11 @@ static_assert(kSampleReach == 2 * kGroupSize);
 class SampledPixels {
  public:
   SampledPixels(const Frame& frame, int seed_u, int seed_v, int step)
-      : frame_(frame), info_(info_of(frame.format)), seed_u_(seed_u), seed_v_(seed_v), step_(step) {
-    for (std::size_t i = 0; i < kOffsets; ++i) {
+      : rows_(frame), seed_u_(seed_u), seed_v_(seed_v), step_(step) {
+    for (std::size_t i = 0; i < kColumns; ++i) {
       const int u = seed_u + (static_cast<int>(i) - kSampleReach) * step;
       if (i < kSampleSide && u >= 0 && u < frame.width_px) columns_ |= std::uint64_t{1} << i;
-      const auto nearest = static_cast<std::size_t>(std::clamp(u, 0, frame.width_px - 1));
-      for (std::size_t c = 0; c < 3; ++c) offset_[c][i] = static_cast<std::uint32_t>(info_.channel[c].byte(nearest));
+      rows_.set_column(i, static_cast<std::size_t>(std::clamp(u, 0, frame.width_px - 1)));
     }
   }
   // The columns that are in the picture.
@@ -41,47 +41,24 @@ class SampledPixels {
   }
 
   // The row must be in the picture.
-  void select(int row) {
-    const auto v = static_cast<std::size_t>(v_px(row));
-    for (std::size_t c = 0; c < 3; ++c) {
-      const ChannelLayout& channel = info_.channel[c];
-      row_[c] = frame_.plane[channel.plane] + (v >> channel.shift_v) * frame_.stride_bytes[channel.plane];
-    }
-  }
+  void select(int row) { rows_.select(static_cast<std::size_t>(v_px(row))); }
   // Reads every `kEvery`-th column from `first` on.
   template <std::size_t kEvery>
   void read(int first, PixelGroup& out) const {
-    std::array<std::array<std::int32_t, kGroupSize>, 3> value;
-    const std::size_t begin = sample_index(first);
     // gcc 12 unrolls no loops at -O2.
-    _Pragma("GCC unroll 3") for (std::size_t c = 0; c < 3; ++c) {
-      const std::uint8_t* const pixels = row_[c];
-      const std::uint32_t* const offset = &offset_[c][begin];
-      _Pragma("GCC unroll 8") for (std::size_t i = 0; i < kGroupSize; ++i) value[c][i] = pixels[offset[kEvery * i]];
-    }
     _Pragma("GCC unroll 2") for (std::size_t half = 0; half < 2; ++half) {
-      std::array<Simd4<float>, 3> above_black;
-      _Pragma("GCC unroll 3") for (std::size_t c = 0; c < 3; ++c) {
-        Simd4<std::int32_t> four;
-        std::memcpy(&four, &value[c][4 * half], sizeof four);
-        above_black[c] = __builtin_convertvector(four, Simd4<float>);
-      }
-      if (info_.space != ColorSpace::kRgb) above_black = yuv_to_rgb4(above_black, info_.space);
-      _Pragma("GCC unroll 3") for (std::size_t c = 0; c < 3; ++c) out[c][half] = above_black[c];
+      const auto four = rows_.template read<kEvery>(sample_index(first) + 4 * half * kEvery);
+      _Pragma("GCC unroll 3") for (std::size_t c = 0; c < 3; ++c) out[c][half] = four[c];
     }
   }
 
  private:
   // A group may begin at any column, or be every second one up to the last.
-  static constexpr std::size_t kOffsets = kSampleSide + kGroupSize - 1;
+  static constexpr std::size_t kColumns = kSampleSide + kGroupSize - 1;
 
-  const Frame& frame_;
-  const PixelFormatInfo& info_;
+  PixelRows<kColumns> rows_;
   int seed_u_, seed_v_, step_;
   std::uint64_t columns_ = 0;
-  std::array<const std::uint8_t*, 3> row_{};
-  // Bytes from the begin of a row to a column, by channel.
-  std::array<std::array<std::uint32_t, kOffsets>, 3> offset_;
 };
 
 /// The parallelogram that a robot's top is in the picture.

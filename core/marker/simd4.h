@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -76,6 +77,17 @@ using Simd4 [[gnu::vector_size(16)]] = T;
   const auto halves = __builtin_bit_cast(std::array<std::uint64_t, 2>, is_true & Simd4<std::int32_t>{1, 2, 4, 8});
   const std::uint64_t both = halves[0] | halves[1];
   return static_cast<std::uint32_t>(both | both >> 32u);
+}
+
+[[gnu::always_inline]] inline float sum_of(Simd4<float> four) { return (four[0] + four[1]) + (four[2] + four[3]); }
+
+/// Calls use(numbers, is_set) with four neighboring bits at a time: their numbers, and in which lanes the bit is set.
+template <class Use>
+[[gnu::always_inline]] inline void for_each_four(std::uint64_t bits, const Use& use) {
+  for (int i = std::countr_zero(bits); i < static_cast<int>(std::bit_width(bits)); i += 4) {
+    const auto four = static_cast<std::int32_t>(bits >> static_cast<unsigned>(i) & 15u);
+    use(Simd4<float>{0, 1, 2, 3} + static_cast<float>(i), (four & Simd4<std::int32_t>{1, 2, 4, 8}) != 0);
+  }
 }
 
 }  // namespace touchline

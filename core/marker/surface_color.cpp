@@ -6,7 +6,7 @@
 #include <cstring>
 
 #include "core/light/shading.h"
-#include "core/marker/simd4.h"
+#include "core/marker/pixel_rows.h"
 
 namespace touchline {
 namespace {
@@ -35,40 +35,25 @@ constexpr int in_grid(int i) { return i + kGridReach; }
 // Finds the samples whose color has at most this squared distance from that of the surface, and the one in the middle,
 // which may be noise. Beyond a row without a sample below such a one of the row before, none is connected with the
 // middle: no further row is looked at.
-template <bool kIsRgb>
 Grid similar_samples(const Frame& frame, const Samples& columns, const Samples& rows, int step,
                      const SurfaceColor& surface, float allowed) {
   constexpr std::size_t kTogether = 4;
-  const PixelFormatInfo& info = info_of(frame.format);
   const auto first_column = static_cast<std::size_t>(in_grid(columns.first)),
              end_column = static_cast<std::size_t>(in_grid(columns.last)) + 1;
-  // Bytes from the begin of a row, by channel. Samples beyond the last column are the last one again.
-  std::array<std::array<std::uint32_t, kGridSize + kTogether>, 3> offset;
+  // Samples beyond the last column are the last one again.
+  PixelRows<kGridSize + kTogether> pixels(frame);
   for (std::size_t i = first_column; i < end_column + kTogether; ++i) {
-    const auto u =
-        static_cast<std::size_t>(columns.place(static_cast<int>(std::min(i, end_column - 1)) - kGridReach, step));
-    for (std::size_t c = 0; c < 3; ++c) offset[c][i] = static_cast<std::uint32_t>(info.channel[c].byte(u));
+    const int column = static_cast<int>(std::min(i, end_column - 1)) - kGridReach;
+    pixels.set_column(i, static_cast<std::size_t>(columns.place(column, step)));
   }
   const std::uint64_t inside = (std::uint64_t{1} << end_column) - (std::uint64_t{1} << first_column);
   const auto similar_in = [&](int row) {
-    const auto v = static_cast<std::size_t>(rows.place(row, step));
-    std::array<const std::uint8_t*, 3> line{};
-    for (std::size_t c = 0; c < 3; ++c) {
-      const ChannelLayout& channel = info.channel[c];
-      line[c] = frame.plane[channel.plane] + (v >> channel.shift_v) * frame.stride_bytes[channel.plane];
-    }
+    pixels.select(static_cast<std::size_t>(rows.place(row, step)));
     std::uint64_t similar = 0;
     for (std::size_t i = first_column; i < end_column; i += kTogether) {
-      std::array<Simd4<float>, 3> rgb;
-      // gcc 12 unrolls no loops at -O2.
-      _Pragma("GCC unroll 3") for (std::size_t c = 0; c < 3; ++c) {
-        const std::uint8_t* const pixels = line[c];
-        const std::uint32_t* const at = &offset[c][i];
-        const Simd4<std::int32_t> four{pixels[at[0]], pixels[at[1]], pixels[at[2]], pixels[at[3]]};
-        rgb[c] = __builtin_convertvector(four, Simd4<float>);
-      }
-      if constexpr (!kIsRgb) rgb = yuv_to_rgb4(rgb, info.space);
+      const std::array<Simd4<float>, 3> rgb = pixels.read<1>(i);
       Simd4<float> distance{};
+      // gcc 12 unrolls no loops at -O2.
       _Pragma("GCC unroll 3") for (std::size_t c = 0; c < 3; ++c) {
         const Simd4<float> difference = rgb[c] - surface.rgb[c];
         distance += difference * difference;
@@ -139,18 +124,21 @@ constexpr float kSquareMoment = -0.6f;
 // Finds the direction of a square's sides from the mean of z^4, z being the place of a sample relative to the centroid
 // as a complex number. `spread`: mean of |z|^2.
 void find_sides(const Grid& grown, float count, const std::array<float, 2>& centroid, float spread, GrownPatch& out) {
-  float real = 0, imaginary = 0;
+  using Four = Simd4<float>;
+  Four real{}, imaginary{};
   for (std::size_t row = 0; row < kGridSize; ++row) {
-    const float y = static_cast<float>(row) - static_cast<float>(kGridReach) - centroid[1];
-    for (std::uint64_t bits = grown[row]; bits != 0; bits &= bits - 1) {
-      const float x = static_cast<float>(std::countr_zero(bits) - kGridReach) - centroid[0];
-      const float difference = x * x - y * y, product = 2.0f * x * y;
+    const Four away = Four{} + (static_cast<float>(row) - static_cast<float>(kGridReach) - centroid[1]);
+    for_each_four(grown[row], [&](Four column, Simd4<std::int32_t> is_grown) {
+      const Four x = is_grown ? column - (static_cast<float>(kGridReach) + centroid[0]) : Four{};
+      const Four y = is_grown ? away : Four{};
+      const Four difference = x * x - y * y, product = 2.0f * x * y;
       real += difference * difference - product * product;
       imaginary += 2.0f * difference * product;
-    }
+    });
   }
-  out.side_rad = 0.25f * std::atan2(-imaginary, -real);
-  out.squareness = std::hypot(real, imaginary) / (count * -kSquareMoment * spread * spread);
+  const float re = sum_of(real), im = sum_of(imaginary);
+  out.side_rad = 0.25f * std::atan2(-im, -re);
+  out.squareness = std::hypot(re, im) / (count * -kSquareMoment * spread * spread);
 }
 
 }  // namespace
@@ -197,7 +185,6 @@ bool sample_surface(const Frame& frame, PixelPoint center, int step_px, SurfaceC
 bool grow_patch(const Frame& frame, PixelPoint seed, float reach_px, GrownPatch& out) {
   SurfaceColor surface;
   if (!sample_surface(frame, seed, 1, surface)) return false;
-  const ColorSpace space = color_space(frame.format);
   const int step = std::max(1, static_cast<int>(std::ceil(reach_px / static_cast<float>(kGridReach))));
   const int reach = std::min(kGridReach, static_cast<int>(reach_px) / step);
   const int seed_u = static_cast<int>(std::lround(seed.u_px)), seed_v = static_cast<int>(std::lround(seed.v_px));
@@ -211,30 +198,25 @@ bool grow_patch(const Frame& frame, PixelPoint seed, float reach_px, GrownPatch&
   const int top = first(seed_v), bottom = last(seed_v, frame.height_px);
   const int inside = (right - left + 1) * (bottom - top + 1), all = (2 * reach + 1) * (2 * reach + 1);
   if (5 * (all - inside) > all) return false;
-  const Grid mask =
-      space == ColorSpace::kRgb
-          ? similar_samples<true>(frame, {seed_u, left, right}, {seed_v, top, bottom}, step, surface, allowed)
-          : similar_samples<false>(frame, {seed_u, left, right}, {seed_v, top, bottom}, step, surface, allowed);
+  const Grid mask = similar_samples(frame, {seed_u, left, right}, {seed_v, top, bottom}, step, surface, allowed);
   const Grid grown = connected(mask, reach);
   // The sums are integers below 2^24, so their order does not matter.
-  float n = 0, x = 0, y = 0, xx = 0, xy = 0, yy = 0;
+  Simd4<float> ones{}, sum_x{}, sum_y{}, sum_xx{}, sum_xy{}, sum_yy{};
   for (std::size_t row = 0; row < kGridSize; ++row) {
-    if (grown[row] == 0) continue;
-    int count = 0, sum = 0, squares = 0;
-    for (std::uint64_t bits = grown[row]; bits != 0; bits &= bits - 1) {
-      const int dx = std::countr_zero(bits) - kGridReach;
-      ++count;
-      sum += dx;
-      squares += dx * dx;
-    }
-    const int dy = static_cast<int>(row) - kGridReach;
-    n += static_cast<float>(count);
-    x += static_cast<float>(sum);
-    y += static_cast<float>(dy * count);
-    xx += static_cast<float>(squares);
-    xy += static_cast<float>(dy * sum);
-    yy += static_cast<float>(dy * dy * count);
+    const float away = static_cast<float>(row) - static_cast<float>(kGridReach);
+    for_each_four(grown[row], [&](Simd4<float> column, Simd4<std::int32_t> is_grown) {
+      const Simd4<float> one = is_grown ? Simd4<float>{1, 1, 1, 1} : Simd4<float>{};
+      const Simd4<float> dx = one * (column - static_cast<float>(kGridReach)), dy = one * away;
+      ones += one;
+      sum_x += dx;
+      sum_y += dy;
+      sum_xx += dx * dx;
+      sum_xy += dx * dy;
+      sum_yy += dy * dy;
+    });
   }
+  const float n = sum_of(ones);
+  float x = sum_of(sum_x), y = sum_of(sum_y), xx = sum_of(sum_xx), xy = sum_of(sum_xy), yy = sum_of(sum_yy);
   if (n < static_cast<float>(kMinSamples)) return false;
   const float scale = static_cast<float>(step), square = scale * scale;
   x /= n;

@@ -1,0 +1,89 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+
+#include "core/marker/simd4.h"
+#include "core/types.h"
+
+namespace touchline {
+
+/// Reads columns of a picture, row after row, four at a time, as R, G, B above black. The frame must outlive it.
+template <std::size_t kColumns>
+class PixelRows {
+ public:
+  explicit PixelRows(const Frame& frame)
+      : frame_(frame),
+        info_(info_of(frame.format)),
+        has_words_(info_.space == ColorSpace::kRgb && frame.height_px > 1),
+        step_(info_.channel[0].step) {}
+
+  /// Column `i` is that of pixel u.
+  void set_column(std::size_t i, std::size_t u) {
+    if (has_words_) {
+      offset_[0][i] = static_cast<std::uint32_t>(u * step_);
+      return;
+    }
+    for (std::size_t c = 0; c < 3; ++c) offset_[c][i] = static_cast<std::uint32_t>(info_.channel[c].byte(u));
+  }
+
+  /// Pixel row v is read from now on.
+  void select(std::size_t v) {
+    if (has_words_) {
+      // Four bytes are read of each pixel. Of the picture's last pixel there may be only three and the one before it.
+      const bool from_before = step_ == 3 && v + 1 == static_cast<std::size_t>(frame_.height_px);
+      row_[0] = frame_.plane[0] + v * frame_.stride_bytes[0] - (from_before ? 1 : 0);
+      for (std::size_t c = 0; c < 3; ++c) shift_[c] = 8 * (info_.channel[c].offset + (from_before ? 1 : 0));
+      return;
+    }
+    for (std::size_t c = 0; c < 3; ++c) {
+      const ChannelLayout& channel = info_.channel[c];
+      row_[c] = frame_.plane[channel.plane] + (v >> channel.shift_v) * frame_.stride_bytes[channel.plane];
+    }
+  }
+
+  /// Columns `first`, `first + kEvery` and two more.
+  template <std::size_t kEvery>
+  [[nodiscard, gnu::always_inline]] std::array<Simd4<float>, 3> read(std::size_t first) const {
+    if (!has_words_) return read_samples<kEvery>(first);
+    const std::uint32_t* const at = &offset_[0][first];
+    const Simd4<std::int32_t> four{word(at[0]), word(at[kEvery]), word(at[2 * kEvery]), word(at[3 * kEvery])};
+    const auto channel = [&](std::size_t c) {
+      return __builtin_convertvector((four >> shift_[c]) & 255, Simd4<float>);
+    };
+    return {channel(0), channel(1), channel(2)};
+  }
+
+ private:
+  template <std::size_t kEvery>
+  [[nodiscard, gnu::noinline]] std::array<Simd4<float>, 3> read_samples(std::size_t first) const {
+    std::array<Simd4<float>, 3> out;
+    // gcc 12 unrolls no loops at -O2.
+    _Pragma("GCC unroll 3") for (std::size_t c = 0; c < 3; ++c) {
+      const std::uint8_t* const pixels = row_[c];
+      const std::uint32_t* const at = &offset_[c][first];
+      const Simd4<std::int32_t> four{pixels[at[0]], pixels[at[kEvery]], pixels[at[2 * kEvery]], pixels[at[3 * kEvery]]};
+      out[c] = __builtin_convertvector(four, Simd4<float>);
+    }
+    return info_.space == ColorSpace::kRgb ? out : yuv_to_rgb4(out, info_.space);
+  }
+
+  [[nodiscard, gnu::always_inline]] std::int32_t word(std::uint32_t offset) const {
+    std::int32_t bytes = 0;
+    std::memcpy(&bytes, row_[0] + offset, sizeof bytes);
+    return bytes;
+  }
+
+  const Frame& frame_;
+  const PixelFormatInfo& info_;
+  bool has_words_;  // a pixel's channels are within four bytes
+  std::size_t step_;
+  std::array<int, 3> shift_{};
+  std::array<const std::uint8_t*, 3> row_{};
+  // Bytes from the begin of a row to a column, by channel; of words in [0].
+  std::array<std::array<std::uint32_t, kColumns>, 3> offset_;
+};
+
+}  // namespace touchline

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "core/marker/rigid_fit.h"
+#include "core/marker/simd4.h"
 
 namespace touchline {
 namespace {
@@ -62,6 +63,38 @@ float largest_ratio(const PatchPlace& place) {
 
 }  // namespace
 
+// Centers and areas of the regions of one color, four at a time.
+class PatchFinder::RegionsOfColor {
+ public:
+  RegionsOfColor(const Regions& regions, std::span<const std::uint16_t> numbers) : count_(numbers.size()) {
+    for (std::size_t i = 0; i < count_; ++i) {
+      const Region& region = regions[numbers[i]];
+      Group& group = groups_[i / kTogether];
+      group.u_px[i % kTogether] = region.centroid.u_px;
+      group.v_px[i % kTogether] = region.centroid.v_px;
+      group.area_px[i % kTogether] = static_cast<float>(region.area_px);
+    }
+  }
+  // Area of the regions whose centers are nearer than `reach_px`.
+  [[nodiscard]] float area_near(PixelPoint center, float reach_px) const {
+    Simd4<float> area_px{};
+    for (std::size_t i = 0; i < count_; i += kTogether) {
+      const Group& group = groups_[i / kTogether];
+      const Simd4<float> du = group.u_px - center.u_px, dv = group.v_px - center.v_px;
+      area_px += du * du + dv * dv < reach_px * reach_px ? group.area_px : Simd4<float>{};
+    }
+    return sum_of(area_px);
+  }
+
+ private:
+  static constexpr std::size_t kTogether = 4;
+  struct Group {
+    Simd4<float> u_px{}, v_px{}, area_px{};
+  };
+  std::size_t count_;
+  std::array<Group, kMaxPatchesPerColor / kTogether> groups_;
+};
+
 PatchKind kind_of(const PatchPlace& place, float height_m) {
   PatchKind kind;
   kind.least_area_m2 = kind.largest_area_m2 = area_m2(place);
@@ -115,9 +148,8 @@ float PatchFinder::least_visible_px(const PatchKind& kind) const {
 // True for a fragment that can be part of no patch: it is too far from every larger one, and together with all other
 // regions of its color that are near enough, it is too small even for a partly visible one. Most noise is rejected
 // here, before it is placed on the field.
-bool PatchFinder::is_noise(const PatchKind& kind, const Regions& regions, std::uint16_t number,
-                           std::span<const std::uint16_t> candidates, const ColorPatches& larger_patches) const {
-  const Region& region = regions[number];
+bool PatchFinder::is_noise(const PatchKind& kind, const Region& region, const RegionsOfColor& all,
+                           const ColorPatches& larger_patches) const {
   const float reach_m = kReachMargin * std::max(kind.side_m, kHalvesApart * kind.length_m);
   const auto distance2 = [&region](PixelPoint other) {
     const float du = other.u_px - region.centroid.u_px, dv = other.v_px - region.centroid.v_px;
@@ -129,14 +161,7 @@ bool PatchFinder::is_noise(const PatchKind& kind, const Regions& regions, std::u
         return distance2(patch.center) < reach_px * reach_px;
       });
   if (is_near_larger) return false;
-  const float far_px = reach_m * largest_scale_px_per_m_, least_px = least_visible_px(kind);
-  float near_px = 0;  // area, with that of this region
-  for (const std::uint16_t other : candidates) {
-    if (distance2(regions[other].centroid) >= far_px * far_px) continue;
-    near_px += static_cast<float>(regions[other].area_px);
-    if (near_px >= least_px) return false;
-  }
-  return true;
+  return all.area_near(region.centroid, reach_m * largest_scale_px_per_m_) < least_visible_px(kind);
 }
 
 void PatchFinder::place(const PatchKind& kind, PatchCandidate& patch) const {
@@ -162,12 +187,11 @@ float PatchFinder::field_axis(const PatchKind& kind, const PatchCandidate& patch
   return std::atan2(a.y_m - b.y_m, a.x_m - b.x_m);
 }
 
-void PatchFinder::examine(const PatchKind& kind, const Runs& runs, const Regions& regions,
-                          std::span<const std::uint16_t> candidates, std::uint16_t number, Sightings& verdicts,
-                          SplitBudget& budget, ColorPatches& out) const {
-  const Region& region = regions[number];
+void PatchFinder::examine(const PatchKind& kind, const Runs& runs, const Region& region, std::uint16_t number,
+                          const RegionsOfColor& all, Sightings& verdicts, SplitBudget& budget,
+                          ColorPatches& out) const {
   const bool is_small = static_cast<float>(region.area_px) < least_visible_px(kind);
-  if (is_small && is_noise(kind, regions, number, candidates, out)) {
+  if (is_small && is_noise(kind, region, all, out)) {
     verdicts.verdicts[number] = Verdict::kTooSmall;
     return;
   }
@@ -268,7 +292,10 @@ void PatchFinder::find(const PatchKind& kind, const Runs& runs, const Regions& r
                        std::span<const std::uint16_t> candidates, Sightings& verdicts, SplitBudget& budget,
                        ColorPatches& out) const {
   out.clear();
-  for (const std::uint16_t number : candidates) examine(kind, runs, regions, candidates, number, verdicts, budget, out);
+  const RegionsOfColor all(regions, candidates);
+  for (const std::uint16_t number : candidates) {
+    examine(kind, runs, regions[number], number, all, verdicts, budget, out);
+  }
   std::sort(out.begin(), out.end(), is_larger);
   merge_close(kind, verdicts, out);
   merge_small(kind, verdicts, out);

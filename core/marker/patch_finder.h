@@ -70,9 +70,9 @@ class PatchFinder {
 
   void configure(const CameraModel& camera, const FieldParameters& field);
 
-  /// `candidates`: numbers of the regions of this color. `out` is sorted by area, the largest first, with partly
-  /// visible ones last. Writes the verdicts of regions that are not in `out`, that were merged, or that are partly
-  /// visible. Splits touching patches, the largest first, as long as `budget` lasts.
+  /// `candidates`: numbers of the regions of this color, at most kMaxPatchesPerColor. `out` is sorted by area, the
+  /// largest first, with partly visible ones last. Writes the verdicts of regions that are not in `out`, that were
+  /// merged, or that are partly visible. Splits touching patches, the largest first, as long as `budget` lasts.
   void find(const PatchKind& kind, const Runs& runs, const Regions& regions, std::span<const std::uint16_t> candidates,
             Sightings& verdicts, SplitBudget& budget, ColorPatches& out) const;
 
@@ -80,9 +80,10 @@ class PatchFinder {
   [[nodiscard]] const FieldParameters& field() const { return field_; }
 
  private:
-  void examine(const PatchKind& kind, const Runs& runs, const Regions& regions,
-               std::span<const std::uint16_t> candidates, std::uint16_t number, Sightings& verdicts,
-               SplitBudget& budget, ColorPatches& out) const;
+  class RegionsOfColor;
+
+  void examine(const PatchKind& kind, const Runs& runs, const Region& region, std::uint16_t number,
+               const RegionsOfColor& all, Sightings& verdicts, SplitBudget& budget, ColorPatches& out) const;
   // False if the budget does not suffice.
   bool split_touching(const PatchKind& kind, const Runs& runs, const Region& region, const RegionShape& shape,
                       const PatchCandidate& whole, float ratio_to_largest, SplitBudget& budget,
@@ -90,8 +91,8 @@ class PatchFinder {
   // Finds `at` and the scale.
   void place(const PatchKind& kind, PatchCandidate& patch) const;
   [[nodiscard]] float least_visible_px(const PatchKind& kind) const;
-  [[nodiscard]] bool is_noise(const PatchKind& kind, const Regions& regions, std::uint16_t number,
-                              std::span<const std::uint16_t> candidates, const ColorPatches& larger) const;
+  [[nodiscard]] bool is_noise(const PatchKind& kind, const Region& region, const RegionsOfColor& all,
+                              const ColorPatches& larger) const;
   void merge_close(const PatchKind& kind, Sightings& verdicts, ColorPatches& out) const;
   void merge_small(const PatchKind& kind, Sightings& verdicts, ColorPatches& out) const;
   bool merge(const PatchKind& kind, const PatchCandidate& from, PatchCandidate& into, float largest_ratio) const;

@@ -29,7 +29,13 @@ bool has_same_pose(const Hypothesis& a, const Hypothesis& b) {
 
 // Two hypotheses conflict if they have the same team patch, share another patch, have the same name, or overlap.
 void Selector::find_conflicts() {
-  with_patch_.fill({});
+  std::size_t end_of_patches = 0;
+  for (const Hypothesis& h : hypotheses_) {
+    for (const std::uint16_t patch : h.identification) {
+      if (patch != kMissing) end_of_patches = std::max(end_of_patches, std::size_t{patch} + 1);
+    }
+  }
+  std::fill_n(with_patch_.begin(), end_of_patches, Set());
   with_name_.fill({});
   near_.fill({});
   float largest_side = 0;
@@ -182,20 +188,23 @@ bool Selector::select(std::span<const Hypothesis> hypotheses, std::size_t team_p
   }
   find_conflicts();
   form_groups(team_patches);
-  FixedVector<Group, kMaxTeamPatches> groups;
-  for (std::size_t root = 0; root < team_patches; ++root) {
+  // A group is named after one of its team patches.
+  std::array<bool, kMaxTeamPatches> has_options{};
+  for (std::size_t p = 0; p < team_patches; ++p) {
+    if (options_[p].begin < options_[p].end) has_options[group_of_[p]] = true;
+  }
+  auto groups_left = static_cast<int>(std::count(has_options.begin(), has_options.end(), true));
+  Nodes left{kNodesForBest, kNodesForAlternatives};
+  for (std::size_t name = 0; name < team_patches; ++name) {
+    if (!has_options[name]) continue;
     Group group;
     for (std::size_t p = 0; p < team_patches; ++p) {
-      if (group_of_[p] == root && options_[p].begin < options_[p].end) group.push_back(static_cast<std::uint16_t>(p));
+      if (group_of_[p] == name && options_[p].begin < options_[p].end) group.push_back(static_cast<std::uint16_t>(p));
     }
-    if (!group.empty()) groups.push_back(group);
-  }
-  Nodes left{kNodesForBest, kNodesForAlternatives};
-  for (std::size_t i = 0; i < groups.size(); ++i) {
-    const int groups_left = static_cast<int>(groups.size() - i);
     const Nodes share{left.best / groups_left, left.alternatives / groups_left};
+    --groups_left;
     Nodes rest = share;
-    choose_within(groups[i], rest, out);
+    choose_within(group, rest, out);
     left.best -= share.best - rest.best;
     left.alternatives -= share.alternatives - rest.alternatives;
   }

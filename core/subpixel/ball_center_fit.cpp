@@ -19,6 +19,9 @@ constexpr float kSmallStepPx = 0.2f;
 // Range of the factor by which steps are too short; above 1 only for small ones.
 constexpr float kLeastScaled = 0.4f, kMostScaled = 3.3f;
 constexpr float kMaxStepPx = 1.5f;
+// While its steps are larger than the first, a fit is on its way, and keeps the pixels that it collected up to the
+// second distance: the center where it ends needs others anyway.
+constexpr float kOnItsWayPx = 0.15f, kKeptOnTheWayPx = 0.9f;
 // Error of a pixel, as a fraction of the mean of the ball's own light, at which its weight is one half.
 constexpr float kHalfWeightError = 0.26f;
 // Number of completely covered pixels that a light without a dependence on the normal counts like: in b0, and in the
@@ -156,10 +159,11 @@ class BallCenterFit::Solver {
     taken_.setZero();
     is_sampled_ = false;
     shading_ = {};
-    float step_px = 2.0f * kConvergedPx;
+    float step_px = kMaxStepPx;
     // The first iteration knows no errors yet.
-    for (int iteration = 0; iteration < kMaxBallIterations && (iteration < 2 || step_px > kConvergedPx); ++iteration) {
-      if (!sample() || !shade() || !step(step_px)) return {};
+    for (int iteration = 0;
+         iteration < kMaxBallIterations && (iteration < 2 || step_px > kConvergedPx || !shows_center()); ++iteration) {
+      if (!sample(step_px) || !shade() || !step(step_px)) return {};
     }
     return {view_.center, fitting_, sigma_, seen_, view_.ramp_px};
   }
@@ -185,11 +189,18 @@ class BallCenterFit::Solver {
     view_.tops.push_back(hiding);
   }
 
-  // Collects the ball's pixels, or keeps them after small steps.
-  bool sample() {
-    const float moved = std::hypot(center().u_px - sampled_at_.u_px, center().v_px - sampled_at_.v_px) +
-                        0.5f * std::max(0.0f, view_.ramp_px - sampled_ramp_px_);
-    if (!is_sampled_ || !(moved <= kKeptSamplesPx)) {
+  // How far the outline has moved over the collected pixels.
+  [[nodiscard]] float moved_px() const {
+    return std::hypot(center().u_px - sampled_at_.u_px, center().v_px - sampled_at_.v_px) +
+           0.5f * std::max(0.0f, view_.ramp_px - sampled_ramp_px_);
+  }
+  // Whether the collected pixels are those of the present center.
+  [[nodiscard]] bool shows_center() const { return is_sampled_ && moved_px() <= kKeptSamplesPx; }
+
+  // Collects the ball's pixels, or keeps those at hand. `step_px`: size of the former step.
+  bool sample(float step_px) {
+    const bool is_on_its_way = is_sampled_ && step_px > kOnItsWayPx && moved_px() <= kKeptOnTheWayPx;
+    if (!shows_center() && !is_on_its_way) {
       sampled_at_ = center();
       sampled_ramp_px_ = view_.ramp_px;
       return is_sampled_ = kernel_.sample_ball(frame_, view_, disk_);

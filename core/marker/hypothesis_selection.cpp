@@ -12,7 +12,7 @@ namespace {
 constexpr std::uint16_t kNone = 0xffff;
 // Nodes of a frame: for the best sets of all groups, and for alternatives to them. 22 robots with six patches in a
 // crowd need 400 and 500. Each group has an equal share of what the groups before it left.
-constexpr int kNodesForBest = 6000, kNodesForAlternatives = 10000;
+constexpr int kNodesForBest = 2000, kNodesForAlternatives = 3000;
 // Smaller differences of pose do not matter to the controller.
 constexpr float kNegligibleDistance_m = 0.01f, kNegligibleTurn_rad = 0.2f;
 

@@ -25,7 +25,6 @@ float NeighborTable::reach_m() const {
 
 void NeighborTable::compare(std::span<const Neighbor> neighbors, const PatchLists& patches, std::size_t team) {
   const std::size_t slots = marking_.layout.patches.size() - 1;
-  fours_ = (neighbors.size() + 3) / 4;
   for (std::size_t i = 0; i < neighbors.size(); ++i) {
     const PatchCandidate& patch = patches.identification[neighbors[i].number];
     const float distance = neighbors[i].distance_m;

@@ -56,7 +56,8 @@ class NeighborTable {
   [[nodiscard]] bool is_used_in_slot(std::size_t slot, ColorId color) const;
 
   // Values of all neighbors, four at a time.
-  using Fours = std::array<Simd4<float>, kMaxNeighbors / 4>;
+  static constexpr std::size_t kFours = kMaxNeighbors / 4;
+  using Fours = std::array<Simd4<float>, kFours>;
   static float& value_of(Fours& values, std::size_t i) { return reinterpret_cast<float*>(values.data())[i]; }
 
   const TeamMarking& marking_;
@@ -64,7 +65,6 @@ class NeighborTable {
   std::array<std::array<float, kMaxPatches>, kMaxPatches> expected_m_{};  // between patches of the layout
   std::array<Fours, kMaxNeighbors> seen_m_{};                             // between neighbors
   std::array<Fours, kMaxPatches - 1> from_team_patch_m2_{};  // by slot: squared difference of this distance
-  std::size_t fours_ = 0;                                    // that have neighbors
   std::array<NeighborSet, kMaxColors + 1> with_color_{};
   std::array<NeighborSet, kMaxPatches - 1> in_window_{}, of_any_robot_{};  // by slot
 };
@@ -77,19 +77,24 @@ inline NeighborSet NeighborTable::candidates(std::size_t slot, int robot) const 
 
 inline NeighborSet NeighborTable::fitting(std::size_t slot, NeighborSet candidates, std::span<const std::uint8_t> set,
                                           float gate_m, float most_m2, Spreads& spreads_m2) const {
-  unsigned fit = 0;
-  for (std::size_t four = 0; four < fours_; ++four) {
-    Simd4<float> spread = from_team_patch_m2_[slot][four];
-    Simd4<std::int32_t> is_within{-1, -1, -1, -1};
-    for (std::size_t s = 0; s < set.size(); ++s) {
-      if (set[s] == kNone) continue;
-      const Simd4<float> error = seen_m_[set[s]][four] - expected_m_[slot + 1][s + 1], square = error * error;
-      is_within &= square <= gate_m * gate_m;
-      spread += square;
+  // All fours at once, whether they have neighbors or not: their number would be a branch that cannot be foreseen.
+  Fours spread = from_team_patch_m2_[slot];
+  std::array<Simd4<std::int32_t>, kFours> is_within;
+  is_within.fill(Simd4<std::int32_t>{-1, -1, -1, -1});
+  for (std::size_t s = 0; s < set.size(); ++s) {
+    if (set[s] == kNone) continue;
+    const Fours& seen = seen_m_[set[s]];
+    const float expected = expected_m_[slot + 1][s + 1];
+    _Pragma("GCC unroll 4") for (std::size_t four = 0; four < kFours; ++four) {
+      const Simd4<float> error = seen[four] - expected, square = error * error;
+      is_within[four] &= square <= gate_m * gate_m;
+      spread[four] += square;
     }
-    is_within &= spread <= most_m2;
-    std::memcpy(&spreads_m2[4 * four], &spread, sizeof spread);
-    fit |= bits_of(is_within) << 4 * four;
+  }
+  unsigned fit = 0;
+  _Pragma("GCC unroll 4") for (std::size_t four = 0; four < kFours; ++four) {
+    std::memcpy(&spreads_m2[4 * four], &spread[four], sizeof spread[four]);
+    fit |= bits_of(is_within[four] & (spread[four] <= most_m2)) << 4 * four;
   }
   return static_cast<NeighborSet>(fit & candidates);
 }

@@ -8,6 +8,7 @@
 #include "core/marker/ball_color.h"
 #include "core/marker/ball_samples.h"
 #include "core/marker/sampled_pixels.h"
+#include "core/marker/simd4.h"
 
 namespace touchline {
 namespace {

@@ -50,8 +50,8 @@ BallColor::BallColor(const Rgb& ball, const Rgb& floor) : ball_(ball), floor_(fl
   const Rgb chroma = chroma_of(ball), of_floor = chroma_of(floor), way = minus(ball, floor);
   Rgb axis{};
   float saturation = std::sqrt(dot(chroma, chroma)), tolerance = kColorTolerance;
-  has_hue_ = saturation > kNoHue * std::sqrt(dot(ball, ball));
-  if (!has_hue_) {
+  const bool has_hue = saturation > kNoHue * std::sqrt(dot(ball, ball));
+  if (!has_hue) {
     // The color itself takes the place of the hue.
     saturation = std::sqrt(dot(ball, ball));
     for (std::size_t c = 0; c < 3; ++c) axis[c] = ball[c] / saturation;
@@ -64,15 +64,16 @@ BallColor::BallColor(const Rgb& ball, const Rgb& floor) : ball_(ball), floor_(fl
     for (std::size_t c = 0; c < 3; ++c) axis[c] = std::cos(middle) * kRed[c] + std::sin(middle) * kGreenToBlue[c];
     tolerance = std::tan(kHueTolerance_rad + 0.5f * more);
   }
-  const float least_chroma = kColorful * (has_hue_ ? saturation : kNoHue * saturation) + kPixelNoise_levels;
+  const float least_chroma = kColorful * (has_hue ? saturation : kNoHue * saturation) + kPixelNoise_levels;
   for (std::size_t c = 0; c < 3; ++c) {
     floor_chroma_[c] = broadcast4(of_floor[c]);
     way_[c] = broadcast4(way[c] / dot(way, way));
     hue_[c] = broadcast4(axis[c]);
   }
   least_way_ = broadcast4(kMinContrast + dot(floor, way) / dot(way, way));
-  // The squared length of a color's white part is a third of its squared sum.
-  white_ = broadcast4(has_hue_ ? 1.0f / 3.0f : 0.0f);
+  // The squared length of a color's white part is a third of its squared sum. Without a hue, the white part counts,
+  // too.
+  white_factor_ = broadcast4(has_hue ? 1.0f / 3.0f : 0.0f);
   least_along_ = broadcast4(kMinSaturation * saturation);
   tolerance_ = broadcast4(tolerance);
   least_chroma2_ = broadcast4(least_chroma * least_chroma);
@@ -95,7 +96,7 @@ std::uint32_t BallColor::is_ball(const PixelGroup& rgb) const {
     // The axis of a hue has no white part.
     const Simd4<float> along = r * hue_[0] + g * hue_[1] + b * hue_[2];
     // Rounding may make it negative; `allowed` is not 0.
-    const Simd4<float> across2 = r * r + g * g + b * b - white_ * sum * sum - along * along;
+    const Simd4<float> across2 = r * r + g * g + b * b - white_factor_ * sum * sum - along * along;
     const Simd4<float> allowed = kPixelNoise_levels + tolerance_ * along;
     is_like[half] &= (along > least_along_) & (across2 < allowed * allowed);
   }

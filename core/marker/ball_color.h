@@ -34,8 +34,7 @@ class BallColor {
   Rgb ball_, floor_;
   // The same value in all four places.
   ChannelVectors floor_chroma_, way_, hue_;
-  Simd4<float> least_way_, white_, least_along_, tolerance_, least_chroma2_;
-  bool has_hue_ = false;
+  Simd4<float> least_way_, white_factor_, least_along_, tolerance_, least_chroma2_;
 };
 
 }  // namespace touchline

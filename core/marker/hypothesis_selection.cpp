@@ -188,18 +188,18 @@ bool Selector::select(std::span<const Hypothesis> hypotheses, std::size_t team_p
   }
   find_conflicts();
   form_groups(team_patches);
-  // A group is named after one of its team patches.
+  // The label of a group is the number of one of its team patches.
   std::array<bool, kMaxTeamPatches> has_options{};
   for (std::size_t p = 0; p < team_patches; ++p) {
     if (options_[p].begin < options_[p].end) has_options[group_of_[p]] = true;
   }
   auto groups_left = static_cast<int>(std::count(has_options.begin(), has_options.end(), true));
   Nodes left{kNodesForBest, kNodesForAlternatives};
-  for (std::size_t name = 0; name < team_patches; ++name) {
-    if (!has_options[name]) continue;
+  for (std::size_t label = 0; label < team_patches; ++label) {
+    if (!has_options[label]) continue;
     Group group;
     for (std::size_t p = 0; p < team_patches; ++p) {
-      if (group_of_[p] == name && options_[p].begin < options_[p].end) group.push_back(static_cast<std::uint16_t>(p));
+      if (group_of_[p] == label && options_[p].begin < options_[p].end) group.push_back(static_cast<std::uint16_t>(p));
     }
     const Nodes share{left.best / groups_left, left.alternatives / groups_left};
     --groups_left;

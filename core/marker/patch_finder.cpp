@@ -88,6 +88,7 @@ class PatchFinder::RegionsOfColor {
 
  private:
   static constexpr std::size_t kTogether = 4;
+  static_assert(kMaxPatchesPerColor % kTogether == 0);
   struct Group {
     Simd4<float> u_px{}, v_px{}, area_px{};
   };
@@ -148,7 +149,7 @@ float PatchFinder::least_visible_px(const PatchKind& kind) const {
 // True for a fragment that can be part of no patch: it is too far from every larger one, and together with all other
 // regions of its color that are near enough, it is too small even for a partly visible one. Most noise is rejected
 // here, before it is placed on the field.
-bool PatchFinder::is_noise(const PatchKind& kind, const Region& region, const RegionsOfColor& all,
+bool PatchFinder::is_noise(const PatchKind& kind, const Region& region, const RegionsOfColor& same_color,
                            const ColorPatches& larger_patches) const {
   const float reach_m = kReachMargin * std::max(kind.side_m, kHalvesApart * kind.length_m);
   const auto distance2 = [&region](PixelPoint other) {
@@ -161,7 +162,7 @@ bool PatchFinder::is_noise(const PatchKind& kind, const Region& region, const Re
         return distance2(patch.center) < reach_px * reach_px;
       });
   if (is_near_larger) return false;
-  return all.area_near(region.centroid, reach_m * largest_scale_px_per_m_) < least_visible_px(kind);
+  return same_color.area_near(region.centroid, reach_m * largest_scale_px_per_m_) < least_visible_px(kind);
 }
 
 void PatchFinder::place(const PatchKind& kind, PatchCandidate& patch) const {
@@ -188,10 +189,10 @@ float PatchFinder::field_axis(const PatchKind& kind, const PatchCandidate& patch
 }
 
 void PatchFinder::examine(const PatchKind& kind, const Runs& runs, const Region& region, std::uint16_t number,
-                          const RegionsOfColor& all, Sightings& verdicts, SplitBudget& budget,
+                          const RegionsOfColor& same_color, Sightings& verdicts, SplitBudget& budget,
                           ColorPatches& out) const {
   const bool is_small = static_cast<float>(region.area_px) < least_visible_px(kind);
-  if (is_small && is_noise(kind, region, all, out)) {
+  if (is_small && is_noise(kind, region, same_color, out)) {
     verdicts.verdicts[number] = Verdict::kTooSmall;
     return;
   }
@@ -292,9 +293,9 @@ void PatchFinder::find(const PatchKind& kind, const Runs& runs, const Regions& r
                        std::span<const std::uint16_t> candidates, Sightings& verdicts, SplitBudget& budget,
                        ColorPatches& out) const {
   out.clear();
-  const RegionsOfColor all(regions, candidates);
+  const RegionsOfColor same_color(regions, candidates);
   for (const std::uint16_t number : candidates) {
-    examine(kind, runs, regions[number], number, all, verdicts, budget, out);
+    examine(kind, runs, regions[number], number, same_color, verdicts, budget, out);
   }
   std::sort(out.begin(), out.end(), is_larger);
   merge_close(kind, verdicts, out);

@@ -83,7 +83,7 @@ class PatchFinder {
   class RegionsOfColor;
 
   void examine(const PatchKind& kind, const Runs& runs, const Region& region, std::uint16_t number,
-               const RegionsOfColor& all, Sightings& verdicts, SplitBudget& budget, ColorPatches& out) const;
+               const RegionsOfColor& same_color, Sightings& verdicts, SplitBudget& budget, ColorPatches& out) const;
   // False if the budget does not suffice.
   bool split_touching(const PatchKind& kind, const Runs& runs, const Region& region, const RegionShape& shape,
                       const PatchCandidate& whole, float ratio_to_largest, SplitBudget& budget,
@@ -91,7 +91,7 @@ class PatchFinder {
   // Finds `at` and the scale.
   void place(const PatchKind& kind, PatchCandidate& patch) const;
   [[nodiscard]] float least_visible_px(const PatchKind& kind) const;
-  [[nodiscard]] bool is_noise(const PatchKind& kind, const Region& region, const RegionsOfColor& all,
+  [[nodiscard]] bool is_noise(const PatchKind& kind, const Region& region, const RegionsOfColor& same_color,
                               const ColorPatches& larger) const;
   void merge_close(const PatchKind& kind, Sightings& verdicts, ColorPatches& out) const;
   void merge_small(const PatchKind& kind, Sightings& verdicts, ColorPatches& out) const;

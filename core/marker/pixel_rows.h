@@ -1,6 +1,8 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -9,6 +11,17 @@
 #include "core/types.h"
 
 namespace touchline {
+
+// What PixelRows assumes of RGB: all channels of a pixel are within four bytes of one plane, and in three of 24-bit
+// formats.
+static_assert(std::endian::native == std::endian::little);
+static_assert(std::all_of(kPixelFormatTable.begin(), kPixelFormatTable.end(), [](const PixelFormatInfo& info) {
+  return info.space != ColorSpace::kRgb ||
+         std::all_of(info.channel.begin(), info.channel.end(), [](const ChannelLayout& channel) {
+           return channel.plane == 0 && channel.shift_u == 0 && channel.shift_v == 0 && channel.offset < 3 &&
+                  (channel.step == 3 || channel.step == 4);
+         });
+}));
 
 /// Reads columns of a picture, row after row, four at a time, as R, G, B above black. The frame must outlive it.
 template <std::size_t kColumns>
@@ -78,7 +91,8 @@ class PixelRows {
 
   const Frame& frame_;
   const PixelFormatInfo& info_;
-  bool has_words_;  // a pixel's channels are within four bytes
+  // Channels are read together, as four bytes. The pixel of a picture with a single row may have no fourth one.
+  bool has_words_;
   std::size_t step_;
   std::array<int, 3> shift_{};
   std::array<const std::uint8_t*, 3> row_{};

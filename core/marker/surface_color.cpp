@@ -1,12 +1,11 @@
 #include "core/marker/surface_color.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
-#include <cstring>
 
 #include "core/light/shading.h"
 #include "core/marker/pixel_rows.h"
+#include "core/marker/simd4.h"
 
 namespace touchline {
 namespace {

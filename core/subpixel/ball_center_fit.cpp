@@ -19,8 +19,8 @@ constexpr float kSmallStepPx = 0.2f;
 // Range of the factor by which steps are too short; above 1 only for small ones.
 constexpr float kLeastScaled = 0.4f, kMostScaled = 3.3f;
 constexpr float kMaxStepPx = 1.5f;
-// While its steps are larger than the first, a fit is on its way, and keeps the pixels that it collected up to the
-// second distance: the center where it ends needs others anyway.
+// While the steps exceed kOnItsWayPx, the pixels are kept until the outline has moved by kKeptOnTheWayPx: the center
+// where the fit ends needs others anyway.
 constexpr float kOnItsWayPx = 0.15f, kKeptOnTheWayPx = 0.9f;
 // Error of a pixel, as a fraction of the mean of the ball's own light, at which its weight is one half.
 constexpr float kHalfWeightError = 0.26f;
@@ -48,10 +48,10 @@ constexpr float kErrorWithoutFit = 2.0f;
 constexpr float kMaxCorrection = 0.6f;
 
 // Width of the outline: of one pixel with a sharp lens, and the largest one.
+constexpr float kLeastRampPx = 1.2f, kMostRampPx = 2.8f;
 // Part of the way to the outline of a new ball by which the width that fits begin with follows: it depends on the
 // camera.
 constexpr float kFollow = 0.1f;
-constexpr float kLeastRampPx = 1.2f, kMostRampPx = 2.8f;
 // Pixels this far from a robot's top may still show it.
 constexpr float kHidingMarginPx = 0.3f;
 // A viewing ray that falls more steeply along a robot, in half sides, counts as vertical.
@@ -163,7 +163,9 @@ class BallCenterFit::Solver {
     // The first iteration knows no errors yet.
     for (int iteration = 0;
          iteration < kMaxBallIterations && (iteration < 2 || step_px > kConvergedPx || !shows_center()); ++iteration) {
-      if (!sample(step_px) || !shade() || !step(step_px)) return {};
+      // The last iteration has the pixels of its center, whatever the steps do.
+      const bool is_last = iteration + 1 == kMaxBallIterations;
+      if (!sample(is_last ? 0.0f : step_px) || !shade() || !step(step_px)) return {};
     }
     return {view_.center, fitting_, sigma_, seen_, view_.ramp_px};
   }

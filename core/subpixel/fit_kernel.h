@@ -169,8 +169,8 @@ struct FitKernel {
   CenterEquations (*accumulate_edge)(const EdgeFitTask& task);
   /// Collects the pixels of the ball. False if there are too many.
   bool (*sample_ball)(const Frame& frame, const BallView& ball, BallDisk& disk);
-  /// Moves the outline over the collected pixels. Up to kKeptSamplesPx from where it was in sample_ball(), no pixel of
-  /// the ball is missing.
+  /// Moves the outline over the collected pixels. Up to kKeptSamplesPx from where it was in sample_ball(), none is
+  /// missing and each is known to be on the outline or not.
   void (*move_ball)(const BallView& ball, BallDisk& disk);
   ShadingEquations (*accumulate_shading)(const BallDisk& disk, const BallShading& before);
   BallOutlineEquations (*accumulate_outline)(const BallDisk& disk, const BallShading& shading, const BallView& ball);

@@ -125,14 +125,15 @@ void PlantedDelay::delay() const {
       break;
   }
   if (write(to_helper_, "", 1) != 1) return;
-  // Works until it was stopped and goes on. The helper wakes up on this processor, and without the yield it would wait
-  // for the end of this thread's time slice: milliseconds that the marker stage would have executed. A helper that gets
-  // no processor must not hang the loop.
+  // Busy until the helper reports that it has stopped this thread and let it continue. The helper mostly wakes up on
+  // this processor. Without the yield it would wait there for the end of this thread's time slice, milliseconds that
+  // the marker stage would have executed. A helper that gets no processor, or fails, must not hang the loop.
   constexpr Duration kLongest = std::chrono::seconds(2);
-  char answer = 0;
-  while (recv(to_helper_, &answer, 1, MSG_DONTWAIT) < 0 && MonotonicClock::read() - begin < kLongest + duration_) {
-    sched_yield();
-  }
+  const auto is_over = [this] {
+    char answer = 1;
+    return recv(to_helper_, &answer, 1, MSG_DONTWAIT) == 1 && answer == 0;
+  };
+  while (!is_over() && MonotonicClock::read() - begin < kLongest + duration_) sched_yield();
 }
 
 }  // namespace touchline::latency

@@ -31,7 +31,7 @@ class PlantedDelay {
   Result<void> prepare(std::uint64_t frame);
   /// For ExecutionMeter::set_intrusion(); empty without parse(). This object must outlive the function.
   [[nodiscard]] std::function<void(std::uint64_t frame)> intrusion();
-  /// "stall of 20 ms"; empty without parse().
+  /// "stall of 20 ms in marker"; empty without parse().
   [[nodiscard]] std::string description() const;
 
  private:

@@ -248,6 +248,9 @@ std::span<const NamedClutter> worst_clutter() {
       NamedClutter{"robots in noise",
                    "robots 40 spacing 158 covered 12 heap 2711 patch 79 aspect 55 spread 12 colors 28 team 100 balls 0 "
                    "ball 72 noise 244 run 38 blur 1 seed 337971"},
+      NamedClutter{"noise on large patches",
+                   "robots 1 spacing 150 covered 67 heap 487 patch 249 aspect 100 spread 70 colors 22 team 31 balls 2 "
+                   "ball 178 noise 571 run 15 blur 3 seed 435325"},
       NamedClutter{"crowd on patches",
                    "robots 38 spacing 55 covered 17 heap 2367 patch 126 aspect 63 spread 19 colors 11 team 62 balls 3 "
                    "ball 162 noise 287 run 1 blur 0 seed 17620"}};

@@ -98,9 +98,9 @@ void measure_shape(const Frame& frame, const BallColor& color, std::span<const T
     sum_x += is_shape ? x : Four{};
     sum_y += is_shape ? y : Four{};
   });
-  const float n = sum_of(ones);
+  const float n = sum_of_lanes(ones);
   if (n == 0.0f) return;
-  const float mean_x = sum_of(sum_x) / n, mean_y = sum_of(sum_y) / n;
+  const float mean_x = sum_of_lanes(sum_x) / n, mean_y = sum_of_lanes(sum_y) / n;
   // z^2 and z^4 of z = x + i y.
   Four real2{}, imaginary2{}, square2{}, real4{}, imaginary4{}, square4{};
   for_each([&](Four x, Four y, Simd4<std::int32_t> is_shape) {
@@ -113,8 +113,8 @@ void measure_shape(const Frame& frame, const BallColor& color, std::span<const T
     imaginary4 += 2 * re * im;
     square4 += size * size;
   });
-  const float re2 = sum_of(real2), im2 = sum_of(imaginary2), size2 = sum_of(square2);
-  const float re4 = sum_of(real4), im4 = sum_of(imaginary4), size4 = sum_of(square4);
+  const float re2 = sum_of_lanes(real2), im2 = sum_of_lanes(imaginary2), size2 = sum_of_lanes(square2);
+  const float re4 = sum_of_lanes(real4), im4 = sum_of_lanes(imaginary4), size4 = sum_of_lanes(square4);
   if (size2 <= 0.0f) return;
   out.elongation = std::sqrt(re2 * re2 + im2 * im2) / size2;
   out.squareness = std::sqrt(re4 * re4 + im4 * im4) / size4;

@@ -83,7 +83,7 @@ class PatchFinder::RegionsOfColor {
       const Simd4<float> du = group.u_px - center.u_px, dv = group.v_px - center.v_px;
       area_px += du * du + dv * dv < reach_px * reach_px ? group.area_px : Simd4<float>{};
     }
-    return sum_of(area_px);
+    return sum_of_lanes(area_px);
   }
 
  private:

@@ -54,7 +54,7 @@ struct Moments {
 
   // A lower bound of the sum of the squared distances after the best rotation.
   [[nodiscard]] float residual_squares() const {
-    const float sum = sum_of(squares);
+    const float sum = sum_of_lanes(squares);
     return sum - 2 * std::sqrt(along * along + across * across) - kErrorOfSquares * sum;
   }
 };

@@ -79,7 +79,9 @@ using Simd4 [[gnu::vector_size(16)]] = T;
   return static_cast<std::uint32_t>(both | both >> 32u);
 }
 
-[[gnu::always_inline]] inline float sum_of(Simd4<float> four) { return (four[0] + four[1]) + (four[2] + four[3]); }
+[[gnu::always_inline]] inline float sum_of_lanes(Simd4<float> four) {
+  return (four[0] + four[1]) + (four[2] + four[3]);
+}
 
 /// Calls use(numbers, is_set) with four neighboring bits at a time: their numbers, and in which lanes the bit is set.
 template <class Use>

@@ -135,7 +135,7 @@ void find_sides(const Grid& grown, float count, const std::array<float, 2>& cent
       imaginary += 2.0f * difference * product;
     });
   }
-  const float re = sum_of(real), im = sum_of(imaginary);
+  const float re = sum_of_lanes(real), im = sum_of_lanes(imaginary);
   out.side_rad = 0.25f * std::atan2(-im, -re);
   out.squareness = std::hypot(re, im) / (count * -kSquareMoment * spread * spread);
 }
@@ -214,8 +214,9 @@ bool grow_patch(const Frame& frame, PixelPoint seed, float reach_px, GrownPatch&
       sum_yy += dy * dy;
     });
   }
-  const float n = sum_of(ones);
-  float x = sum_of(sum_x), y = sum_of(sum_y), xx = sum_of(sum_xx), xy = sum_of(sum_xy), yy = sum_of(sum_yy);
+  const float n = sum_of_lanes(ones);
+  float x = sum_of_lanes(sum_x), y = sum_of_lanes(sum_y), xx = sum_of_lanes(sum_xx), xy = sum_of_lanes(sum_xy),
+        yy = sum_of_lanes(sum_yy);
   if (n < static_cast<float>(kMinSamples)) return false;
   const float scale = static_cast<float>(step), square = scale * scale;
   x /= n;

@@ -183,19 +183,25 @@ TEST(MockBoard, FilesAreValid) {
   EXPECT_NEAR(configuration.board.radio.delay_s, arena.radio.delay_s + arena.radio.jitter_s, 1e-9);
 }
 
-// Opponents stand: one that drives may push a robot that has stopped. Measured with 40 seeds for four seconds each: all
-// ten robots are seen in every frame, the ball in at least 99.6 %, the ball moves 0.75 to 2.03 m, and between 100 and
-// 150 ms after the stop, robots still move 0.3 to 5.1 mm.
-TEST(MockBoard, RobotsAreSeenReachTheBallAndStopAtTheEnd) {
-  Game game(1, {}, {"arena.opponents=stand"});
-  game.run_until(4.0);
+// Measured with 20 seeds for six seconds each: all ten robots are seen in every frame, the ball in at least 95.8 %
+// (robots hide it), the first touch happens after 0.81 to 1.16 s, and the ball moves 1.15 to 2.94 m.
+TEST(MockBoard, RobotsAreSeenAndReachTheBall) {
+  Game game(1);
+  game.run_until(2.0);
   EXPECT_GE(game.world().statistics().touches, 1U) << "no robot touched the ball";
+  game.run_until(4.0);
   EXPECT_NEAR(game.frames, 240, 3);
   EXPECT_GT(game.frames_with_all, game.frames * 99 / 100);
   EXPECT_GT(game.frames_with_ball, game.frames * 90 / 100);
   EXPECT_GT(game.commanded, game.frames * 99 / 100);
   EXPECT_GT(game.world().statistics().ball_path_m, 0.4);
+}
 
+// Opponents stand: one that drives may push a robot that has stopped. Measured with 40 seeds: between 100 and 150 ms
+// after the stop, robots still move 0.3 to 5.1 mm.
+TEST(MockBoard, RobotsStopAtTheEnd) {
+  Game game(1, {}, {"arena.opponents=stand"});
+  game.run_until(4.0);
   game.loop->send_final_stops();
   EXPECT_GE(game.loop->statistics().stop_packets, 5U);
   // Long enough for the wheels to stop, but shorter than the command time-out.

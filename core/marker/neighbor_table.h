@@ -77,7 +77,8 @@ inline NeighborSet NeighborTable::candidates(std::size_t slot, int robot) const 
 
 inline NeighborSet NeighborTable::fitting(std::size_t slot, NeighborSet candidates, std::span<const std::uint8_t> set,
                                           float gate_m, float most_m2, Spreads& spreads_m2) const {
-  // All fours at once, whether they have neighbors or not: their number would be a branch that cannot be foreseen.
+  // All fours at once, whether they have neighbors or not: a loop over their number is a branch that processors
+  // mispredict.
   Fours spread = from_team_patch_m2_[slot];
   std::array<Simd4<std::int32_t>, kFours> is_within;
   is_within.fill(Simd4<std::int32_t>{-1, -1, -1, -1});

@@ -16,7 +16,7 @@ constexpr char kProgram[] = "touchline-bench";
 
 struct Options {
   std::string filter, json, once, search_of = "all";
-  std::size_t repetitions = 500, calls = 1;
+  std::size_t repetitions = 500, calls = 1, pictures = kMostRealPictures;
   double search_s = 0.0;
   unsigned seed = 1;
   bool quick = false, check = false, list = false;
@@ -29,6 +29,10 @@ void add_options(CLI::App& app, Options& options) {
       ->check(CLI::Range(std::size_t{1}, kMaxRepetitions))
       ->capture_default_str();
   app.add_option("--filter", options.filter, "Measure only the frames whose names contain this text");
+  app.add_option("--pictures", options.pictures,
+                 "Pictures of each real set that are measured in turn; a single one stays in the cache")
+      ->check(CLI::Range(std::size_t{1}, kMostRealPictures))
+      ->capture_default_str();
   app.add_option("--json", options.json, "Write all times into this file");
   app.add_flag("--check", options.check, "Check the results without measuring");
   app.add_option("--search", options.search_s,
@@ -50,7 +54,7 @@ void add_options(CLI::App& app, Options& options) {
 [[gnu::noinline]] void counted_call(const std::function<void()>& work) { work(); }
 
 // Adds the cases whose names contain `filter`, with their methods.
-Result<void> add_cases(BenchmarkCases& cases, const std::string& filter) {
+Result<void> add_cases(BenchmarkCases& cases, const std::string& filter, std::size_t pictures) {
   cases = make_cases(filter);
   for (const auto& benchmark : cases) {
     if (Result<void> added = add_methods(*benchmark); !added.ok()) {
@@ -58,7 +62,7 @@ Result<void> add_cases(BenchmarkCases& cases, const std::string& filter) {
     }
   }
   TOUCHLINE_TRY(add_clutter_cases(cases, filter));
-  TOUCHLINE_TRY(add_real_pictures(cases, filter));
+  TOUCHLINE_TRY(add_real_pictures(cases, filter, pictures));
   return add_mjpg_cases(cases, filter);
 }
 
@@ -77,7 +81,8 @@ int call_once(const Options& options) {
   const std::size_t slash = options.once.find('/');
   const std::string frame = options.once.substr(0, slash);
   BenchmarkCases cases;
-  if (const Result<void> added = add_cases(cases, frame); !added.ok()) return fail(kProgram, added.text());
+  if (const Result<void> added = add_cases(cases, frame, options.pictures); !added.ok())
+    return fail(kProgram, added.text());
   for (const auto& benchmark : cases) {
     if (benchmark->name != frame || slash == std::string::npos) continue;
     for (const Method& method : benchmark->methods) {
@@ -115,7 +120,8 @@ int run(int argc, char** argv) {
   if (options.search_s > 0.0) return search(options);
 
   BenchmarkCases cases;
-  if (const Result<void> added = add_cases(cases, options.filter); !added.ok()) return fail(kProgram, added.text());
+  if (const Result<void> added = add_cases(cases, options.filter, options.pictures); !added.ok())
+    return fail(kProgram, added.text());
   for (const auto& benchmark : cases) {
     for (const Method& method : benchmark->methods) {
       if (options.list) std::printf("%s/%s\n", benchmark->name.c_str(), method.name.c_str());

@@ -12,9 +12,6 @@
 namespace touchline::testing {
 namespace {
 
-// An odd number, because each measured call follows an unmeasured one.
-constexpr std::size_t kMostPictures = 25;
-
 struct RealSet {
   config::Configuration configuration;
   std::vector<Frame> frames;
@@ -31,7 +28,8 @@ class Turn {
     turn_ = (turn_ + 1) % set_->frames.size();
     return set_->frames[turn_];
   }
-  [[nodiscard]] bool is_first() const { return turn_ == 0; }
+  // After all pictures of the set; a single one is a camera that stands still.
+  [[nodiscard]] bool begins_again() const { return turn_ == 0 && set_->frames.size() > 1; }
   RealSet& set() { return *set_; }
 
  private:
@@ -39,12 +37,11 @@ class Turn {
   std::size_t turn_ = 0;
 };
 
-// The set's pictures, up to kMostPictures.
-Result<void> read_pictures(const std::string& path, const std::string& prefix, RealSet& set) {
+Result<void> read_pictures(const std::string& path, const std::string& prefix, std::size_t most, RealSet& set) {
   hal::ReplayCamera camera(hal::ReplayParameters{.path = path, .format = PixelFormat::kRgb24, .rate_hz = 30.0});
   TOUCHLINE_TRY(camera.open());
   TOUCHLINE_TRY(camera.start());
-  while (set.frames.size() < kMostPictures) {
+  while (set.frames.size() < most) {
     const Result<hal::FrameLease> lease = camera.wait(Instant::max());
     if (!lease.ok()) break;  // the end
     if (!camera.file().starts_with(prefix)) continue;
@@ -80,12 +77,13 @@ Result<void> add_scans_of(BenchmarkCase& benchmark, const std::shared_ptr<RealSe
   return {};
 }
 
-Result<void> fill_real_case(BenchmarkCase& benchmark, const std::string& name, const std::string& shared) {
+Result<void> fill_real_case(BenchmarkCase& benchmark, const std::string& name, const std::string& shared,
+                            std::size_t most) {
   const auto set = std::make_shared<RealSet>();
   const std::string venue = std::string(TOUCHLINE_FOOTAGE) + "/" + name;
   const bool is_bar = name.starts_with("vsss-bar");
   const std::string file = is_bar ? "vsss-bar" : name == "vss-overhead" ? name + ".mp4" : name;
-  TOUCHLINE_TRY(read_pictures(shared + "/footage/" + file, is_bar ? "normal" : "", *set));
+  TOUCHLINE_TRY(read_pictures(shared + "/footage/" + file, is_bar ? "normal" : "", most, *set));
   TOUCHLINE_TRY(config::load_venue_and_team({{}, venue + "-venue.toml", venue + "-team.toml", {}}, set->configuration));
   const Frame& first = set->frames.front();
   TOUCHLINE_TRY(
@@ -111,7 +109,7 @@ Result<void> fill_real_case(BenchmarkCase& benchmark, const std::string& name, c
   benchmark.methods.push_back({"step",
                                [pipeline, turn = Turn(set)]() mutable {
                                  const Frame& frame = turn.next();
-                                 if (turn.is_first()) pipeline->reset();
+                                 if (turn.begins_again()) pipeline->reset();
                                  static_cast<void>(pipeline->step(frame));
                                },
                                {}});
@@ -120,13 +118,13 @@ Result<void> fill_real_case(BenchmarkCase& benchmark, const std::string& name, c
 
 }  // namespace
 
-Result<void> add_real_pictures(BenchmarkCases& cases, const std::string& filter) {
+Result<void> add_real_pictures(BenchmarkCases& cases, const std::string& filter, std::size_t most) {
   const char* const shared = std::getenv("TOUCHLINE_SHARED");
   for (const std::string name : kRealSets) {
     if (shared == nullptr || ("real " + name).find(filter) == std::string::npos) continue;
     cases.push_back(std::make_unique<BenchmarkCase>(BenchmarkCase{
         .name = "real " + name, .picture = OwnedPicture(PixelFormat::kRgb24, 1, 1, 0), .parameters = {}}));
-    Result<void> filled = fill_real_case(*cases.back(), name, shared);
+    Result<void> filled = fill_real_case(*cases.back(), name, shared, most);
     if (!filled.ok()) return prefixed(name, std::move(filled).error());
   }
   return {};

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <string>
 
 #include "hal/result.h"
@@ -10,9 +12,13 @@ namespace touchline::testing {
 // Sets of real pictures in ../shared/footage with venues of tests/footage in RGB.
 inline constexpr std::array kRealSets{"vss-overhead", "vsss-bar-normal", "vsss-halves"};
 
+/// Largest number of pictures of a set. An odd number, because each measured call follows an unmeasured one.
+constexpr std::size_t kMostRealPictures = 25;
+
 /// Adds "real " and the name of each set of kRealSets whose name contains `filter`, if the environment variable
 /// TOUCHLINE_SHARED names the folder that contains footage/: reading, scan, the method of ssl-vision and the whole
-/// step, each on all pictures of the set in turn. Errors of files and configurations.
-Result<void> add_real_pictures(BenchmarkCases& cases, const std::string& filter);
+/// step, each on up to `most` pictures of the set in turn; an even number becomes the odd one below. Errors of files
+/// and configurations.
+Result<void> add_real_pictures(BenchmarkCases& cases, const std::string& filter, std::size_t most);
 
 }  // namespace touchline::testing

@@ -43,6 +43,7 @@ class ScanTables {
 
   bool configured_ = false;
   std::uint32_t min_area_px_ = 1;
+  std::array<std::size_t, kMaxPlanes> bytes_of_eight_px_{};  // of each plane
   RowClassifier classifier_;
   RegionOfInterest region_of_interest_;
   RowMaskKernel find_masks_ = nullptr;
@@ -96,6 +97,7 @@ class RegionScanner {
   Status scan(const Frame& frame, Runs& runs, Regions& regions);
 
  private:
+  void fetch_row(const Frame& frame, std::uint16_t v) const;
   void classify(const Frame& frame, std::uint16_t v);
   void add_row(std::uint16_t v, Runs& runs);
 

@@ -14,10 +14,11 @@ constexpr std::uint32_t kDropped = kMaxRegions;
 // The code below avoids branches on conditions that are random in a noisy picture. A misprediction costs more than the
 // few instructions that a branch would save.
 
-void Labeling::begin(std::uint32_t min_area_px) {
+void Labeling::begin(std::uint32_t min_area_px, std::uint32_t min_height_px) {
   labels_ = 0;
   above_ = 0;
-  min_area_px_ = min_area_px;
+  min_area_px_ = std::max(min_area_px, 1u);
+  min_height_px_ = min_height_px;
 }
 
 std::uint32_t Labeling::root(std::uint32_t label) {
@@ -58,6 +59,10 @@ PixelBox Labeling::box_of(Extent extent) {
   return {bound(0), bound(2), bound(1), bound(3)};
 }
 
+std::uint32_t Labeling::height_of(Extent extent) {
+  return static_cast<std::uint32_t>(extent[3] - (extent[2] ^ kMirror)) + 1;
+}
+
 // Replaces the labels in parent_ by the numbers of the components, in the order of their first runs.
 void Labeling::number_components() {
   components_ = 0;
@@ -70,7 +75,7 @@ void Labeling::number_components() {
   }
 }
 
-// Computes the sums of all components. Returns how many have at least the minimum area.
+// Computes the sums of all components. Returns how many are large and high enough.
 std::size_t Labeling::sum_up(const Runs& runs) {
   std::uint32_t begun = 0;
   for (const Run& run : runs) {
@@ -89,7 +94,9 @@ std::size_t Labeling::sum_up(const Runs& runs) {
   }
   std::size_t competing = 0;
   for (std::uint32_t i = 0; i < components_; ++i) {
-    competing += static_cast<std::size_t>(sums_[i].area_px >= min_area_px_);
+    Sums& sums = sums_[i];
+    sums.area_px *= static_cast<std::uint32_t>(height_of(sums.extent) >= min_height_px_);
+    competing += static_cast<std::size_t>(sums.area_px >= min_area_px_);
   }
   return competing;
 }

@@ -16,8 +16,8 @@ namespace touchline {
 /// gets its label at its first run, and a union keeps the lower label, so labels are in raster order of first pixels.
 class Labeling {
  public:
-  /// Begins a frame. Regions with a smaller area are dropped.
-  void begin(std::uint32_t min_area_px);
+  /// Begins a frame. Regions with a smaller area or of fewer rows are dropped.
+  void begin(std::uint32_t min_area_px, std::uint32_t min_height_px);
 
   /// Adds the next row, runs[first, runs.size()). Their `next` must be kNoRun.
   void add_row(Runs& runs, std::size_t first, std::span<const Contact> contacts);
@@ -33,7 +33,7 @@ class Labeling {
   static constexpr Extent kMirrored = {kMirror, 0, kMirror, 0};
   static_assert(kMaxFrameWidth < kMirror && kMaxFrameHeight < kMirror);
 
-  // Sums over the runs of a component.
+  // Sums over the runs of a component. After sum_up() the area of one that is too low is 0.
   struct Sums {
     std::uint64_t u = 0, v = 0;
     Extent extent = {};
@@ -48,6 +48,7 @@ class Labeling {
   std::uint32_t root(std::uint32_t label);
   static Extent extent_of(const Run& run);
   static PixelBox box_of(Extent extent);
+  static std::uint32_t height_of(Extent extent);
   void number_components();
   std::size_t sum_up(const Runs& runs);
   Quota quota(std::size_t competing);
@@ -67,7 +68,7 @@ class Labeling {
   std::uint32_t unused_link_ = 0;                               // target of the last entry
   std::uint32_t labels_ = 0, components_ = 0;
   std::size_t above_ = 0;  // the first run of the last row added
-  std::uint32_t min_area_px_ = 1;
+  std::uint32_t min_area_px_ = 1, min_height_px_ = 1;
 };
 
 }  // namespace touchline

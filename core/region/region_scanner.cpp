@@ -1,6 +1,9 @@
 #include "core/region/region_scanner.h"
 
 #include <algorithm>
+#include <bit>
+
+#include "core/color/load_word.h"
 
 namespace touchline {
 
@@ -25,6 +28,19 @@ void fetch(const std::uint8_t* bytes, std::size_t begin, std::size_t end) {
   __builtin_prefetch(bytes + end - 1);
 }
 
+// Those of the words that contain a color. Kernels may add words without.
+OccupiedWords colored_words(const ColorRow& row, OccupiedWords among) {
+  OccupiedWords colored = 0;
+  for (; among != 0; among &= among - 1) {
+    const auto i = static_cast<std::size_t>(std::countr_zero(among));
+    const ColorId* const colors = row.pixels() + i * kPixelsOfWord;
+    std::uint64_t any = 0;
+    for (std::size_t k = 0; k < kPixelsOfWord; k += sizeof any) any |= load_word(colors + k);
+    colored |= OccupiedWords{any != 0} << i;
+  }
+  return colored;
+}
+
 }  // namespace
 
 Status ScanTables::configure(const ScanParameters& parameters) {
@@ -40,6 +56,7 @@ Status ScanTables::configure(const ScanParameters& parameters) {
     return s;
   }
   min_area_px_ = parameters.min_area_px;
+  min_height_px_ = parameters.min_height_px;
   for (std::size_t plane = 0; plane < kMaxPlanes; ++plane) {
     bytes_of_eight_px_[plane] = row_bytes(parameters.format, plane, 8);
   }
@@ -61,20 +78,36 @@ Status RegionScanner::scan(const Frame& frame, Runs& runs, Regions& regions) {
   regions.clear();
   if (Status s = accepts(frame); !s.ok()) return s;
 
-  labeling_.begin(tables_->min_area_px_);
+  labeling_.begin(tables_->min_area_px_, tables_->min_height_px_);
   run_limiter_.begin(frame.height_px);
   const std::uint16_t last = static_cast<std::uint16_t>(frame.height_px - 1);
-  colors_[1].clear();  // above the first row
+  colors_[2].clear();  // above the first row
   masks_[2] = {};
   classify(frame, 0);
+  find_masks(0);
+  std::uint16_t classified = 0;
   for (std::uint16_t v = 0; v < last; ++v) {
-    classify(frame, static_cast<std::uint16_t>(v + 1));
+    if (v == classified) classified = classify_next(frame, v);
+    find_masks(static_cast<std::uint16_t>(v + 1));
     add_row(v, runs);
   }
   masks_[(last + 1u) % 3] = {};
   add_row(last, runs);
   labeling_.finish(runs, regions);
   return runs.overflow() + regions.overflow() > 0 ? Status(ErrorCode::kFull) : Status();
+}
+
+// Classifies one or two more rows after row v. Returns the last of them.
+std::uint16_t RegionScanner::classify_next(const Frame& frame, std::uint16_t v) {
+  const auto below = static_cast<std::uint16_t>(v + 1);
+  if (tables_->min_height_px_ < 2 || below + 1u >= frame.height_px) {
+    classify(frame, below);
+    return below;
+  }
+  const auto next = static_cast<std::uint16_t>(v + 2);
+  classify(frame, next);
+  classify_between(frame, below);
+  return next;
 }
 
 void RegionScanner::fetch_row(const Frame& frame, std::uint16_t v) const {
@@ -89,8 +122,7 @@ void RegionScanner::fetch_row(const Frame& frame, std::uint16_t v) const {
 
 void RegionScanner::classify(const Frame& frame, std::uint16_t v) {
   if (v + kRowsAhead < frame.height_px) fetch_row(frame, static_cast<std::uint16_t>(v + kRowsAhead));
-  ColorRow& row = colors_[v % 2u];
-  ColorId* colors = row.pixels();
+  ColorId* colors = colors_[v % 3u].pixels();
   std::uint16_t done = 0;
   OccupiedWords occupied = 0;
   for (const ColumnSpan& span : tables_->region_of_interest_.row(v)) {
@@ -99,7 +131,50 @@ void RegionScanner::classify(const Frame& frame, std::uint16_t v) {
     done = span.end;
   }
   std::fill(colors + done, colors + frame.width_px, kBackground);
-  tables_->find_masks_(row, colors_[(v + 1u) % 2], occupied, masks_[v % 3u]);
+  occupied_[v % 3u] = occupied;
+}
+
+// Classifies row v where the rows above and below have a color within the same word, and from there on as long as
+// colors reach into the next word. What is left out belongs to regions of this row alone.
+void RegionScanner::classify_between(const Frame& frame, std::uint16_t v) {
+  const std::size_t above = (v + 2u) % 3, below = (v + 1u) % 3;
+  ColorId* colors = colors_[v % 3u].pixels();
+  std::fill(colors, colors + frame.width_px, kBackground);
+  occupied_[v % 3u] = 0;
+  OccupiedWords added =
+      colored_words(colors_[above], occupied_[above]) | colored_words(colors_[below], occupied_[below]);
+  OccupiedWords words = added;
+  while (added != 0) {
+    added = classify_words(frame, v, added) & ~words;
+    words |= added;
+  }
+}
+
+// Returns the words beside those at whose end is a color.
+OccupiedWords RegionScanner::classify_words(const Frame& frame, std::uint16_t v, OccupiedWords words) {
+  constexpr std::uint32_t kPixels = kPixelsOfWord;
+  ColorId* colors = colors_[v % 3u].pixels();
+  OccupiedWords beside = 0;
+  while (words != 0) {
+    const auto first = static_cast<std::uint32_t>(std::countr_zero(words));
+    const std::uint32_t end = first + static_cast<std::uint32_t>(std::countr_one(words >> first));
+    words &= words + (OccupiedWords{1} << first);  // without the lowest group of ones
+    const std::uint32_t left = first * kPixels, right = std::min<std::uint32_t>(end * kPixels, frame.width_px);
+    for (const ColumnSpan& span : tables_->region_of_interest_.row(v)) {
+      const auto span_begin = static_cast<std::uint16_t>(std::max<std::uint32_t>(left, span.begin));
+      const auto span_end = static_cast<std::uint16_t>(std::min<std::uint32_t>(right, span.end));
+      if (span_begin >= span_end) continue;
+      occupied_[v % 3u] |= tables_->classifier_.classify(frame, v, span_begin, span_end, colors);
+    }
+    if (first > 0) beside |= OccupiedWords{colors[left] != kBackground} << (first - 1);
+    if (right < frame.width_px) beside |= OccupiedWords{colors[right - 1] != kBackground} << end;
+  }
+  return beside;
+}
+
+void RegionScanner::find_masks(std::uint16_t v) {
+  const std::size_t here = v % 3u;
+  tables_->find_masks_(colors_[here], colors_[(v + 2u) % 3], occupied_[here], masks_[here]);
 }
 
 void RegionScanner::add_row(std::uint16_t v, Runs& runs) {
@@ -116,7 +191,7 @@ void RegionScanner::add_row(std::uint16_t v, Runs& runs) {
     runs.add_overflow(found - count);
   }
   run_limiter_.spend(count);
-  tables_->run_writer_.write(masks, colors_[v % 2u], v, runs.data() + first);
+  tables_->run_writer_.write(masks, colors_[v % 3u], v, runs.data() + first);
   runs.resize(first + count);
   labeling_.add_row(runs, first, tables_->run_writer_.find_contacts(masks_[(v + 2u) % 3], masks));
 }

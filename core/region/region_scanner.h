@@ -20,10 +20,12 @@ namespace touchline {
 struct ScanParameters {
   PixelFormat format = PixelFormat::kRgb24;
   std::uint16_t width_px = 0, height_px = 0;
-  ColorBoxes boxes;               // in the format's color space
-  LightMap light;                 // columns 0: none
-  Polygon region_of_interest;     // pixel centers inside count; fewer than 3 points: the whole picture
-  std::uint32_t min_area_px = 1;  // smaller regions are dropped with their runs
+  ColorBoxes boxes;            // in the format's color space
+  LightMap light;              // columns 0: none
+  Polygon region_of_interest;  // pixel centers inside count; fewer than 3 points: the whole picture
+  // Smaller or lower regions are dropped with their runs. From a height of 2 on, every second row is read only beside
+  // colors of the rows above and below.
+  std::uint32_t min_area_px = 1, min_height_px = 1;
   KernelChoice kernel = KernelChoice::kFastest;
   std::uint8_t box_shift_limit = 0;  // levels by which boxes may move while it runs
   TypicalBackground background;      // affects only the speed
@@ -42,7 +44,7 @@ class ScanTables {
   friend class RegionScanner;
 
   bool configured_ = false;
-  std::uint32_t min_area_px_ = 1;
+  std::uint32_t min_area_px_ = 1, min_height_px_ = 1;
   std::array<std::size_t, kMaxPlanes> bytes_of_eight_px_{};  // of each plane
   RowClassifier classifier_;
   RegionOfInterest region_of_interest_;
@@ -92,21 +94,27 @@ class RegionScanner {
   /// - rows with more runs than RunLimiter allows, which no realistic field has. Such a row lost its shortest runs, and
   ///   the regions are those of the picture without these. A region without pixels in such a row is complete and exact.
   ///   runs.overflow() counts the lost runs. (If the least area is 2 or more, pixels without a neighbor of their color
-  ///   are no runs.)
+  ///   are no runs; nor are those that are not read because the least height is 2 or more.)
   /// - more regions than fit. The largest are reported, and regions.overflow() counts the others.
   Status scan(const Frame& frame, Runs& runs, Regions& regions);
 
  private:
+  std::uint16_t classify_next(const Frame& frame, std::uint16_t v);
   void fetch_row(const Frame& frame, std::uint16_t v) const;
   void classify(const Frame& frame, std::uint16_t v);
+  void classify_between(const Frame& frame, std::uint16_t v);
+  OccupiedWords classify_words(const Frame& frame, std::uint16_t v, OccupiedWords words);
+  void find_masks(std::uint16_t v);
   void add_row(std::uint16_t v, Runs& runs);
 
   ScanTables own_;
   ScanTables* tables_ = &own_;
   RunLimiter run_limiter_;
   Labeling labeling_;
-  std::array<ColorRow, 2> colors_;  // row v has index v % 2
-  std::array<RowMasks, 3> masks_;   // row v has index v % 3
+  // Row v has index v % 3.
+  std::array<ColorRow, 3> colors_;
+  std::array<OccupiedWords, 3> occupied_{};
+  std::array<RowMasks, 3> masks_;
 };
 
 }  // namespace touchline

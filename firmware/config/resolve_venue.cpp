@@ -179,6 +179,7 @@ Result<void> resolve_venue(const VenueFile& venue, const Locations& where, const
   out.scan.width_px = input.width_px;
   out.scan.height_px = input.height_px;
   out.scan.min_area_px = venue.picture.min_area_px;
+  out.scan.min_height_px = venue.picture.min_height_px;
   if (venue.picture.width_px != input.width_px || venue.picture.height_px != input.height_px) {
     errors.add(where.of("picture.width_px"), "picture",
                "the calibration is for pictures of " + size_text(venue.picture.width_px, venue.picture.height_px) +

@@ -19,8 +19,8 @@ namespace touchline::config {
 /// [picture]: the picture that the calibration was made for.
 struct PictureEntry {
   std::uint16_t width_px = 640, height_px = 480;
-  // No patch is a single pixel, and ignored pixels take almost no time.
-  std::uint32_t min_area_px = 2;
+  // No patch is a single pixel or row, and what is ignored takes almost no time.
+  std::uint32_t min_area_px = 2, min_height_px = 2;
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
@@ -36,6 +36,12 @@ struct PictureEntry {
                                     .unit = "px",
                                     .reload = Reload::kThresholds,
                                     .help = "Smaller regions are ignored; from 2 on, single pixels cost no time"});
+    visit.number(self.min_height_px,
+                 {.name = "min_height_px",
+                  .range = {1, 100},
+                  .unit = "px",
+                  .reload = Reload::kThresholds,
+                  .help = "Regions of fewer rows are ignored; from 2 on, background costs half the time"});
   }
 };
 

@@ -101,7 +101,7 @@ Result<void> add_step(BenchmarkCases& cases, StepBenchmark& step, const std::str
       .name = "step, ten robots and ball", .picture = OwnedPicture(PixelFormat::kRgb24, 1, 1, 0), .parameters = {}});
   if (benchmark->name.find(filter) == std::string::npos) return {};
   TOUCHLINE_TRY(step.prepare(TOUCHLINE_BOARDS "/mock/board.toml"));
-  benchmark->methods.push_back({"scan", [&step] { step.scan_only(); }, {}});
+  benchmark->methods.push_back({std::string("scan") + kEveryRow, [&step] { step.scan_only(); }, {}});
   benchmark->methods.push_back({"step", [&step] { static_cast<void>(step.step()); }, {}});
   cases.push_back(std::move(benchmark));
   return {};

@@ -55,24 +55,33 @@ Result<void> read_pictures(const std::string& path, const std::string& prefix, s
   return {};
 }
 
+Result<void> add_scan(BenchmarkCase& benchmark, const std::shared_ptr<RealSet>& set, const ScanParameters& parameters,
+                      const std::string& name) {
+  const auto scanner = std::make_shared<RegionScanner>();
+  const Status status = scanner->configure(parameters);
+  if (status.code() == ErrorCode::kUnsupported) return {};
+  if (!status.ok()) return Error{status.code(), "the scanner refuses the venue"};
+  benchmark.methods.push_back({name,
+                               [scanner, turn = Turn(set)]() mutable {
+                                 RealSet& of = turn.set();
+                                 static_cast<void>(scanner->scan(turn.next(), of.runs, of.regions));
+                               },
+                               {}});
+  benchmark.methods.back().work();
+  benchmark.found = std::to_string(set->frames.size()) + " pictures; in one of them " +
+                    std::to_string(set->runs.size()) + " runs, " + std::to_string(set->regions.size()) + " regions";
+  return {};
+}
+
+// With each kernel, the scan of a step, and one that reads every row.
 Result<void> add_scans_of(BenchmarkCase& benchmark, const std::shared_ptr<RealSet>& set) {
   for (const Choice<KernelChoice>& choice : kKernelChoices) {
     if (choice.value == KernelChoice::kFastest) continue;
     ScanParameters parameters = set->configuration.pipeline.scan;
     parameters.kernel = choice.value;
-    const auto scanner = std::make_shared<RegionScanner>();
-    const Status status = scanner->configure(parameters);
-    if (status.code() == ErrorCode::kUnsupported) continue;
-    if (!status.ok()) return Error{status.code(), "the scanner refuses the venue"};
-    benchmark.methods.push_back({std::string(choice.word),
-                                 [scanner, turn = Turn(set)]() mutable {
-                                   RealSet& of = turn.set();
-                                   static_cast<void>(scanner->scan(turn.next(), of.runs, of.regions));
-                                 },
-                                 {}});
-    benchmark.methods.back().work();
-    benchmark.found = std::to_string(set->frames.size()) + " pictures; in one of them " +
-                      std::to_string(set->runs.size()) + " runs, " + std::to_string(set->regions.size()) + " regions";
+    TOUCHLINE_TRY(add_scan(benchmark, set, parameters, std::string(choice.word)));
+    parameters.min_height_px = 1;
+    TOUCHLINE_TRY(add_scan(benchmark, set, parameters, std::string(choice.word) + kEveryRow));
   }
   return {};
 }

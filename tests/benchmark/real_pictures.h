@@ -12,11 +12,15 @@ namespace touchline::testing {
 // Sets of real pictures in ../shared/footage with venues of tests/footage in RGB.
 inline constexpr std::array kRealSets{"vss-overhead", "vsss-bar-normal", "vsss-halves"};
 
+// Suffix of a method's name: a scan that reads every row, also where a venue's least height makes that unnecessary. Its
+// time is the unit of the step's, which would otherwise become larger by a faster scan.
+inline constexpr char kEveryRow[] = ", every row";
+
 /// Largest number of pictures of a set. An odd number, because each measured call follows an unmeasured one.
 constexpr std::size_t kMostRealPictures = 25;
 
 /// Adds "real " and the name of each set of kRealSets whose name contains `filter`, if the environment variable
-/// TOUCHLINE_SHARED names the folder that contains footage/: reading, scan, the method of ssl-vision and the whole
+/// TOUCHLINE_SHARED names the folder that contains footage/: reading, scans, the method of ssl-vision and the whole
 /// step, each on up to `most` pictures of the set in turn; an even number becomes the odd one below. Errors of files
 /// and configurations.
 Result<void> add_real_pictures(BenchmarkCases& cases, const std::string& filter, std::size_t most);

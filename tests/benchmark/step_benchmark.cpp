@@ -57,7 +57,9 @@ Result<void> StepBenchmark::prepare(const std::string& board_file, std::size_t f
   if (const Status s = pipeline_->configure(configuration_->pipeline); !s.ok()) {
     return Error{s.code(), "the pipeline refuses its configuration"};
   }
-  if (const Status s = scanner_->configure(configuration_->pipeline.scan); !s.ok()) {
+  ScanParameters scan = configuration_->pipeline.scan;
+  scan.min_height_px = 1;  // reads every row
+  if (const Status s = scanner_->configure(scan); !s.ok()) {
     return Error{s.code(), "the scanner refuses its configuration"};
   }
   TOUCHLINE_TRY(play(frames));

@@ -157,7 +157,7 @@ TEST(Reloadable, AllKeys) {
                                             "camera.white_balance_k", "camera.focus", "camera.power_line"}},
                                           {Reload::kThresholds,
                                            {"color", "colors.background", "light", "region_of_interest",
-                                            "picture.min_area_px", "adaptation"}},
+                                            "picture.min_area_px", "picture.min_height_px", "adaptation"}},
                                           {Reload::kControl, {"control"}},
                                           {Reload::kLoop, {"faults", "radio.delay_s"}}}));
 }

@@ -200,7 +200,7 @@ void PaintedField::paint_ball(FieldPoint at) {
 
 const Sightings& PaintedField::match(const Frame* frame, const ExpectedGain& light, const ExpectedBall& ball) {
   runs_->clear();
-  labeling_->begin(1);
+  labeling_->begin(1, 1);
   std::size_t above = 0;
   for (int v = 0; v < grid_.height; ++v) {
     const std::size_t first = runs_->size();

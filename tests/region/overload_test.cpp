@@ -26,10 +26,11 @@ void draw(ColorGrid& grid, const Square& square, ColorId color) {
 
 class OverloadTest : public ::testing::Test {
  protected:
-  Status scan(const ColorGrid& grid, std::uint32_t min_area_px) {
+  Status scan(const ColorGrid& grid, std::uint32_t min_area_px, std::uint32_t min_height_px = 1) {
     const OwnedPicture picture = paint(grid, PixelFormat::kNv12, 0, random_);
     ScanParameters parameters = parameters_for(picture.frame());
     parameters.min_area_px = min_area_px;
+    parameters.min_height_px = min_height_px;
     if (Status s = scanner_->configure(parameters); !s.ok()) return s;
     return scanner_->scan(picture.frame(), *runs_, *regions_);
   }
@@ -94,15 +95,18 @@ TEST_F(OverloadTest, SpecksUseRunsOnlyIfTheyCountAsRegions) {
 TEST_F(OverloadTest, EveryPatternGivesTheRegionsOfItsKeptRuns) {
   std::size_t cut = 0;
   for (const Pattern pattern : kAllPatterns) {
-    for (const std::uint32_t min_area : {1u, 2u, 12u}) {
-      const ColorGrid grid = make_pattern(pattern, pick(random_, 300, 350), 200, random_);
-      const Status status = scan(grid, min_area);
-      ASSERT_EQ(difference_from_limited(grid, min_area, *runs_, *regions_), "") << name_of(pattern) << ", " << min_area;
-      EXPECT_EQ(status.ok(), runs_->overflow() + regions_->overflow() == 0) << name_of(pattern) << ", " << min_area;
-      cut += runs_->overflow() > 0 ? 1u : 0u;
+    for (const std::uint32_t min_height : {1u, 2u}) {
+      for (const std::uint32_t min_area : {1u, 2u, 12u}) {
+        const ColorGrid grid = make_pattern(pattern, pick(random_, 300, 350), 200, random_);
+        const Status status = scan(grid, min_area, min_height);
+        ASSERT_EQ(difference_from_limited(grid, min_area, *runs_, *regions_, min_height), "")
+            << name_of(pattern) << ", " << min_area << ", " << min_height;
+        EXPECT_EQ(status.ok(), runs_->overflow() + regions_->overflow() == 0) << name_of(pattern) << ", " << min_area;
+        cut += runs_->overflow() > 0 ? 1u : 0u;
+      }
     }
   }
-  EXPECT_GE(cut, 12u);
+  EXPECT_GE(cut, 24u);
 }
 
 TEST_F(OverloadTest, TheLimitHoldsForTheWidestRunsAndPictures) {

@@ -120,6 +120,33 @@ bool is_speck(const ColorGrid& grid, const RowRun& run, int v) {
   return run.end - run.begin == 1 && !like(v - 1) && !like(v + 1);
 }
 
+// Every second row is read only where the rows above or below have a color within the same 64 columns, and in the next
+// 64 columns if a color reaches their border.
+void clear_unread_pixels(ColorGrid& grid) {
+  constexpr int kWord = 64;
+  const auto is_colored = [&](int u, int v) { return u >= 0 && u < grid.width && grid.at(u, v) != kBackground; };
+  for (int v = 1; v + 1 < grid.height; v += 2) {
+    std::vector<bool> is_read(static_cast<std::size_t>(grid.width));
+    const auto read_word_of = [&](int u) {
+      const int begin = u / kWord * kWord;
+      std::fill_n(is_read.begin() + begin, std::min(kWord, grid.width - begin), true);
+    };
+    for (int u = 0; u < grid.width; ++u) {
+      if (is_colored(u, v - 1) || is_colored(u, v + 1)) read_word_of(u);
+    }
+    const auto was_read = [&](int u) { return u >= 0 && u < grid.width && is_read[static_cast<std::size_t>(u)]; };
+    for (int u = 0; u < grid.width; u += kWord) {
+      if (was_read(u - 1) && is_colored(u - 1, v)) read_word_of(u);
+    }
+    for (int u = (grid.width - 1) / kWord * kWord - 1; u >= 0; u -= kWord) {
+      if (was_read(u + 1) && is_colored(u + 1, v)) read_word_of(u);
+    }
+    for (int u = 0; u < grid.width; ++u) {
+      if (!was_read(u)) grid.at(u, v) = kBackground;
+    }
+  }
+}
+
 // Returns the largest regions, of equal ones the first, in their order.
 std::vector<ExpectedRegion> largest(std::vector<ExpectedRegion> regions, std::size_t count) {
   std::vector<std::size_t> order(regions.size());
@@ -135,12 +162,16 @@ std::vector<ExpectedRegion> largest(std::vector<ExpectedRegion> regions, std::si
 
 }  // namespace
 
-std::vector<ExpectedRegion> expected_regions(const ColorGrid& grid, std::uint32_t min_area_px) {
+std::vector<ExpectedRegion> expected_regions(const ColorGrid& grid, std::uint32_t min_area_px,
+                                             std::uint32_t min_height_px) {
   LiteralLabeling literal;
   std::vector<ExpectedRegion> regions;
   for (const PixelList& list : literal.label(grid)) {
     if (!list.pixels.empty() && list.pixels.size() >= min_area_px) regions.push_back(describe_list(list));
   }
+  std::erase_if(regions, [&](const ExpectedRegion& region) {
+    return static_cast<std::uint32_t>(region.bottom - region.top + 1) < min_height_px;
+  });
   std::sort(regions.begin(), regions.end(), [](const ExpectedRegion& a, const ExpectedRegion& b) {
     return in_raster_order(a.pixels.front(), b.pixels.front());
   });
@@ -161,8 +192,10 @@ std::string difference(const std::vector<ExpectedRegion>& expected, const Runs& 
   return {};
 }
 
-LimitedPicture without_dropped_runs(const ColorGrid& grid, std::uint32_t min_area_px) {
-  LimitedPicture picture = {grid, 0};
+LimitedPicture without_dropped_runs(const ColorGrid& whole, std::uint32_t min_area_px, std::uint32_t min_height_px) {
+  LimitedPicture picture = {whole, 0};
+  if (min_height_px > 1) clear_unread_pixels(picture.grid);
+  const ColorGrid grid = picture.grid;
   std::size_t credit = RunLimiter::reserve(static_cast<std::size_t>(grid.height));
   const std::size_t held_back = credit / 6;
   for (int v = 0; v < grid.height; ++v) {
@@ -184,9 +217,9 @@ LimitedPicture without_dropped_runs(const ColorGrid& grid, std::uint32_t min_are
   return picture;
 }
 
-ExpectedScan expected_scan(const ColorGrid& grid, std::uint32_t min_area_px) {
-  const LimitedPicture picture = without_dropped_runs(grid, min_area_px);
-  std::vector<ExpectedRegion> all = expected_regions(picture.grid, min_area_px);
+ExpectedScan expected_scan(const ColorGrid& grid, std::uint32_t min_area_px, std::uint32_t min_height_px) {
+  const LimitedPicture picture = without_dropped_runs(grid, min_area_px, min_height_px);
+  std::vector<ExpectedRegion> all = expected_regions(picture.grid, min_area_px, min_height_px);
   const std::size_t count = all.size();
   std::vector<ExpectedRegion> reported = largest(std::move(all), kMaxRegions);
   const std::size_t missing = count - reported.size();
@@ -204,8 +237,8 @@ std::string difference(const ExpectedScan& expected, const Runs& runs, const Reg
 }
 
 std::string difference_from_limited(const ColorGrid& grid, std::uint32_t min_area_px, const Runs& runs,
-                                    const Regions& regions) {
-  return difference(expected_scan(grid, min_area_px), runs, regions);
+                                    const Regions& regions, std::uint32_t min_height_px) {
+  return difference(expected_scan(grid, min_area_px, min_height_px), runs, regions);
 }
 
 std::size_t count_runs(const ColorGrid& grid) {

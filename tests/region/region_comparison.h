@@ -17,9 +17,10 @@ struct ExpectedRegion {
   int left = 0, top = 0, right = 0, bottom = 0;
 };
 
-/// Returns the regions that a scan must report: those of the literal algorithm with at least that area, in raster order
-/// of their first pixel.
-std::vector<ExpectedRegion> expected_regions(const ColorGrid& grid, std::uint32_t min_area_px = 1);
+/// Returns the regions that a scan must report: those of the literal algorithm with at least that area and height, in
+/// raster order of their first pixel.
+std::vector<ExpectedRegion> expected_regions(const ColorGrid& grid, std::uint32_t min_area_px = 1,
+                                             std::uint32_t min_height_px = 1);
 
 /// Returns the first difference as a sentence, or an empty text. Also checks the runs: raster order, maximal length,
 /// each run in exactly one chain, chains in raster order.
@@ -37,12 +38,13 @@ std::vector<Run> longest_runs(std::vector<Run> runs, std::size_t limit) {
   return runs;
 }
 
-/// A picture without the runs that RunLimiter drops, by a literal implementation of its rule.
+/// A picture without the pixels that a scan does not read, and without the runs that RunLimiter drops, by a literal
+/// implementation of both rules.
 struct LimitedPicture {
   ColorGrid grid;
   std::size_t runs_dropped = 0;
 };
-LimitedPicture without_dropped_runs(const ColorGrid& grid, std::uint32_t min_area_px);
+LimitedPicture without_dropped_runs(const ColorGrid& grid, std::uint32_t min_area_px, std::uint32_t min_height_px);
 
 /// The result that a scan must report even if it is kFull: the regions of the LimitedPicture (if there are too many,
 /// the largest; of equal ones the first), and the numbers of dropped runs and regions.
@@ -50,10 +52,10 @@ struct ExpectedScan {
   std::vector<ExpectedRegion> regions;
   std::size_t runs_dropped = 0, regions_dropped = 0;
 };
-ExpectedScan expected_scan(const ColorGrid& grid, std::uint32_t min_area_px);
+ExpectedScan expected_scan(const ColorGrid& grid, std::uint32_t min_area_px, std::uint32_t min_height_px = 1);
 std::string difference(const ExpectedScan& expected, const Runs& runs, const Regions& regions);
 std::string difference_from_limited(const ColorGrid& grid, std::uint32_t min_area_px, const Runs& runs,
-                                    const Regions& regions);
+                                    const Regions& regions, std::uint32_t min_height_px = 1);
 
 std::size_t count_runs(const ColorGrid& grid);
 

@@ -18,7 +18,9 @@ class RegionScannerTest : public ::testing::Test {
   std::string difference_on(const Frame& frame, const ScanParameters& parameters) {
     if (Status s = scanner_->configure(parameters); !s.ok()) return describe(s.code());
     if (Status s = scanner_->scan(frame, *runs_, *regions_); !s.ok()) return describe(s.code());
-    return difference(expected_regions(defined_colors(frame, parameters), parameters.min_area_px), *runs_, *regions_);
+    return difference(
+        expected_regions(defined_colors(frame, parameters), parameters.min_area_px, parameters.min_height_px), *runs_,
+        *regions_);
   }
 
   std::unique_ptr<RegionScanner> scanner_ = std::make_unique<RegionScanner>();
@@ -39,8 +41,10 @@ TEST_F(RegionScannerTest, FindsTheRegionsOfThePaperInEveryPatternFormatAndSize) 
         const OwnedPicture picture =
             paint(make_pattern(pattern, width, height, random_), format, pick(random_, 0, 9), random_);
         const Frame frame = picture.frame();
-        ASSERT_EQ(difference_on(frame, parameters_for(frame)), "")
-            << name_of(pattern) << ", " << name_of(format) << ", " << width << " x " << height;
+        ScanParameters parameters = parameters_for(frame);
+        parameters.min_height_px = static_cast<std::uint32_t>(pick(random_, 1, 2));
+        ASSERT_EQ(difference_on(frame, parameters), "") << name_of(pattern) << ", " << name_of(format) << ", " << width
+                                                        << " x " << height << ", rows " << parameters.min_height_px;
         regions_seen += regions_->size();
       }
     }
@@ -55,8 +59,11 @@ TEST_F(RegionScannerTest, FindsTheRegionsOfThePaperInEverySmallPicture) {
   };
   for (const Family& family : {Family{4, 4, 2}, Family{3, 3, 3}, Family{2, 3, 5}, Family{8, 2, 2}, Family{2, 8, 2}}) {
     OwnedPicture picture(PixelFormat::kRgb24, family.width, family.height, 1);
-    const ScanParameters parameters = parameters_for(picture.frame());
+    ScanParameters parameters = parameters_for(picture.frame());
     ASSERT_TRUE(scanner_->configure(parameters).ok());
+    const auto of_two_rows = std::make_unique<RegionScanner>();
+    parameters.min_height_px = 2;
+    ASSERT_TRUE(of_two_rows->configure(parameters).ok());
     ColorGrid grid = make_grid(family.width, family.height);
     bool more = true;
     while (more) {
@@ -67,6 +74,9 @@ TEST_F(RegionScannerTest, FindsTheRegionsOfThePaperInEverySmallPicture) {
       ASSERT_TRUE(scanner_->scan(picture.frame(), *runs_, *regions_).ok());
       ASSERT_EQ(difference(expected_regions(grid), *runs_, *regions_), "")
           << family.width << " x " << family.height << ": "
+          << ::testing::PrintToString(std::vector<int>(grid.color.begin(), grid.color.end()));
+      ASSERT_TRUE(of_two_rows->scan(picture.frame(), *runs_, *regions_).ok());
+      ASSERT_EQ(difference(expected_regions(grid, 1, 2), *runs_, *regions_), "")
           << ::testing::PrintToString(std::vector<int>(grid.color.begin(), grid.color.end()));
       // Counts to the next picture; the number of colors is the base.
       const auto nibble =
@@ -121,11 +131,11 @@ LightMap random_light(std::mt19937& random) {
   return light;
 }
 
-TEST_F(RegionScannerTest, FindsRegionsWithShadingRegionOfInterestAndMinimumArea) {
+TEST_F(RegionScannerTest, FindsRegionsWithShadingRegionOfInterestAndLeastSize) {
   for (int round = 0; round < 500; ++round) {
     const auto pattern = kAllPatterns[random_() % kAllPatterns.size()];
     const auto format = kAllFormats[random_() % kAllFormats.size()];
-    const int width = pick(random_, 8, 95), height = pick(random_, 8, 18);
+    const int width = round % 4 == 0 ? pick(random_, 96, 128) : pick(random_, 8, 95), height = pick(random_, 8, 18);
     const OwnedPicture picture =
         paint(make_pattern(pattern, width, height, random_), format, pick(random_, 0, 9), random_);
     const Frame frame = picture.frame();
@@ -139,8 +149,31 @@ TEST_F(RegionScannerTest, FindsRegionsWithShadingRegionOfInterestAndMinimumArea)
       if (scanner_->configure(parameters).code() == ErrorCode::kInconsistent) continue;  // covers no pixel
     }
     parameters.min_area_px = static_cast<std::uint32_t>(pick(random_, 0, 4) * pick(random_, 0, 3));
+    parameters.min_height_px = static_cast<std::uint32_t>(pick(random_, 0, 4));
     ASSERT_EQ(difference_on(frame, parameters), "")
         << "round " << round << ", " << name_of(pattern) << ", " << name_of(format) << ", " << width << " x " << height;
+  }
+}
+
+// Lines that leave the 64 columns in which they touch other rows, to both sides and into the region of interest's edge.
+TEST_F(RegionScannerTest, ARowThatIsReadInPartIsReadAsFarAsItsColorsReach) {
+  for (int round = 0; round < 300; ++round) {
+    ColorGrid grid = make_grid(pick(random_, 130, 330), pick(random_, 3, 6));
+    for (int lines = pick(random_, 1, 6); lines > 0; --lines) {
+      const int begin = pick(random_, 0, grid.width - 1), v = pick(random_, 0, grid.height - 1);
+      const int end = std::min(grid.width, begin + pick(random_, 1, 200));
+      for (int u = begin; u < end; ++u) grid.at(u, v) = static_cast<ColorId>(1 + u / pick(random_, 60, 70) % 2);
+    }
+    const OwnedPicture picture = paint(grid, kAllFormats[random_() % kAllFormats.size()], 0, random_);
+    ScanParameters parameters = parameters_for(picture.frame());
+    parameters.min_height_px = 2;
+    if (round % 2 == 0) {
+      const float left = static_cast<float>(pick(random_, 0, 100)), right = static_cast<float>(grid.width) - 20.5f;
+      for (const PixelPoint& corner : {PixelPoint{left, -1}, PixelPoint{right, -1}, PixelPoint{right, 9}}) {
+        parameters.region_of_interest.push_back(corner);
+      }
+    }
+    ASSERT_EQ(difference_on(picture.frame(), parameters), "") << "round " << round;
   }
 }
 

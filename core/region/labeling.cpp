@@ -75,7 +75,7 @@ void Labeling::number_components() {
   }
 }
 
-// Computes the sums of all components. Returns how many are large and high enough.
+// Computes the sums of all components. Returns how many have enough pixels and rows.
 std::size_t Labeling::sum_up(const Runs& runs) {
   std::uint32_t begun = 0;
   for (const Run& run : runs) {

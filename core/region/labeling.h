@@ -33,7 +33,7 @@ class Labeling {
   static constexpr Extent kMirrored = {kMirror, 0, kMirror, 0};
   static_assert(kMaxFrameWidth < kMirror && kMaxFrameHeight < kMirror);
 
-  // Sums over the runs of a component. After sum_up() the area of one that is too low is 0.
+  // Sums over the runs of a component. After sum_up() the area of one with too few rows is 0.
   struct Sums {
     std::uint64_t u = 0, v = 0;
     Extent extent = {};

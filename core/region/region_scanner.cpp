@@ -134,7 +134,7 @@ void RegionScanner::classify(const Frame& frame, std::uint16_t v) {
   occupied_[v % 3u] = occupied;
 }
 
-// Classifies row v where the rows above and below have a color within the same word, and from there on as long as
+// Classifies row v where the row above or below has a color within the same word, and from there on as long as
 // colors reach into the next word. What is left out belongs to regions of this row alone.
 void RegionScanner::classify_between(const Frame& frame, std::uint16_t v) {
   const std::size_t above = (v + 2u) % 3, below = (v + 1u) % 3;

@@ -23,8 +23,8 @@ struct ScanParameters {
   ColorBoxes boxes;            // in the format's color space
   LightMap light;              // columns 0: none
   Polygon region_of_interest;  // pixel centers inside count; fewer than 3 points: the whole picture
-  // Smaller or lower regions are dropped with their runs. From a height of 2 on, every second row is read only beside
-  // colors of the rows above and below.
+  // Regions with a smaller area or fewer rows are dropped with their runs. From a height of 2 on, rows between two
+  // others are read only beside a color in one of these.
   std::uint32_t min_area_px = 1, min_height_px = 1;
   KernelChoice kernel = KernelChoice::kFastest;
   std::uint8_t box_shift_limit = 0;  // levels by which boxes may move while it runs

@@ -19,7 +19,7 @@ namespace touchline::config {
 /// [picture]: the picture that the calibration was made for.
 struct PictureEntry {
   std::uint16_t width_px = 640, height_px = 480;
-  // No patch is a single pixel or row, and what is ignored takes almost no time.
+  // No patch is a single pixel or a single row.
   std::uint32_t min_area_px = 2, min_height_px = 2;
 
   template <class Self, class Visitor>
@@ -41,7 +41,7 @@ struct PictureEntry {
                   .range = {1, 100},
                   .unit = "px",
                   .reload = Reload::kThresholds,
-                  .help = "Regions of fewer rows are ignored; from 2 on, background costs half the time"});
+                  .help = "Regions of fewer rows are ignored; from 2 on, half of the background is not read"});
   }
 };
 

@@ -20,7 +20,8 @@ class StepBenchmark {
   /// not show all robots.
   Result<void> prepare(const std::string& board_file, std::size_t frames = 49);
 
-  /// Classifies and labels the next frame. Both methods cycle through the frames independently.
+  /// Classifies and labels every row of the next frame, which is the unit of the step's time. Both methods
+  /// cycle through the frames independently.
   void scan_only();
   /// Runs the whole step on the next frame. After the last frame the tracks are reset.
   const StepTrace& step();

@@ -109,6 +109,21 @@ TEST_F(OverloadTest, EveryPatternGivesTheRegionsOfItsKeptRuns) {
   EXPECT_GE(cut, 24u);
 }
 
+TEST_F(OverloadTest, RowsThatAreNotReadUseNoRuns) {
+  ColorGrid grid = make_grid(640, 100);
+  for (int v = 1; v < 99; v += 2) {
+    for (int u = 0; u + 1 < 640; u += 4) grid.at(u, v) = grid.at(u + 1, v) = 3;
+  }
+  EXPECT_EQ(scan(grid, 1).code(), ErrorCode::kFull);
+  EXPECT_TRUE(scan(grid, 1, 2).ok());
+  EXPECT_TRUE(runs_->empty());
+  // One column of a color: the 64 columns around it are read, which end with background.
+  for (int v = 0; v < 100; v += 2) grid.at(200, v) = 3;
+  EXPECT_EQ(scan(grid, 1, 2).code(), ErrorCode::kFull);
+  EXPECT_EQ(difference_from_limited(grid, 1, *runs_, *regions_, 2), "");
+  EXPECT_LT(runs_->overflow(), 49u * 17u) << "only the runs of these columns were counted";
+}
+
 TEST_F(OverloadTest, TheLimitHoldsForTheWidestRunsAndPictures) {
   // Stripes of many widths. With some of them every row has too many runs of the greatest length.
   for (const auto& [width, height, stripe] :

@@ -162,7 +162,8 @@ TEST_F(RegionScannerTest, ARowThatIsReadInPartIsReadAsFarAsItsColorsReach) {
     for (int lines = pick(random_, 1, 6); lines > 0; --lines) {
       const int begin = pick(random_, 0, grid.width - 1), v = pick(random_, 0, grid.height - 1);
       const int end = std::min(grid.width, begin + pick(random_, 1, 200));
-      for (int u = begin; u < end; ++u) grid.at(u, v) = static_cast<ColorId>(1 + u / pick(random_, 60, 70) % 2);
+      const int period = pick(random_, 60, 400);
+      for (int u = begin; u < end; ++u) grid.at(u, v) = static_cast<ColorId>(1 + u / period % 2);
     }
     const OwnedPicture picture = paint(grid, kAllFormats[random_() % kAllFormats.size()], 0, random_);
     ScanParameters parameters = parameters_for(picture.frame());
@@ -174,6 +175,43 @@ TEST_F(RegionScannerTest, ARowThatIsReadInPartIsReadAsFarAsItsColorsReach) {
       }
     }
     ASSERT_EQ(difference_on(picture.frame(), parameters), "") << "round " << round;
+  }
+}
+
+TEST_F(RegionScannerTest, ALineIsFollowedThroughAllWordsToBothSides) {
+  for (const int touch : {10, 329 / 2, 320}) {
+    ColorGrid grid = make_grid(330, 3);
+    grid.at(touch, 0) = 1;
+    std::fill_n(&grid.at(0, 1), grid.width, ColorId{1});
+    const OwnedPicture picture = paint(grid, PixelFormat::kRgb24, 0, random_);
+    ScanParameters parameters = parameters_for(picture.frame());
+    parameters.min_height_px = 2;
+    ASSERT_EQ(difference_on(picture.frame(), parameters), "") << touch;
+    ASSERT_EQ(regions_->size(), 1u);
+    EXPECT_EQ((*regions_)[0].area_px, 331u);
+  }
+}
+
+// The tables of both heights in turn, with rows that only one of them reads.
+TEST_F(RegionScannerTest, LeastHeightsMayChangeBetweenFrames) {
+  const OwnedPicture dense = paint(make_pattern(Pattern::kBlobs, 200, 31, random_), PixelFormat::kNv12, 0, random_);
+  ColorGrid line = make_grid(200, 31);
+  std::fill_n(&line.at(20, 15), 100, ColorId{2});
+  const OwnedPicture low = paint(line, PixelFormat::kNv12, 0, random_);
+  ScanParameters parameters = parameters_for(dense.frame());
+  ASSERT_TRUE(scanner_->configure(parameters).ok());
+  const auto of_two_rows = std::make_unique<ScanTables>();
+  parameters.min_height_px = 2;
+  ASSERT_TRUE(of_two_rows->configure(parameters).ok());
+  const ColorGrid colors = defined_colors(dense.frame(), parameters);
+  ScanTables* next = of_two_rows.get();
+  for (std::uint32_t round = 0; round < 6; ++round) {
+    const std::uint32_t height = 1 + round % 2;
+    ASSERT_TRUE(scanner_->scan(dense.frame(), *runs_, *regions_).ok());
+    ASSERT_EQ(difference(expected_regions(colors, 1, height), *runs_, *regions_), "") << round;
+    ASSERT_TRUE(scanner_->scan(low.frame(), *runs_, *regions_).ok());
+    ASSERT_EQ(regions_->size(), height == 1 ? 1u : 0u) << round;
+    next = &scanner_->exchange(*next);
   }
 }
 

@@ -6,7 +6,6 @@
 #include "core/color/load_word.h"
 
 namespace touchline {
-
 namespace {
 
 // How far ahead pixels are fetched. A row takes longer to classify than memory takes to answer.

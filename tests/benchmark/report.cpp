@@ -105,7 +105,8 @@ std::vector<Goal> goals_of(const BenchmarkCases& cases) {
   for (const std::string set : kRealSets) {
     const std::string name = "real " + set;
     const std::string kernel = std::isnan(time(name, "avx512")) ? "avx2" : "avx512";
-    add(name + ": ssl-vision's segmentation / scan of a step", time(name, "ssl-vision") / time(name, kernel), 8.0, true);
+    add(name + ": ssl-vision's segmentation / scan of a step", time(name, "ssl-vision") / time(name, kernel), 8.0,
+        true);
     add(name + ": whole step / scan of every row", time(name, "step") / time(name, kernel + kEveryRow), 1.6);
   }
   for (const ClutterTeams teams : {ClutterTeams::kMock, ClutterTeams::kLargest}) {

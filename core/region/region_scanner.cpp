@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <bit>
-
-#include "core/color/load_word.h"
+#include <cstring>
+#include <utility>
 
 namespace touchline {
 namespace {
@@ -32,12 +32,19 @@ OccupiedWords colored_words(const ColorRow& row, OccupiedWords among) {
   OccupiedWords colored = 0;
   for (; among != 0; among &= among - 1) {
     const auto i = static_cast<std::size_t>(std::countr_zero(among));
-    const ColorId* const colors = row.pixels() + i * kPixelsOfWord;
-    std::uint64_t any = 0;
-    for (std::size_t k = 0; k < kPixelsOfWord; k += sizeof any) any |= load_word(colors + k);
-    colored |= OccupiedWords{any != 0} << i;
+    std::array<WordPair, kPixelsOfWord / sizeof(WordPair)> pixels;
+    std::memcpy(pixels.data(), row.pixels() + i * kPixelsOfWord, sizeof pixels);
+    const WordPair any = (pixels[0] | pixels[1]) | (pixels[2] | pixels[3]);
+    colored |= OccupiedWords{(any[0] | any[1]) != 0} << i;
   }
   return colored;
+}
+
+void clear_words(OccupiedWords words, ColorRow& row) {
+  for (; words != 0; words &= words - 1) {
+    const auto i = static_cast<std::size_t>(std::countr_zero(words));
+    std::fill_n(row.pixels() + i * kPixelsOfWord, kPixelsOfWord, kBackground);
+  }
 }
 
 }  // namespace
@@ -68,6 +75,7 @@ Status ScanTables::configure(const ScanParameters& parameters) {
 Status RegionScanner::configure(const ScanParameters& parameters) {
   tables_ = &own_;
   colors_.fill({});
+  occupied_.fill(0);
   masks_.fill({});
   return own_.configure(parameters);
 }
@@ -119,30 +127,26 @@ void RegionScanner::fetch_row(const Frame& frame, std::uint16_t v) const {
   }
 }
 
+// Makes row v background. Colors of the row that was here before are in its occupied words only.
+void RegionScanner::clear(std::uint16_t v) { clear_words(std::exchange(occupied_[v % 3u], 0), colors_[v % 3u]); }
+
 void RegionScanner::classify(const Frame& frame, std::uint16_t v) {
   if (v + kRowsAhead < frame.height_px) fetch_row(frame, static_cast<std::uint16_t>(v + kRowsAhead));
-  ColorId* colors = colors_[v % 3u].pixels();
-  std::uint16_t done = 0;
+  clear(v);
+  ColorRow& colors = colors_[v % 3u];
   OccupiedWords occupied = 0;
   for (const ColumnSpan& span : tables_->region_of_interest_.row(v)) {
-    std::fill(colors + done, colors + span.begin, kBackground);
-    occupied |= tables_->classifier_.classify(frame, v, span.begin, span.end, colors);
-    done = span.end;
+    occupied |= tables_->classifier_.classify(frame, v, span.begin, span.end, colors.pixels());
   }
-  std::fill(colors + done, colors + frame.width_px, kBackground);
-  occupied_[v % 3u] = occupied;
+  // classify_between() needs to know exactly.
+  occupied_[v % 3u] = tables_->min_height_px_ > 1 ? colored_words(colors, occupied) : occupied;
 }
 
 // Classifies row v where the row above or below has a color within the same word, and from there on as long as
 // colors reach into the next word. What is left out belongs to regions of this row alone.
 void RegionScanner::classify_between(const Frame& frame, std::uint16_t v) {
-  const std::size_t above = (v + 2u) % 3, below = (v + 1u) % 3;
-  ColorId* colors = colors_[v % 3u].pixels();
-  std::fill(colors, colors + frame.width_px, kBackground);
-  occupied_[v % 3u] = 0;
-  OccupiedWords added =
-      colored_words(colors_[above], occupied_[above]) | colored_words(colors_[below], occupied_[below]);
-  OccupiedWords words = added;
+  clear(v);
+  OccupiedWords added = occupied_[(v + 2u) % 3] | occupied_[(v + 1u) % 3], words = added;
   while (added != 0) {
     added = classify_words(frame, v, added) & ~words;
     words |= added;

@@ -101,6 +101,7 @@ class RegionScanner {
  private:
   std::uint16_t classify_next(const Frame& frame, std::uint16_t v);
   void fetch_row(const Frame& frame, std::uint16_t v) const;
+  void clear(std::uint16_t v);
   void classify(const Frame& frame, std::uint16_t v);
   void classify_between(const Frame& frame, std::uint16_t v);
   OccupiedWords classify_words(const Frame& frame, std::uint16_t v, OccupiedWords words);

@@ -62,6 +62,12 @@ TOUCHLINE_TARGET_INLINE std::uint64_t zero_halves(__m256i a, __m256i b, __m256i 
   const __m256i is_zero = _mm256_cmpeq_epi32(_mm256_castps_si256(abcd), _mm256_setzero_si256());
   return static_cast<std::uint32_t>(_mm256_movemask_ps(_mm256_castsi256_ps(is_zero)));
 }
+// Bits 0 and 1: the lower halves of a and b are zero. Bits 2 and 3: the upper halves.
+TOUCHLINE_TARGET_INLINE std::uint64_t zero_halves(__m256i a, __m256i b) {
+  const __m256i ab = _mm256_or_si256(_mm256_unpacklo_epi64(a, b), _mm256_unpackhi_epi64(a, b)),
+                is_zero = _mm256_cmpeq_epi64(ab, _mm256_setzero_si256());
+  return static_cast<std::uint32_t>(_mm256_movemask_pd(_mm256_castsi256_pd(is_zero)));
+}
 
 // Values of one block, or of two that share their tables. Loading tables is half of the work.
 struct OneBlock {

@@ -192,6 +192,13 @@ TOUCHLINE_TARGET_INLINE std::uint64_t reject_eight_tiles(const RowPixels& row, c
                      Layout::candidates(row, u[2], u[6], of_row), Layout::candidates(row, u[3], u[7], of_row));
 }
 
+// Bit i: tile i of the first four is background.
+template <class Layout>
+TOUCHLINE_TARGET_INLINE std::uint64_t reject_four_tiles(const RowPixels& row, const std::array<std::uint32_t, 8>& u,
+                                                        const typename Layout::Background& of_row) {
+  return zero_halves(Layout::candidates(row, u[0], u[2], of_row), Layout::candidates(row, u[1], u[3], of_row));
+}
+
 // Returns the tiles that the background box does not reject. Writes background to all tiles.
 template <class Layout>
 TOUCHLINE_PASS std::uint64_t find_candidates_among(const SpanTables& tables, const RowPixels& row, const Tiles& tiles,
@@ -214,14 +221,16 @@ TOUCHLINE_PASS std::uint64_t find_candidates_among(const SpanTables& tables, con
                                              of_row)
                   << i;
   }
-  if (i < count) {
-    std::array<std::uint32_t, kTilesPerTest> last{};
-    for (std::uint32_t k = 0; k < kTilesPerTest; ++k) {
-      last[k] = tiles.column(i + k);
-      store_half(colors + last[k], _mm_setzero_si128());
-    }
-    background |= reject_eight_tiles<Layout>(pixels, last, of_row) << i;
+  if (i >= count) return ~background;
+  std::array<std::uint32_t, kTilesPerTest> last{};
+  const std::uint32_t rest = count - i <= kTilesPerTest / 2 ? kTilesPerTest / 2 : kTilesPerTest;
+  for (std::uint32_t k = 0; k < rest; ++k) {
+    last[k] = tiles.column(i + k);
+    store_half(colors + last[k], _mm_setzero_si128());
   }
+  background |= (rest == kTilesPerTest ? reject_eight_tiles<Layout>(pixels, last, of_row)
+                                       : reject_four_tiles<Layout>(pixels, last, of_row))
+                << i;
   return ~background;
 }
 

@@ -15,6 +15,10 @@ namespace {
 constexpr float kMinUnpairedRatio = 0.5f;
 // Team patches beyond the number of robots of a team that are looked at, for each team.
 constexpr std::size_t kSurplusPlaces = 2;
+// Work for splitting regions, relative to that for all patches of both teams if each touched another one of its color.
+// Ten robots without a gap between them need 2.5, as regions of three or four patches take more, and a color may take
+// only its share. At most as for the 132 patches of 22 robots.
+constexpr float kMarginOfPairs = 3.0f, kMostPairs = 66.0f;
 
 // Confidence of what the boxes found, if no pixels are known. Otherwise identifier_ replaces that of an id, and
 // confidence_without_id() the others.
@@ -43,9 +47,11 @@ void Matcher::add_kind(ColorId color, const PatchPlace& place, Team team) {
 Status Matcher::collect_kinds() {
   wanted_.fill(false);
   identifies_.fill(false);
+  std::size_t patches = 0;
   for (const Team team : kTeams) {
     const TeamMarking& marking = parameters_.teams[index_of(team)];
     if (marking.team_color == kBackground) continue;
+    patches += std::size_t{marking.max_robots} * marking.layout.patches.size();
     add_kind(marking.team_color, marking.layout.patches[0], team);
     kinds_[marking.team_color].may_be_partly_hidden = true;
     for (const RobotMarking& robot : marking.robots) {
@@ -56,6 +62,7 @@ Status Matcher::collect_kinds() {
       }
     }
   }
+  touching_pairs_ = std::min(kMostPairs, kMarginOfPairs * static_cast<float>(patches) / 2);
   const ColorId own = parameters_.teams[0].team_color, other = parameters_.teams[1].team_color;
   const BallParameters& ball = parameters_.ball;
   if (ball.color > kMaxColors || (ball.color != kBackground && !is_positive(ball.radius_m))) {
@@ -150,7 +157,7 @@ bool Matcher::find_patches(const Runs& runs, const Regions& regions, Sightings& 
   identification_.clear();
   ball_patches_.clear();
   auto colors_left = std::count_if(numbers_.begin(), numbers_.end(), [](const Numbers& n) { return !n.empty(); });
-  float pairs_left = kTouchingPairs;
+  float pairs_left = touching_pairs_;
   bool complete = true;
   for (std::size_t color = 1; color <= kMaxColors; ++color) {
     const Numbers& numbers = numbers_[color];

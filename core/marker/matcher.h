@@ -84,6 +84,7 @@ class Matcher {
   std::array<PatchKind, kMaxColors + 1> kinds_{};
   std::array<bool, kMaxColors + 1> wanted_{};
   std::array<bool, kMaxColors + 1> identifies_{};
+  float touching_pairs_ = 0;  // that may be split in a frame
   std::array<Numbers, kMaxColors + 1> numbers_{};
   // State of the current frame.
   ColorPatches of_color_, ball_patches_;

@@ -50,9 +50,7 @@ struct PatchCandidate {
 constexpr std::size_t kMaxPatchesPerColor = 64;
 using ColorPatches = FixedVector<PatchCandidate, kMaxPatchesPerColor>;
 
-/// Work for splitting touching patches, in pairs of them that take kUsualPasses. If all 132 patches of 22 robots touch
-/// another one of their color, there are 66.
-constexpr float kTouchingPairs = 66.0f;
+/// Work for splitting touching patches, in pairs of them that take kUsualPasses.
 struct SplitBudget {
   float pairs = 0;        // that may still be split
   bool exceeded = false;  // a region was not split

@@ -170,11 +170,24 @@ TOUCHLINE_TARGET_INLINE OccupiedWords classify_blocks(const SpanTables& tables, 
 
 // Rows with a light map whose tiles have one light level, in which regions of interest often leave out columns.
 
-// The tiles of a span. The last one is moved to overlap the one before it. A pass takes up to 64 of them, one bit each.
+// Tiles are tested in groups of eight, or of four where there are no more.
+constexpr std::uint32_t kTilesPerShortTest = kTilesPerTest / 2;
+
+// The tiles that it takes to cover a span; a pass takes up to 64 of them, one bit each. The first `whole` ones follow
+// one another from the begin on, the others up to the end, so that they overlap the ones before.
 struct Tiles {
-  std::uint32_t first, end;  // columns
-  [[nodiscard]] std::uint32_t count() const { return std::min(kMaxTilesPerPass, (end - first + kTile - 1) / kTile); }
-  [[nodiscard]] std::uint32_t column(std::uint32_t i) const { return std::min(first + i * kTile, end - kTile); }
+  TOUCHLINE_TARGET_INLINE Tiles(std::uint32_t begin, std::uint32_t end)
+      : first(begin),
+        width(std::min(kMaxTilesPerPass * kTile, end - begin)),
+        count((width + kTile - 1) / kTile),
+        whole(width >= kTilesPerTest * kTile        ? width / (kTilesPerTest * kTile) * kTilesPerTest
+              : width >= kTilesPerShortTest * kTile ? kTilesPerShortTest
+                                                    : count - 1),
+        overlapping(begin + width - count * kTile) {}
+  [[nodiscard]] std::uint32_t column(std::uint32_t i) const { return (i < whole ? first : overlapping) + i * kTile; }
+
+  std::uint32_t first, width, count, whole;
+  std::uint32_t overlapping;  // where tile 0 would begin if all followed one another up to the end
 };
 
 // Takes the lowest tile from `left`, and returns its column.
@@ -184,19 +197,34 @@ TOUCHLINE_TARGET_INLINE std::uint32_t take_lowest(const Tiles& tiles, std::uint6
   return tiles.column(i);
 }
 
-// Bit i: tile i of the eight tiles at these columns is background.
+// Bit i: tile i of the eight, or four, from column u on is background. Writes background to all of them.
 template <class Layout>
-TOUCHLINE_TARGET_INLINE std::uint64_t reject_eight_tiles(const RowPixels& row, const std::array<std::uint32_t, 8>& u,
-                                                         const typename Layout::Background& of_row) {
-  return zero_halves(Layout::candidates(row, u[0], u[4], of_row), Layout::candidates(row, u[1], u[5], of_row),
-                     Layout::candidates(row, u[2], u[6], of_row), Layout::candidates(row, u[3], u[7], of_row));
+TOUCHLINE_TARGET_INLINE std::uint64_t reject_eight_tiles(const RowPixels& row, std::uint32_t u,
+                                                         const typename Layout::Background& of_row, ColorId* colors) {
+  const __m256i zero = _mm256_setzero_si256();
+  store(colors + u, zero);
+  store(colors + u + kBlock, zero);
+  store(colors + u + std::size_t{2} * kBlock, zero);
+  store(colors + u + std::size_t{3} * kBlock, zero);
+  return zero_halves(Layout::candidates(row, u, u + 4 * kTile, of_row),
+                     Layout::candidates(row, u + kTile, u + 5 * kTile, of_row),
+                     Layout::candidates(row, u + 2 * kTile, u + 6 * kTile, of_row),
+                     Layout::candidates(row, u + 3 * kTile, u + 7 * kTile, of_row));
 }
-
-// Bit i: tile i of the first four is background.
 template <class Layout>
-TOUCHLINE_TARGET_INLINE std::uint64_t reject_four_tiles(const RowPixels& row, const std::array<std::uint32_t, 8>& u,
-                                                        const typename Layout::Background& of_row) {
-  return zero_halves(Layout::candidates(row, u[0], u[2], of_row), Layout::candidates(row, u[1], u[3], of_row));
+TOUCHLINE_TARGET_INLINE std::uint64_t reject_four_tiles(const RowPixels& row, std::uint32_t u,
+                                                        const typename Layout::Background& of_row, ColorId* colors) {
+  const __m256i zero = _mm256_setzero_si256();
+  store(colors + u, zero);
+  store(colors + u + kBlock, zero);
+  return zero_halves(Layout::candidates(row, u, u + 2 * kTile, of_row),
+                     Layout::candidates(row, u + kTile, u + 3 * kTile, of_row));
+}
+template <class Layout>
+TOUCHLINE_TARGET_INLINE std::uint64_t reject_tile(const RowPixels& row, std::uint32_t u,
+                                                  const typename Layout::Background& of_row, ColorId* colors) {
+  store_half(colors + u, _mm_setzero_si128());
+  return is_zero(Layout::candidates(row, u, u, of_row));
 }
 
 // Returns the tiles that the background box does not reject. Writes background to all tiles.
@@ -205,32 +233,26 @@ TOUCHLINE_PASS std::uint64_t find_candidates_among(const SpanTables& tables, con
                                                    ColorId* colors) {
   const auto of_row = Layout::background_of_tiles(*tables.tiles);
   const RowPixels pixels = row;
-  const __m256i zero = _mm256_setzero_si256();
-  const std::uint32_t count = tiles.count(), end = tiles.end;
+  const std::uint32_t whole = tiles.whole, end = tiles.first + tiles.width;
   std::uint64_t background = 0;
   std::uint32_t i = 0, u = tiles.first;
-  for (; i + kTilesPerTest <= count && u + kTilesPerTest * kTile <= end;
-       i += kTilesPerTest, u += kTilesPerTest * kTile) {
-    store(colors + u, zero);
-    store(colors + u + kBlock, zero);
-    store(colors + u + std::size_t{2} * kBlock, zero);
-    store(colors + u + std::size_t{3} * kBlock, zero);
-    background |= reject_eight_tiles<Layout>(pixels,
-                                             {u, u + kTile, u + 2 * kTile, u + 3 * kTile, u + 4 * kTile, u + 5 * kTile,
-                                              u + 6 * kTile, u + 7 * kTile},
-                                             of_row)
-                  << i;
+  if (tiles.width < kTilesPerShortTest * kTile) {
+    for (; i < tiles.count; ++i) background |= reject_tile<Layout>(pixels, tiles.column(i), of_row, colors) << i;
+    return ~background;
   }
-  if (i >= count) return ~background;
-  std::array<std::uint32_t, kTilesPerTest> last{};
-  const std::uint32_t rest = count - i <= kTilesPerTest / 2 ? kTilesPerTest / 2 : kTilesPerTest;
-  for (std::uint32_t k = 0; k < rest; ++k) {
-    last[k] = tiles.column(i + k);
-    store_half(colors + last[k], _mm_setzero_si128());
+  for (; i + kTilesPerTest <= whole; i += kTilesPerTest, u += kTilesPerTest * kTile) {
+    background |= reject_eight_tiles<Layout>(pixels, u, of_row, colors) << i;
   }
-  background |= (rest == kTilesPerTest ? reject_eight_tiles<Layout>(pixels, last, of_row)
-                                       : reject_four_tiles<Layout>(pixels, last, of_row))
-                << i;
+  if (i < whole) background |= reject_four_tiles<Layout>(pixels, u, of_row, colors);
+  // The others are the last ones of a test up to the end.
+  const std::uint32_t others = tiles.count - whole;
+  if (others > kTilesPerShortTest) {
+    background |= reject_eight_tiles<Layout>(pixels, end - kTilesPerTest * kTile, of_row, colors) >>
+                  (kTilesPerTest - others) << whole;
+  } else if (others > 0) {
+    background |= reject_four_tiles<Layout>(pixels, end - kTilesPerShortTest * kTile, of_row, colors) >>
+                  (kTilesPerShortTest - others) << whole;
+  }
   return ~background;
 }
 
@@ -301,12 +323,13 @@ template <class Layout>
 TOUCHLINE_TARGET_INLINE OccupiedWords classify_tiles(const SpanTables& tables, const RowPixels& row,
                                                      std::uint32_t begin, std::uint32_t end, ColorId* colors) {
   OccupiedWords occupied = 0;
-  for (Tiles tiles = {begin, end}; tiles.first < end; tiles.first += kMaxTilesPerPass * kTile) {
-    const std::uint64_t all = ~std::uint64_t{0} >> (kMaxTilesPerPass - tiles.count());
+  for (std::uint32_t first = begin; first < end; first += kMaxTilesPerPass * kTile) {
+    const Tiles tiles(first, end);
+    const std::uint64_t all = ~std::uint64_t{0} >> (kMaxTilesPerPass - tiles.count);
     // Three passes, each more exact and over fewer tiles. No branch depends on the pixels of one tile.
     std::uint64_t left = find_candidates_among<Layout>(tables, row, tiles, colors) & all;
     if (!tables.has_background_box) left = all;
-    if (is_second_pass_worthwhile(left, tiles.count())) left = find_coarse<Layout>(tables, row, tiles, left);
+    if (is_second_pass_worthwhile(left, tiles.count)) left = find_coarse<Layout>(tables, row, tiles, left);
     if (left != 0) occupied |= color_all<Layout>(tables, row, tiles, left, colors);
   }
   return occupied;

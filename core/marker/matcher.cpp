@@ -15,10 +15,15 @@ namespace {
 constexpr float kMinUnpairedRatio = 0.5f;
 // Team patches beyond the number of robots of a team that are looked at, for each team.
 constexpr std::size_t kSurplusPlaces = 2;
-// Work for splitting regions, relative to that for all patches of both teams if each touched another one of its color.
-// Ten robots without a gap between them need 2.5, as regions of three or four patches take more, and a color may take
-// only its share. At most as for the 132 patches of 22 robots.
-constexpr float kMarginOfPairs = 3.0f, kMostPairs = 66.0f;
+// Work for splitting regions of touching patches, relative to that for all patches of both teams if each touched
+// another one of its color. Regions of three or four patches take more than two pairs: ten robots without a gap between
+// them need 2.5, with 12 colors in the picture.
+constexpr float kMarginOfPairs = 3.0f;
+// For each color, so that one with a single region of four patches, the largest that is split, can have enough.
+constexpr float kLeastPairsOfColor = 4.0f;
+// As if all patches of 22 robots touched another one. The time of a step allows no more; teams of more than 44 patches
+// have a smaller margin.
+constexpr float kMostPairs = static_cast<float>(kMaxRobots * kMaxPatches) / 2;
 
 // Confidence of what the boxes found, if no pixels are known. Otherwise identifier_ replaces that of an id, and
 // confidence_without_id() the others.
@@ -62,7 +67,9 @@ Status Matcher::collect_kinds() {
       }
     }
   }
-  touching_pairs_ = std::min(kMostPairs, kMarginOfPairs * static_cast<float>(patches) / 2);
+  const auto colors = static_cast<float>(std::count(wanted_.begin(), wanted_.end(), true));
+  touching_pairs_ =
+      std::min(kMostPairs, std::max(kLeastPairsOfColor * colors, kMarginOfPairs * static_cast<float>(patches) / 2));
   const ColorId own = parameters_.teams[0].team_color, other = parameters_.teams[1].team_color;
   const BallParameters& ball = parameters_.ball;
   if (ball.color > kMaxColors || (ball.color != kBackground && !is_positive(ball.radius_m))) {
@@ -156,19 +163,23 @@ bool Matcher::find_patches(const Runs& runs, const Regions& regions, Sightings& 
   team_patches_.clear();
   identification_.clear();
   ball_patches_.clear();
-  auto colors_left = std::count_if(numbers_.begin(), numbers_.end(), [](const Numbers& n) { return !n.empty(); });
+  const auto is_present = [this](std::size_t color) { return wanted_[color] && !numbers_[color].empty(); };
+  std::size_t colors_left = 0;
+  for (std::size_t color = 1; color <= kMaxColors; ++color) {
+    colors_left += static_cast<std::size_t>(is_present(color) && color != parameters_.ball.color);
+  }
   float pairs_left = touching_pairs_;
   bool complete = true;
   for (std::size_t color = 1; color <= kMaxColors; ++color) {
-    const Numbers& numbers = numbers_[color];
-    if (!wanted_[color] || numbers.empty()) continue;
-    const float share = pairs_left / static_cast<float>(colors_left--);
-    SplitBudget budget{share};
-    const std::span<const std::uint16_t> candidates(numbers.data(), numbers.size());
+    if (!is_present(color)) continue;
+    const std::span<const std::uint16_t> candidates(numbers_[color].data(), numbers_[color].size());
     if (color == parameters_.ball.color) {
-      finder_.find(kinds_[color], runs, regions, candidates, out, budget, ball_patches_);
+      SplitBudget none;
+      finder_.find(kinds_[color], runs, regions, candidates, out, none, ball_patches_);
       continue;
     }
+    const float share = pairs_left / static_cast<float>(colors_left--);
+    SplitBudget budget{share};
     finder_.find(kinds_[color], runs, regions, candidates, out, budget, of_color_);
     pairs_left -= share - budget.pairs;
     complete = complete && !budget.exceeded;

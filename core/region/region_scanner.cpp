@@ -88,7 +88,7 @@ Status RegionScanner::scan(const Frame& frame, Runs& runs, Regions& regions) {
   labeling_.begin(tables_->min_area_px_, tables_->min_height_px_);
   run_limiter_.begin(frame.height_px);
   const std::uint16_t last = static_cast<std::uint16_t>(frame.height_px - 1);
-  colors_[2].clear();  // above the first row
+  clear(2);  // above the first row
   masks_[2] = {};
   classify(frame, 0);
   find_masks(0);
@@ -127,7 +127,7 @@ void RegionScanner::fetch_row(const Frame& frame, std::uint16_t v) const {
   }
 }
 
-// Makes row v background. Colors of the row that was here before are in its occupied words only.
+// Makes row v background, without what remains of an earlier row.
 void RegionScanner::clear(std::uint16_t v) { clear_words(std::exchange(occupied_[v % 3u], 0), colors_[v % 3u]); }
 
 void RegionScanner::classify(const Frame& frame, std::uint16_t v) {
@@ -138,7 +138,7 @@ void RegionScanner::classify(const Frame& frame, std::uint16_t v) {
   for (const ColumnSpan& span : tables_->region_of_interest_.row(v)) {
     occupied |= tables_->classifier_.classify(frame, v, span.begin, span.end, colors.pixels());
   }
-  // classify_between() needs to know exactly.
+  // The exact words, so that classify_between() reads no more of the rows beside this one than it has to.
   occupied_[v % 3u] = tables_->min_height_px_ > 1 ? colored_words(colors, occupied) : occupied;
 }
 

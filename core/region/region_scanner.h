@@ -112,7 +112,7 @@ class RegionScanner {
   ScanTables* tables_ = &own_;
   RunLimiter run_limiter_;
   Labeling labeling_;
-  // Row v has index v % 3.
+  // Row v has index v % 3. Its colors lie within its occupied words.
   std::array<ColorRow, 3> colors_;
   std::array<OccupiedWords, 3> occupied_{};
   std::array<RowMasks, 3> masks_;

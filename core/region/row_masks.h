@@ -50,7 +50,6 @@ struct RowMasks {
 /// A row of colors with background on both sides, so that whole words and the neighbors of all pixels can be read.
 class ColorRow {
  public:
-  void clear() { colors_.fill(kBackground); }
   /// The row's first pixel.
   ColorId* pixels() { return colors_.data() + kPixelsOfWord; }
   [[nodiscard]] const ColorId* pixels() const { return colors_.data() + kPixelsOfWord; }

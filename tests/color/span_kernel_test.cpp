@@ -234,12 +234,30 @@ TEST_P(SpanKernelTest, AgreesWithThePortableKernelOnRandomSpans) {
 
 TEST_P(SpanKernelTest, AgreesWithThePortableKernelOnEverySpanOfAShortRow) {
   ASSERT_NO_FATAL_FAILURE(choose_colors(13));
-  OwnedPicture picture(format(), 100, 1, 0);
+  OwnedPicture picture(format(), 150, 1, 0);
   const Frame frame = picture.frame();
   for (std::uint32_t begin = 0; begin <= frame.width_px; ++begin) {
     paint(picture);
+    const SpanTables one_light = tables_of_one_light();
     for (std::uint32_t end = begin; end <= frame.width_px; ++end) {
       ASSERT_NO_FATAL_FAILURE(expect_equal(tables(end % 2 == 0), row_pixels(frame, 0), begin, end));
+      ASSERT_NO_FATAL_FAILURE(expect_equal(one_light, row_pixels(frame, 0), begin, end));
+    }
+  }
+}
+
+// Around the widths at which a kernel's tests of several tiles, and its passes over a row, end.
+TEST_P(SpanKernelTest, AgreesWithThePortableKernelOnSpansOfWholeTests) {
+  ASSERT_NO_FATAL_FAILURE(choose_colors(13));
+  OwnedPicture picture(format(), kMaxFrameWidth, 1, 0);
+  const Frame frame = picture.frame();
+  for (const std::uint32_t tests : {64u, 128u, 192u, 256u, 1024u, 1024u + 64u, 1024u + 128u, 2048u, 2048u + 64u}) {
+    for (std::uint32_t begin = 0; begin < 4; ++begin) {
+      paint(picture);
+      const SpanTables one_light = tables_of_one_light();
+      for (std::uint32_t width = tests - 2; width < tests + 20; ++width) {
+        ASSERT_NO_FATAL_FAILURE(expect_equal(one_light, row_pixels(frame, 0), begin, begin + width));
+      }
     }
   }
 }
@@ -285,6 +303,7 @@ TEST_P(SpanKernelTest, ReadsNothingBeyondTheSpan) {
       }
       for (const RowPixels& row : {at_start, at_end}) {
         ASSERT_NO_FATAL_FAILURE(expect_equal(tables(end % 2 == 0), row, begin, end));
+        ASSERT_NO_FATAL_FAILURE(expect_equal(tables_of_one_light(), row, begin, end));
       }
     }
   }

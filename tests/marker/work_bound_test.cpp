@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <memory>
 
@@ -71,6 +72,44 @@ TEST(WorkBound, AFieldFullOfPatchesIsCutShort) {
     }
   }
   EXPECT_TRUE(list.match().cut_short);
+}
+
+// Team patches of 35 mm and one identification patch each, of three colors.
+MarkerParameters small_teams(std::uint8_t robots) {
+  MarkerParameters parameters = teams_with(paper_layout(), 3);
+  for (TeamMarking& team : parameters.teams) team.max_robots = robots;
+  return parameters;
+}
+
+// Four patches that touch one another, in a column of the picture.
+void paint_column(PaintedField& field, FieldPoint at, ColorId color) {
+  constexpr float kHalf = 0.01725f;
+  field.paint_part({Team::kOwn, 0, {at, 0.0f}}, {-kHalf, -4 * kHalf}, {kHalf, 4 * kHalf}, color);
+}
+
+TEST(WorkBound, SplittingDependsOnTheRobotsOfTheTeams) {
+  for (const std::uint8_t robots : {std::uint8_t{3}, std::uint8_t{11}}) {
+    PaintedField field(straight_camera(), small_teams(robots));
+    constexpr std::array<ColorId, 3> kColors{kRed, kGreen, kMagenta};
+    for (int i = 0; i < 36; ++i) {
+      paint_column(field, {0.15f * static_cast<float>(i % 12) - 0.8f, 0.4f * static_cast<float>(i / 12) - 0.4f},
+                   kColors[static_cast<std::size_t>(i / 12)]);
+    }
+    const Sightings& seen = field.match();
+    ASSERT_EQ(field.regions().size(), 36u);
+    EXPECT_EQ(seen.cut_short, robots == 3);
+    const auto surplus = std::count(seen.verdicts.begin(), seen.verdicts.begin() + 36, Verdict::kSurplus);
+    EXPECT_EQ(surplus > 0, robots == 3) << surplus;
+    EXPECT_LT(surplus, 36);
+  }
+}
+
+TEST(WorkBound, EveryColorMayHaveARegionOfFourPatches) {
+  PaintedField field(straight_camera(), small_teams(1));
+  float x = -0.6f;
+  for (const ColorId color : {kBlue, kYellow, kRed, kGreen, kMagenta}) paint_column(field, {x += 0.2f, 0.0f}, color);
+  EXPECT_FALSE(field.match().cut_short);
+  EXPECT_EQ(field.regions().size(), 5u);
 }
 
 TEST(WorkBound, WorkThatIsNotNeededIsLeftToOthers) {

@@ -215,6 +215,30 @@ TEST_F(RegionScannerTest, LeastHeightsMayChangeBetweenFrames) {
   }
 }
 
+// Nothing remains of what other tables found outside of a region of interest, or in rows that are read in part. With
+// 30 to 32 rows, each of the scanner's rows is the last one of a picture once.
+TEST_F(RegionScannerTest, NothingRemainsOfScansWithOtherTables) {
+  for (const int height : {30, 31, 32}) {
+    const OwnedPicture dense =
+        paint(make_pattern(Pattern::kBlobs, 330, height, random_), PixelFormat::kRgb24, 0, random_);
+    ScanParameters whole = parameters_for(dense.frame()), part = whole;
+    part.min_height_px = 2;
+    for (const PixelPoint& corner : {PixelPoint{75.0f, -1.0f}, PixelPoint{301.0f, 4.0f}, PixelPoint{150.0f, 40.0f}}) {
+      part.region_of_interest.push_back(corner);
+    }
+    ASSERT_TRUE(scanner_->configure(whole).ok());
+    const auto tables_of_part = std::make_unique<ScanTables>();
+    ASSERT_TRUE(tables_of_part->configure(part).ok());
+    ScanTables* next = tables_of_part.get();
+    for (const ScanParameters* parameters : {&whole, &part, &whole, &part}) {
+      ASSERT_TRUE(scanner_->scan(dense.frame(), *runs_, *regions_).ok());
+      const auto expected = expected_regions(defined_colors(dense.frame(), *parameters), 1, parameters->min_height_px);
+      ASSERT_EQ(difference(expected, *runs_, *regions_), "") << height << ", " << parameters->min_height_px;
+      next = &scanner_->exchange(*next);
+    }
+  }
+}
+
 TEST_F(RegionScannerTest, FindsRegionsInPicturesOfRandomBytesAndBoxes) {
   for (int round = 0; round < 300; ++round) {
     const auto format = kAllFormats[random_() % kAllFormats.size()];

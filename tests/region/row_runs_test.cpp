@@ -47,7 +47,7 @@ class RowRunsTest : public ::testing::TestWithParam<KernelChoice> {
   };
 
   void fill(Row& row, std::size_t width, int density, int length) {
-    row.colors.clear();
+    row.colors = {};
     row.occupied = 0;
     row.list.assign(width + 1, kBackground);
     for (std::size_t u = 0; u < width;) {

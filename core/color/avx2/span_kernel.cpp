@@ -173,21 +173,31 @@ TOUCHLINE_TARGET_INLINE OccupiedWords classify_blocks(const SpanTables& tables, 
 // Tiles are tested in groups of eight, or of four where there are no more.
 constexpr std::uint32_t kTilesPerShortTest = kTilesPerTest / 2;
 
-// The tiles that it takes to cover a span; a pass takes up to 64 of them, one bit each. The first `whole` ones follow
-// one another from the begin on, the others up to the end, so that they overlap the ones before.
+// The tiles that it takes to cover a span; a pass takes up to 64 of them, one bit each. The first ones follow one
+// another from the begin on. The others follow one another up to the end, and so overlap the first ones.
 struct Tiles {
-  TOUCHLINE_TARGET_INLINE Tiles(std::uint32_t begin, std::uint32_t end)
+  TOUCHLINE_TARGET_INLINE Tiles(std::uint32_t begin, std::uint32_t span_end)
       : first(begin),
-        width(std::min(kMaxTilesPerPass * kTile, end - begin)),
-        count((width + kTile - 1) / kTile),
-        whole(width >= kTilesPerTest * kTile        ? width / (kTilesPerTest * kTile) * kTilesPerTest
-              : width >= kTilesPerShortTest * kTile ? kTilesPerShortTest
-                                                    : count - 1),
-        overlapping(begin + width - count * kTile) {}
-  [[nodiscard]] std::uint32_t column(std::uint32_t i) const { return (i < whole ? first : overlapping) + i * kTile; }
+        end(std::min(begin + kMaxTilesPerPass * kTile, span_end)),
+        count((width() + kTile - 1) / kTile),
+        from_begin(count_from_begin()),
+        begin_up_to_end(end - count * kTile) {}
+  [[nodiscard]] std::uint32_t width() const { return end - first; }
+  [[nodiscard]] std::uint32_t column(std::uint32_t i) const {
+    return (i < from_begin ? first : begin_up_to_end) + i * kTile;
+  }
 
-  std::uint32_t first, width, count, whole;
-  std::uint32_t overlapping;  // where tile 0 would begin if all followed one another up to the end
+  std::uint32_t first, end;  // columns
+  std::uint32_t count, from_begin;
+  std::uint32_t begin_up_to_end;  // where all tiles would begin if they followed one another up to the end
+
+ private:
+  // As many as fill tests of eight tiles, or a test of four if the span is too narrow. In a still narrower one, all but
+  // the last.
+  [[nodiscard]] std::uint32_t count_from_begin() const {
+    if (width() >= kTilesPerTest * kTile) return width() / (kTilesPerTest * kTile) * kTilesPerTest;
+    return width() >= kTilesPerShortTest * kTile ? kTilesPerShortTest : count - 1;
+  }
 };
 
 // Takes the lowest tile from `left`, and returns its column.
@@ -233,25 +243,25 @@ TOUCHLINE_PASS std::uint64_t find_candidates_among(const SpanTables& tables, con
                                                    ColorId* colors) {
   const auto of_row = Layout::background_of_tiles(*tables.tiles);
   const RowPixels pixels = row;
-  const std::uint32_t whole = tiles.whole, end = tiles.first + tiles.width;
+  const std::uint32_t from_begin = tiles.from_begin, end = tiles.end;
   std::uint64_t background = 0;
   std::uint32_t i = 0, u = tiles.first;
-  if (tiles.width < kTilesPerShortTest * kTile) {
+  if (tiles.width() < kTilesPerShortTest * kTile) {
     for (; i < tiles.count; ++i) background |= reject_tile<Layout>(pixels, tiles.column(i), of_row, colors) << i;
     return ~background;
   }
-  for (; i + kTilesPerTest <= whole; i += kTilesPerTest, u += kTilesPerTest * kTile) {
+  for (; i + kTilesPerTest <= from_begin; i += kTilesPerTest, u += kTilesPerTest * kTile) {
     background |= reject_eight_tiles<Layout>(pixels, u, of_row, colors) << i;
   }
-  if (i < whole) background |= reject_four_tiles<Layout>(pixels, u, of_row, colors);
+  if (i < from_begin) background |= reject_four_tiles<Layout>(pixels, u, of_row, colors) << i;
   // The others are the last ones of a test up to the end.
-  const std::uint32_t others = tiles.count - whole;
+  const std::uint32_t others = tiles.count - from_begin;
   if (others > kTilesPerShortTest) {
     background |= reject_eight_tiles<Layout>(pixels, end - kTilesPerTest * kTile, of_row, colors) >>
-                  (kTilesPerTest - others) << whole;
+                  (kTilesPerTest - others) << from_begin;
   } else if (others > 0) {
     background |= reject_four_tiles<Layout>(pixels, end - kTilesPerShortTest * kTile, of_row, colors) >>
-                  (kTilesPerShortTest - others) << whole;
+                  (kTilesPerShortTest - others) << from_begin;
   }
   return ~background;
 }

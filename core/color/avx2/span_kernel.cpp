@@ -254,7 +254,7 @@ TOUCHLINE_PASS std::uint64_t find_candidates_among(const SpanTables& tables, con
     background |= reject_eight_tiles<Layout>(pixels, u, of_row, colors) << i;
   }
   if (i < from_begin) background |= reject_four_tiles<Layout>(pixels, u, of_row, colors) << i;
-  // The others are the last ones of a test up to the end.
+  // The other tiles are the last ones of a test that ends where the span does.
   const std::uint32_t others = tiles.count - from_begin;
   if (others > kTilesPerShortTest) {
     background |= reject_eight_tiles<Layout>(pixels, end - kTilesPerTest * kTile, of_row, colors) >>

@@ -53,6 +53,19 @@ TEST_F(WebPictures, EachPictureFollowsTheStateOfItsFrame) {
   }
 }
 
+TEST_F(WebPictures, TheFirstPictureWaitsForNoPeriod) {
+  start();
+  SocketPage page(port());
+  page.send_text(text_of("watch", R"("state_hz":60,"picture":{"rate_hz":0.05})"));
+  // The picture is copied with the next frame after the request. A period would last hundreds of states.
+  int states = 0;
+  for (SocketMessage message = page.read(); message.opcode != 2; message = page.read()) {
+    ASSERT_EQ(message.opcode, 1);
+    states += message.payload.starts_with(R"({"type":"state")") ? 1 : 0;
+    ASSERT_LE(states, 20);
+  }
+}
+
 TEST_F(WebPictures, NoMoreThanTwoPicturesAreSentWithoutAnAnswer) {
   start();
   SocketPage page(port());

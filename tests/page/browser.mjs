@@ -6,7 +6,7 @@ const { chromium } = require('playwright-core');
 const axeSource = require('axe-core').source;
 
 export const PAGES = ['live', 'play', 'timing', 'setup'];
-const PATIENCE_MS = Number(process.env.PATIENCE_MS ?? 60_000);
+export const PATIENCE_MS = Number(process.env.PATIENCE_MS ?? 60_000);
 
 export const launch = () => chromium.launch({ executablePath: process.env.CHROMIUM ?? '/usr/bin/chromium', args: ['--no-sandbox'] });
 

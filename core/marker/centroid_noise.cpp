@@ -48,6 +48,8 @@ void write_centroid_noise(const CameraModel& camera, const std::array<TeamMarkin
   }
   if (!out.ball.seen) return;
   out.ball.sigma_m = std::sqrt(variance_at(out.ball.position, ball_radius_m)) + kBallShading * ball_radius_m;
+  out.ball.lasting_share = kCentroidLastingShare;
+  out.ball.lasts_m = kCentroidLastsPx / camera.scale_px_per_m(out.ball.position, ball_radius_m);
 }
 
 }  // namespace touchline

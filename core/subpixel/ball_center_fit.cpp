@@ -64,6 +64,13 @@ constexpr float kAlikeOnFloor = 0.5f, kAlikeBeside = 1.75f;
 // surroundings are so doubtful that they take this part of the pixels' weight.
 constexpr float kWholeSeen = 0.9f, kPartSeen = 0.8f, kDoubted = 0.01f;
 
+// Distance after which the correlation of the fit's errors is 1/e: on the floor, most of them are those of the outline
+// against the pixel grid; beside something, those of its light. Measured in games of the arena.
+constexpr float kLastsOnFloorPx = 0.5f, kLastsBesidePx = 3.0f;
+// Variance of a pixel's light on the outline relative to that of one inside: it has half the light, to which the
+// variance is proportional.
+constexpr float kEdgeNoise = 0.5f;
+
 using Normal = Eigen::Matrix<float, kShadeTerms, kShadeTerms>;
 using Terms = Eigen::Matrix<float, kShadeTerms, 1>;
 using Step = Eigen::Vector2f;
@@ -131,6 +138,8 @@ class BallCenterFit::Solver {
     view_.center = best.center;
     fitting_ = best.fitting;
     sigma_ = best.sigma;
+    per_noise_ = best.per_noise;
+    beside_ = best.beside;
     view_.ramp_px = best.ramp_px;
     const float moved = std::hypot(center().u_px - start.u_px, center().v_px - start.v_px);
     return moved <= kMaxCorrection * view_.radius_px &&
@@ -140,6 +149,13 @@ class BallCenterFit::Solver {
   [[nodiscard]] PixelPoint center() const { return view_.center; }
   // Standard deviation of the center along each axis, in radii.
   [[nodiscard]] float sigma() const { return sigma_; }
+  // Part of the center's variance that does not come from the camera's noise, 0 to 1.
+  [[nodiscard]] float lasting_share() const {
+    return sigma_ > 0.0f ? std::max(0.0f, 1.0f - kEdgeNoise * camera_noise() * per_noise_ / (sigma_ * sigma_)) : 0.0f;
+  }
+  [[nodiscard]] float lasts_m() const {
+    return std::lerp(kLastsOnFloorPx, kLastsBesidePx, beside_) * radius_m_ / view_.radius_px;
+  }
   // Width of the outline.
   [[nodiscard]] float ramp_px() const { return view_.ramp_px; }
 
@@ -149,6 +165,7 @@ class BallCenterFit::Solver {
     float fitting = 0, sigma = 0;  // fitting: 0 if there is no center
     float seen = 0;                // share of the ball that counts
     float ramp_px = 0;
+    float per_noise = 0, beside = 0;
   };
 
   Outcome converge_from(PixelPoint start) {
@@ -167,7 +184,7 @@ class BallCenterFit::Solver {
       const bool is_last = iteration + 1 == kMaxBallIterations;
       if (!sample(is_last ? 0.0f : step_px) || !shade() || !step(step_px)) return {};
     }
-    return {view_.center, fitting_, sigma_, seen_, view_.ramp_px};
+    return {view_.center, fitting_, sigma_, seen_, view_.ramp_px, per_noise_, beside_};
   }
 
   // Adds a top that the ball reaches.
@@ -233,7 +250,7 @@ class BallCenterFit::Solver {
       std::array<float, kShadeTerms>& of = shading_.of[c];
       Terms::Map(of.data()) = inverse_normal_ * Terms::Map(found.right[c].data());
       // The mean: a part that is hidden has no known light.
-      const float light = found.right[c][0] / found.normal[0][0];
+      const float light = light_[c] = found.right[c][0] / found.normal[0][0];
       shading_.allowed += kHalfWeightError * kHalfWeightError * light * light;
     }
     return shading_.allowed > 0.0f;
@@ -264,8 +281,11 @@ class BallCenterFit::Solver {
     const float by_xx = yy * yy + xy * xy, by_yy = xx * xx + xy * xy, by_xy = -xy * (xx + yy);
     const float pulled =
         by_xx * (sums.pull_xx + start_pull) + 2.0f * by_xy * sums.pull_xy + by_yy * (sums.pull_yy + start_pull);
-    sigma_ = std::hypot(std::sqrt(std::max(0.0f, 0.5f * alike() * pulled)) / determinant,
-                        kErrorWithoutFit * (1.0f - fitting_) * (1.0f - fitting_));
+    beside_ = found_beside();
+    sigma_ = std::hypot(
+        std::sqrt(std::max(0.0f, 0.5f * std::lerp(kAlikeOnFloor, kAlikeBeside, beside_) * pulled)) / determinant,
+        kErrorWithoutFit * (1.0f - fitting_) * (1.0f - fitting_));
+    per_noise_ = 0.5f * (xx + yy) / determinant;
     const float rx = sums.edge.rx - prior * moved_[0], ry = sums.edge.ry - prior * moved_[1];
     const Step by = scaled({(yy * rx - xy * ry) / determinant, (xx * ry - xy * rx) / determinant});
     step_px = by.norm() * view_.radius_px;
@@ -280,9 +300,40 @@ class BallCenterFit::Solver {
     return true;
   }
 
-  [[nodiscard]] float alike() const {
+  [[nodiscard]] float found_beside() const {
     const float hidden = (kWholeSeen - seen_) / (kWholeSeen - kPartSeen), doubtful = doubted_ / kDoubted;
-    return std::lerp(kAlikeOnFloor, kAlikeBeside, std::clamp(std::max(hidden, doubtful), 0.0f, 1.0f));
+    return std::clamp(std::max(hidden, doubtful), 0.0f, 1.0f);
+  }
+
+  // Variance of the light of a pixel, in the mean of the channels by their part in the fit. It shows in the second
+  // differences of neighbors' errors inside the ball, to which what the shading does not explain adds little.
+  [[nodiscard]] float camera_noise() const {
+    std::array<float, kLightChannels> squares{};
+    float count = 0;
+    for (const BallPixels& pixels : disk_) {
+      for (std::size_t i = 1; i + 1 < kLanes; ++i) {
+        const auto bend = [i](const StoredFloat8& of) {
+          return of.value[i - 1] - 2.0f * of.value[i] + of.value[i + 1];
+        };
+        const auto& seen = pixels.coverage.value;
+        if (seen[i - 1] < 1.0f || seen[i] < 1.0f || seen[i + 1] < 1.0f) continue;
+        ++count;
+        const std::array<float, 3> slopes{bend(pixels.slopes[0]), bend(pixels.slopes[1]), bend(pixels.slopes[2])};
+        for (std::size_t c = 0; c < kLightChannels; ++c) {
+          const std::array<float, kShadeTerms>& of = shading_.of[c];
+          const float error = bend(pixels.light[c]) - (of[1] * slopes[0] + of[2] * slopes[1] + of[3] * slopes[2]);
+          squares[c] += error * error;
+        }
+      }
+    }
+    // Of three independent values, the second difference has six times the variance.
+    constexpr float kPerVariance = 6.0f;
+    float sum = 0, power = 0;
+    for (std::size_t c = 0; c < kLightChannels; ++c) {
+      sum += light_[c] * light_[c] * squares[c];
+      power += light_[c] * light_[c];
+    }
+    return count > 0.0f ? sum / (kPerVariance * count * power) : 0.0f;
   }
 
   // Steps of this method are too short or too long by a factor that hardly changes. It follows from how much of a step
@@ -304,7 +355,10 @@ class BallCenterFit::Solver {
   float radius_m_, first_ramp_px_;
   BallView view_;
   float fitting_ = 0, sigma_ = 0, seen_ = 0;
-  float doubted_ = 0;  // part of the pixels' weight that doubtful surroundings take
+  float per_noise_ = 0;                        // variance of the center, in radii, per variance of a pixel's light
+  float beside_ = 0;                           // from 0, on the bare floor, to 1, beside something
+  std::array<float, kLightChannels> light_{};  // mean light of the ball
+  float doubted_ = 0;                          // part of the pixels' weight that doubtful surroundings take
   PixelPoint sampled_at_;
   float sampled_ramp_px_ = 0;
   bool is_sampled_ = false;
@@ -331,6 +385,8 @@ void BallCenterFit::refine(const Frame& frame, Sightings& sightings) {
   ball.center = fit.center();
   ball.position = camera_.to_field(ball.center, ball_.radius_m);
   ball.sigma_m = fit.sigma() * ball_.radius_m;
+  ball.lasting_share = fit.lasting_share();
+  ball.lasts_m = fit.lasts_m();
 }
 
 }  // namespace touchline

@@ -37,7 +37,7 @@ class BallCenterFit {
   /// Sizes of the robots that may hide the ball, by Team; none before the first call.
   void set_robots(const std::array<RobotSize, 2>& sizes) { robots_ = sizes; }
 
-  /// Improves center, position and sigma_m of the ball, if one was seen. The frame must be one that the scan accepted.
+  /// Improves center, position and noise of the ball, if one was seen. The frame must be one that the scan accepted.
   void refine(const Frame& frame, Sightings& sightings);
 
  private:

@@ -189,6 +189,7 @@ struct RobotFilterParameters {
 /// The filter of the ball, eq. (10), (11).
 struct BallFilterParameters {
   double position_sigma_m = 0.0001;
+  double position_jitter_m = 0.000005;
   double damping_per_s = 0.4;
   double noise_mps_rts = 0.5;
   double start_speed_sigma_mps = 1.0;
@@ -204,16 +205,25 @@ struct BallFilterParameters {
     visit.number(self.position_sigma_m, {.name = "position_sigma_m",
                                          .range = {1e-5, 0.1},
                                          .unit = "m",
-                                         .help = "Standard deviation of a sighted position, each axis, beside the "
-                                                 "noise that its picture shows"});
+                                         .help = "Standard deviation of a sighted position's error that lasts while "
+                                                 "the ball rests, each axis, beside what its picture shows"});
+    visit.number(
+        self.position_jitter_m,
+        {.name = "position_jitter_m",
+         .range = {1e-6, 0.1},
+         .unit = "m",
+         .help = "Standard deviation of a sighted position from picture to picture, each axis, beside what the "
+                 "picture shows; noise.ball_position_m of the venue file adds to it"});
     visit.number(self.damping_per_s, {.name = "damping_per_s",
                                       .range = {0.0, 10.0},
                                       .unit = "1/s",
                                       .help = "Damping of the ball's speed: lambda of Klancar eq. (10)"});
-    visit.number(self.noise_mps_rts, {.name = "noise_mps_rts",
-                                      .range = {1e-3, 100.0},
-                                      .unit = "m/s/sqrt(s)",
-                                      .help = "Process noise of the ball's velocity"});
+    visit.number(self.noise_mps_rts,
+                 {.name = "noise_mps_rts",
+                  .range = {1e-3, 100.0},
+                  .unit = "m/s/sqrt(s)",
+                  .help = "Process noise of the velocity of a ball that robots fight for; it falls while the "
+                          "ball rolls freely"});
     visit.number(self.start_speed_sigma_mps, {.name = "start_speed_sigma_mps",
                                               .range = {1e-3, 20.0},
                                               .unit = "m/s",

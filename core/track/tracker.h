@@ -1,11 +1,9 @@
 #pragma once
 
 #include "core/track/command_history.h"
-#include "core/track/consecutive_outliers.h"
-#include "core/track/life_cycle.h"
-#include "core/track/point_filter.h"
 #include "core/track/robot_set.h"
 #include "core/track/track_parameters.h"
+#include "core/track/tracked_ball.h"
 #include "core/types.h"
 
 namespace touchline {
@@ -33,19 +31,10 @@ class Tracker {
   [[nodiscard]] std::uint64_t dropped() const { return robots_.dropped() + commands_.dropped(); }
 
  private:
-  void update_ball(const BallSighting& sighting, Instant now);
-  bool fuse_ball(const BallSighting& sighting, Instant now);
-  void report_ball(Instant now, Instant action, BallTrack& out) const;
-
   TrackParameters parameters_;
   CommandHistory commands_;
   RobotSet robots_;
-  PointFilter ball_;
-  LifeCycle ball_life_;
-  ConsecutiveOutliers ball_outliers_;
-  FieldPoint ball_last_position_;
-  float ball_confidence_ = 0.0f;    // of the last sighting
-  float ball_innovation2_ = -1.0f;  // as in BallTrack
+  TrackedBall ball_;
   bool started_ = false;
   Instant last_time_{};
 };

@@ -147,7 +147,7 @@ void check_distinct(TeamResolver& resolver, const TeamFile& team) {
 void add_noise(const NoiseEntry& noise, TrackParameters& track) {
   track.robot.position_jitter_m = std::hypot(track.robot.position_jitter_m, noise.robot_position_m);
   track.robot.heading_jitter_rad = std::hypot(track.robot.heading_jitter_rad, noise.robot_heading_rad);
-  track.ball.position_sigma_m = std::hypot(track.ball.position_sigma_m, noise.ball_position_m);
+  track.ball.position_jitter_m = std::hypot(track.ball.position_jitter_m, noise.ball_position_m);
 }
 
 }  // namespace

@@ -155,7 +155,7 @@ struct NoiseEntry {
                  {.name = "ball_position_m",
                   .range = {0.0, 0.1},
                   .unit = "m",
-                  .help = "The same of the ball's position; adds to tracking.ball.position_sigma_m"});
+                  .help = "The same of the ball's position; adds to tracking.ball.position_jitter_m"});
   }
 };
 

@@ -102,27 +102,50 @@ TEST(NoiseMeasurement, RefusesPicturesWithoutAStandingRobot) {
   EXPECT_NE(report.text().find("blue 3: seen in 1 frames, at least 30 are needed"), std::string::npos) << report.text();
 }
 
-class NoiseProgram : public touchline::testing::ProgramFolder {};
+namespace fs = std::filesystem;
+
+class NoiseProgram : public touchline::testing::ProgramFolder {
+ protected:
+  void SetUp() override {
+    for (const auto& entry : fs::directory_iterator(fs::path(TOUCHLINE_MOCK_BOARD).parent_path())) {
+      if (entry.is_regular_file()) fs::copy_file(entry.path(), path(entry.path().filename().string()));
+    }
+    fs::create_directories(path("standing"));
+  }
+  // Pictures of the arena's standing robots in folder `standing`.
+  bool take(int pictures) {
+    return run_program(program_, std::string("picture --board ") + TOUCHLINE_MOCK_BOARD +
+                                     " --set arena.opponents=stand --every 0 --after 0 --count " +
+                                     std::to_string(pictures) + " --out " + path("standing/p.png"));
+  }
+  bool measure(const std::string& more) {
+    return run_program(program_, "noise " + path("standing") + " --venue " + path("venue.toml") + " --team " +
+                                     path("team.toml") + more);
+  }
+
+ private:
+  const std::string program_ = touchline::testing::kKeepsFonts + TOUCHLINE_CALIBRATE;
+};
+
+// What the pipeline learns from the first pictures is not noise.
+TEST_F(NoiseProgram, OnePictureAgainAndAgainHasNone) {
+  ASSERT_TRUE(take(1)) << read("out");
+  const fs::path picture = fs::directory_iterator(path("standing"))->path();
+  for (int k = 10; k < 50; ++k) fs::copy_file(picture, path("standing/q" + std::to_string(k) + ".png"));
+  ASSERT_TRUE(measure(" --yes")) << read("out");
+  ASSERT_OK_AND_ASSIGN(const VenueDraft draft, read_draft(path("venue.toml")));
+  EXPECT_LT(draft.file.noise.robot_position_m, 1e-6) << read("out");
+  EXPECT_LT(draft.file.noise.robot_heading_rad, 1e-5) << read("out");
+  EXPECT_LT(draft.file.noise.ball_position_m, 1e-6) << read("out");
+}
 
 TEST_F(NoiseProgram, WritesTheVenueFileOnlyWhenConfirmed) {
-  namespace fs = std::filesystem;
-  const fs::path board = fs::path(TOUCHLINE_MOCK_BOARD).parent_path();
-  for (const auto& entry : fs::directory_iterator(board)) {
-    if (entry.is_regular_file()) fs::copy_file(entry.path(), path(entry.path().filename().string()));
-  }
-  fs::create_directories(path("standing"));
-  const std::string program = touchline::testing::kKeepsFonts + TOUCHLINE_CALIBRATE;
-  ASSERT_TRUE(run_program(program, std::string("picture --board ") + TOUCHLINE_MOCK_BOARD +
-                                       " --set arena.opponents=stand --count 40 --every 0 --after 0 --out " +
-                                       path("standing/p.png")))
-      << read("out");
+  ASSERT_TRUE(take(40)) << read("out");
   const std::string before = read("venue.toml");
-  const std::string noise =
-      "noise " + path("standing") + " --venue " + path("venue.toml") + " --team " + path("team.toml");
-  EXPECT_FALSE(run_program(program, noise + " </dev/null"));
+  EXPECT_FALSE(measure(" </dev/null"));
   EXPECT_NE(read("out").find("not confirmed"), std::string::npos) << read("out");
   EXPECT_EQ(read("venue.toml"), before);
-  ASSERT_TRUE(run_program(program, noise + " --yes")) << read("out");
+  ASSERT_TRUE(measure(" --yes")) << read("out");
   EXPECT_EQ(read("venue.toml.bak"), before);
   ASSERT_OK_AND_ASSIGN(const VenueDraft draft, read_draft(path("venue.toml")));
   EXPECT_NE(read("venue.toml").find("[noise]"), std::string::npos);

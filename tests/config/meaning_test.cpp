@@ -45,7 +45,7 @@ TEST_F(ConfigFiles, ColorIdsFollowTheVenueFile) {
 TEST_F(ConfigFiles, NoiseOfTheVenueAddsToThatOfTheTeam) {
   const std::vector<std::string> alone = {"tracking.robot.position_jitter_m=0.003",
                                           "tracking.robot.heading_jitter_rad=0.03",
-                                          "tracking.ball.position_sigma_m=0.005"};
+                                          "tracking.ball.position_jitter_m=0.005"};
   ASSERT_OK(load(alone));
   EXPECT_NEAR(configuration_->pipeline.track.robot.position_jitter_m, 0.003, 1e-12);
   std::vector<std::string> both = alone;
@@ -54,7 +54,7 @@ TEST_F(ConfigFiles, NoiseOfTheVenueAddsToThatOfTheTeam) {
   ASSERT_OK(load(both));
   EXPECT_NEAR(configuration_->pipeline.track.robot.position_jitter_m, 0.005, 1e-12);
   EXPECT_NEAR(configuration_->pipeline.track.robot.heading_jitter_rad, 0.05, 1e-12);
-  EXPECT_NEAR(configuration_->pipeline.track.ball.position_sigma_m, 0.013, 1e-12);
+  EXPECT_NEAR(configuration_->pipeline.track.ball.position_jitter_m, 0.013, 1e-12);
 }
 
 TEST_F(ConfigFiles, UnknownColorListsKnownColors) {

@@ -234,6 +234,80 @@ TEST(Activity, InnovationsOfADrivingOpponentAreAsLargeAsPredictedAndBrakingIsSee
   EXPECT_LT(largest.speed_error_mps, 0.15);
 }
 
+// Sightings of a ball by the tracker: it rolls slowly, then it is hit.
+struct Hit {
+  double nees = 0.0, nis = 0.0;                 // while it rolls, after one second
+  double least_sigma_m = 1.0;                   // the same
+  double error_m = 0.0, speed_error_mps = 0.0;  // largest, from the second frame after the hit on
+};
+
+Hit roll_and_hit(unsigned seed, double speed_mps) {
+  constexpr int kRolls = 180, kCounts = 120, kAfter = 10;
+  constexpr double kLasts_m = 0.004, kHit_mps = 0.9;
+  Tracker tracker;
+  TrackParameters parameters;
+  parameters.ball.position_sigma_m = 1e-5;
+  EXPECT_TRUE(tracker.configure(parameters).ok());
+  SightedRobot ball(seed);
+  Hit out;
+  double vx = speed_mps, vy = 0.0;
+  for (int k = 0; k < kRolls + kAfter; ++k) {
+    if (k == kRolls) vx = -0.3, vy = kHit_mps;
+    vx /= 1.0 + kPeriod_s * parameters.ball.damping_per_s;
+    vy /= 1.0 + kPeriod_s * parameters.ball.damping_per_s;
+    ball.x += vx * kPeriod_s, ball.y += vy * kPeriod_s;
+    ball.renew(std::exp(-std::hypot(vx, vy) * kPeriod_s / kLasts_m));
+    Sightings sightings;
+    sightings.ball.seen = true;
+    sightings.ball.position = ball.sighted().position;
+    sightings.ball.sigma_m = static_cast<float>(std::hypot(kWhite_m, kLasting_m));
+    sightings.ball.lasting_share = sighting_noise(kLasting_m, 1.0).xx / sighting_noise(sightings.ball.sigma_m, 1.0).xx;
+    sightings.ball.lasts_m = static_cast<float>(kLasts_m);
+    Tracks tracks;
+    tracker.update(sightings, at(k * kPeriod_s), at(k * kPeriod_s), tracks);
+    const BallTrack& track = tracks.ball;
+    const double error_m =
+        std::hypot(static_cast<double>(track.position.x_m) - ball.x, static_cast<double>(track.position.y_m) - ball.y);
+    if (k >= kRolls - kCounts && k < kRolls) {
+      const auto sigma_m = static_cast<double>(track.sigma_m);
+      out.nees += error_m * error_m / (2.0 * sigma_m * sigma_m) / kCounts;
+      out.nis += static_cast<double>(track.innovation2) / 2.0 / kCounts;
+      out.least_sigma_m = std::min(out.least_sigma_m, sigma_m);
+    }
+    if (k <= kRolls) continue;
+    out.error_m = std::max(out.error_m, error_m);
+    out.speed_error_mps = std::max(out.speed_error_mps, std::hypot(static_cast<double>(track.velocity.x_m) - vx,
+                                                                   static_cast<double>(track.velocity.y_m) - vy));
+  }
+  return out;
+}
+
+TEST(Activity, InnovationsOfABallAreAsLargeAsPredictedAndAHitIsSeenAtOnce) {
+  for (const double speed_mps : {0.0, 0.05, 0.5}) {
+    Hit mean, largest;
+    constexpr unsigned kRuns = 40;
+    for (unsigned run = 0; run < kRuns; ++run) {
+      const Hit hit = roll_and_hit(500 + run, speed_mps);
+      mean.nees += hit.nees / kRuns;
+      mean.nis += hit.nis / kRuns;
+      largest.error_m = std::max(largest.error_m, hit.error_m);
+      largest.speed_error_mps = std::max(largest.speed_error_mps, hit.speed_error_mps);
+      // The mean of many sightings of a resting ball still has their lasting error.
+      if (speed_mps == 0.0) {
+        EXPECT_GT(hit.least_sigma_m, 0.95 * kLasting_m);
+      }
+    }
+    std::printf("%.2f m/s: NEES %.2f, NIS %.2f, after a hit %.2f mm, %.3f m/s\n", speed_mps, mean.nees, mean.nis,
+                1e3 * largest.error_m, largest.speed_error_mps);
+    EXPECT_GT(mean.nees, 0.6);
+    EXPECT_LT(mean.nees, 1.5);
+    EXPECT_GT(mean.nis, 0.5);
+    EXPECT_LT(mean.nis, 1.3);
+    EXPECT_LT(largest.error_m, 0.001);
+    EXPECT_LT(largest.speed_error_mps, 0.15);
+  }
+}
+
 // Standard deviations of an opponent's track after two seconds of straight driving.
 std::array<float, 3> sigma_at(double speed_mps, double motion_sigma_s) {
   Tracker tracker;

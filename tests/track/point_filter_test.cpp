@@ -97,6 +97,55 @@ TEST(PointFilter, HasAConsistentCovariance) {
   EXPECT_NEAR(sum / count, 4.0, 0.4);
 }
 
+// A Kalman filter with the lasting error as a further state, whose gain is zero.
+TEST(PointFilter, EqualsTheFilterThatConsidersTheLastingError) {
+  constexpr double kLasting = 0.003;
+  Eigen::Vector2d x(0.1, 0.5);
+  PointFilter ours;
+  ours.start({0.1f, 0.0f}, {0.5, 0.0, 1.0}, kNoise.position_sigma_m, kLasting);
+  x(0) = ours.x_m();
+  // Errors of position and velocity, truth minus estimate, and the lasting error.
+  const double white = kNoise.position_sigma_m * kNoise.position_sigma_m, lasting = kLasting * kLasting;
+  Eigen::Matrix3d p;
+  p << white + lasting, 0, -lasting, 0, 1, 0, -lasting, 0, lasting;
+  const Eigen::RowVector3d c(1, 0, 1);
+
+  std::mt19937 random(1);
+  std::normal_distribution<float> scatter(0.0f, 0.01f);
+  for (int k = 0; k < 200; ++k) {
+    const double ts = k % 5 == 0 ? 0.05 : 1.0 / 60.0, g = 1.0 / (1.0 + ts * kNoise.damping_per_s);
+    const double part = k % 7 == 0 ? 0.2 : 0.9, size = k % 11 == 0 ? 0.001 : kLasting;
+    Eigen::Matrix3d a;
+    a << 1, g * ts, 0, 0, g, 0, 0, 0, part;
+    Eigen::Matrix3d v = Eigen::Matrix3d::Zero();
+    v(0, 0) = ts * ts * ts / 3.0;
+    v(0, 1) = v(1, 0) = ts * ts / 2.0;
+    v(1, 1) = ts;
+    v *= kNoise.velocity_mps_rts * kNoise.velocity_mps_rts;
+    v(2, 2) = (1.0 - part * part) * size * size;
+    x = (a.topLeftCorner<2, 2>() * x).eval();
+    p = a * p * a.transpose() + v;
+    ours.predict(ts, kNoise);
+    ours.renew_lasting_error(part, size);
+
+    const FieldPoint seen{static_cast<float>(x(0)) + scatter(random), 0.0f};
+    const double innovation = static_cast<double>(seen.x_m) - x(0), s = c * p * c.transpose() + white;
+    ASSERT_NEAR(ours.innovation_variance(kNoise), s, 1e-12);
+    Eigen::Vector3d gain = p * c.transpose() / s;
+    gain(2) = 0;
+    x += gain.head<2>() * innovation;
+    const Eigen::Matrix3d left = Eigen::Matrix3d::Identity() - gain * c;
+    p = (left * p * left.transpose() + gain * white * gain.transpose()).eval();
+    ours.update(seen, kNoise);
+
+    ASSERT_NEAR(ours.x_m(), x(0), 1e-10);
+    ASSERT_NEAR(ours.vx_mps(), x(1), 1e-9);
+    ASSERT_NEAR(ours.position_variance(), p(0, 0), 1e-12);
+    ASSERT_NEAR(ours.cross_covariance(), p(0, 1), 1e-10);
+    ASSERT_NEAR(ours.velocity_variance(), p(1, 1), 1e-9);
+  }
+}
+
 TEST(PointFilter, StaysPositiveWithExtremeNoise) {
   for (const double sigma : {1e-5, 0.1}) {
     for (const double noise : {1e-3, 100.0}) {

@@ -88,6 +88,8 @@ def measures():
         def ball(game, name=name):
             return first(game["balls"], name)
         add(f"{name}, NEES", CONSISTENT, ball, lambda rows: mean(rows, "nees", "track_m"), "track_m")
+        add(f"{name}, NIS", CONSISTENT, ball, lambda rows: mean(rows, "nis", "track_m"), "track_m")
+        add(f"{name}, track / sighting", NOT_WORSE, ball, lambda rows: ratio(rows, "track_m", "sighting_m"), "track_m")
     return out
 
 

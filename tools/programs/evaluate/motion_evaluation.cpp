@@ -32,6 +32,7 @@ constexpr std::size_t kFramesAfterImpact = 3;
 constexpr std::array kRows{"own robots", "opponents", "at rest", "own at 1 m/s", "opponents at 1 m/s"};
 constexpr std::array kImpacts{"own robots", "opponents", "ball"};
 constexpr std::array kBalls{"ball", "ball within 60 mm of a wall"};
+constexpr std::array kVelocities{"own robots", "opponents", "ball"};
 
 Vector2 place(const Placement& p) { return {p.x_m, p.y_m}; }
 
@@ -58,8 +59,12 @@ struct Samples {
   }
 };
 
+struct VelocitySamples {
+  std::vector<double> sighted, tracked, sighted_turn, tracked_turn;
+};
+
 struct BallSamples {
-  std::vector<double> sighted, tracked, nees, nis;
+  std::vector<double> sighted, tracked, acted, nees, nis;
   std::size_t lost = 0;
 };
 
@@ -93,7 +98,10 @@ class MotionEvaluation {
       }
       add_robots(frame);
       if (!was_placed(frame)) add_ball(frame);
-      if (k > 0) add_impacts(k);
+      if (k > 0) {
+        add_impacts(k);
+        add_velocities(frames[k - 1], frame);
+      }
     }
   }
 
@@ -109,8 +117,15 @@ class MotionEvaluation {
     for (std::size_t i = 0; i < balls_.size(); ++i) {
       BallSamples& ball = balls_[i];
       report_.balls.push_back({kBalls[i], statistics::summarize(std::move(ball.sighted)),
-                               statistics::summarize(std::move(ball.tracked)), ball.lost, statistics::mean(ball.nees),
+                               statistics::summarize(std::move(ball.tracked)),
+                               statistics::summarize(std::move(ball.acted)), ball.lost, statistics::mean(ball.nees),
                                statistics::mean(ball.nis)});
+    }
+    for (std::size_t i = 0; i < velocities_.size(); ++i) {
+      VelocitySamples& v = velocities_[i];
+      report_.velocities.push_back(
+          {kVelocities[i], statistics::summarize(std::move(v.sighted)), statistics::summarize(std::move(v.tracked)),
+           statistics::summarize(std::move(v.sighted_turn)), statistics::summarize(std::move(v.tracked_turn))});
     }
     return std::move(report_);
   }
@@ -184,8 +199,37 @@ class MotionEvaluation {
     }
     const double error = distance(to_vector(track.position), place(now_.ball));
     row.tracked.push_back(error);
+    row.acted.push_back(distance(to_vector(track.position_at_action), place(truth_.at(frame.tracks.action_time).ball)));
     row.nees.push_back(0.5 * error * error / square(track.sigma_m));
     if (track.innovation2 >= 0.0f) row.nis.push_back(0.5 * static_cast<double>(track.innovation2));
+  }
+
+  void add_velocities(const GameFrame& last, const GameFrame& frame) {
+    const double dt = seconds(frame.capture_time - last.capture_time);
+    const auto velocity = [](const Placement& before, const Placement& after) {
+      return (0.5 / seconds(kMargin)) * (place(after) - place(before));
+    };
+    for (std::size_t i = 0; i < now_.robots.size(); ++i) {
+      const auto *from = find(last.sightings, i), *to = find(frame.sightings, i);
+      const auto* track = find(frame.tracks.robots, i);
+      if (from == nullptr || to == nullptr || track == nullptr || !from->has_heading || !to->has_heading) continue;
+      VelocitySamples& row = velocities_[robot(i).team == hal::mock::Side::kOwn ? 0 : 1];
+      const auto along = [](const Vector2& v, double theta) { return v.x * std::cos(theta) + v.y * std::sin(theta); };
+      const double speed = along(velocity(before_.robots[i], after_.robots[i]), now_.robots[i].theta_rad);
+      const double turn = 0.5 * wrap_angle(after_.robots[i].theta_rad - before_.robots[i].theta_rad) / seconds(kMargin);
+      const double turned = wrap_angle(heading(to->pose) - heading(from->pose));
+      const double way = along(position(to->pose) - position(from->pose), heading(from->pose) + 0.5 * turned);
+      row.sighted.push_back(way / dt - speed);
+      row.tracked.push_back(static_cast<double>(track->twist.v_mps) - speed);
+      row.sighted_turn.push_back(turned / dt - turn);
+      row.tracked_turn.push_back(static_cast<double>(track->twist.w_radps) - turn);
+    }
+    if (!last.ball.seen || !frame.ball.seen || was_placed(frame) || frame.tracks.ball.state == TrackState::kLost)
+      return;
+    const Vector2 rolls = velocity(before_.ball, after_.ball);
+    const Vector2 way = to_vector(frame.ball.position) - to_vector(last.ball.position);
+    velocities_[2].sighted.push_back(norm((1.0 / dt) * way - rolls));
+    velocities_[2].tracked.push_back(norm(to_vector(frame.tracks.ball.velocity) - rolls));
   }
 
   // True if the velocity of an object changes suddenly between two frames. `of`: its placement in a snapshot.
@@ -267,6 +311,7 @@ class MotionEvaluation {
   std::array<Samples, kRows.size()> rows_;
   std::array<ImpactSamples, kImpacts.size()> impacts_;
   std::array<BallSamples, kBalls.size()> balls_;
+  std::array<VelocitySamples, kVelocities.size()> velocities_;
   MotionReport report_;
 };
 

@@ -33,14 +33,23 @@ struct ImpactRow {
 /// Errors of the ball's sightings and tracks.
 struct BallRow {
   std::string name;
-  statistics::ErrorSummary sighted, tracked;
+  statistics::ErrorSummary sighted, tracked, acted;
   std::size_t lost = 0;  // seen, but without a track
   double nees = 0.0, nis = 0.0;
+};
+
+/// Errors of velocities at capture time: of the difference between two consecutive sightings, and of the track. Speed:
+/// of robots along their heading, of the ball in any direction. Turn: of robots.
+struct VelocityRow {
+  std::string name;
+  statistics::ErrorSummary sighted, tracked;            // m/s
+  statistics::ErrorSummary sighted_turn, tracked_turn;  // rad/s
 };
 
 struct MotionReport {
   std::size_t frames = 0;
   std::vector<MotionRow> robots;
+  std::vector<VelocityRow> velocities;
   std::vector<ImpactRow> impacts;
   std::vector<BallRow> balls;
 };

@@ -35,9 +35,15 @@ void print(const MotionReport& report, std::ostream& out) {
                r.acted.rms * kMm, r.acted_angle.rms * kDeg, r.nees_position, r.nees_angle, r.nis);
   }
   for (const BallRow& r : report.balls) {
-    write_line(out, "%-28s %8zu %8.3f %8.3f %8s %8s %8s %8s %9.2f %9s %9.2f%s", r.name.c_str(), r.sighted.count,
-               r.sighted.rms * kMm, r.tracked.rms * kMm, "-", "-", "-", "-", r.nees, "-", r.nis,
+    write_line(out, "%-28s %8zu %8.3f %8.3f %8s %8s %8.3f %8s %9.2f %9s %9.2f%s", r.name.c_str(), r.sighted.count,
+               r.sighted.rms * kMm, r.tracked.rms * kMm, "-", "-", r.acted.rms * kMm, "-", r.nees, "-", r.nis,
                r.lost == 0 ? "" : (", lost in " + std::to_string(r.lost)).c_str());
+  }
+  write_line(out, "\n%-28s %8s %17s %17s", "velocities, RMS errors", "", "m/s", "rad/s");
+  write_line(out, "%-28s %8s %8s %8s %8s %8s", "", "count", "sightings", "track", "sightings", "track");
+  for (const VelocityRow& r : report.velocities) {
+    write_line(out, "%-28s %8zu %9.4f %8.4f %9.3f %8.3f", r.name.c_str(), r.tracked.count, r.sighted.rms, r.tracked.rms,
+               r.sighted_turn.rms, r.tracked_turn.rms);
   }
   write_line(out, "\n%-28s %8s %8s %8s %8s   %17s", "after an impact", "count", "RMS mm", "p95", "max",
              "speed RMS, p95 m/s");
@@ -50,7 +56,8 @@ void print(const MotionReport& report, std::ostream& out) {
 }
 
 std::string to_json(const MotionReport& report) {
-  MotionJson robots = MotionJson::array(), impacts = MotionJson::array(), balls = MotionJson::array();
+  MotionJson robots = MotionJson::array(), impacts = MotionJson::array(), balls = MotionJson::array(),
+             velocities = MotionJson::array();
   for (const MotionRow& r : report.robots) {
     robots.push_back({{"name", r.name},
                       {"sighting_m", json_of_errors(r.sighted)},
@@ -67,6 +74,7 @@ std::string to_json(const MotionReport& report) {
     balls.push_back({{"name", r.name},
                      {"sighting_m", json_of_errors(r.sighted)},
                      {"track_m", json_of_errors(r.tracked)},
+                     {"at_action_m", json_of_errors(r.acted)},
                      {"lost", r.lost},
                      {"nees", r.nees},
                      {"nis", r.nis}});
@@ -78,7 +86,19 @@ std::string to_json(const MotionReport& report) {
                        {"speed_mps", json_of_errors(r.speed)},
                        {"lost", r.lost}});
   }
-  return MotionJson{{"frames", report.frames}, {"robots", robots}, {"balls", balls}, {"impacts", impacts}}.dump(2) +
+  for (const VelocityRow& r : report.velocities) {
+    velocities.push_back({{"name", r.name},
+                          {"sighting_mps", json_of_errors(r.sighted)},
+                          {"track_mps", json_of_errors(r.tracked)},
+                          {"sighting_radps", json_of_errors(r.sighted_turn)},
+                          {"track_radps", json_of_errors(r.tracked_turn)}});
+  }
+  return MotionJson{{"frames", report.frames},
+                    {"robots", robots},
+                    {"balls", balls},
+                    {"velocities", velocities},
+                    {"impacts", impacts}}
+             .dump(2) +
          "\n";
 }
 

@@ -72,7 +72,7 @@ void NoiseMeasurement::add(const Sightings& sightings) {
   if (!ball.seen) return;
   ball_.x.push_back(static_cast<double>(ball.position.x_m));
   ball_.y.push_back(static_cast<double>(ball.position.y_m));
-  ball_.position_var.push_back(static_cast<double>(ball.sigma_m) * static_cast<double>(ball.sigma_m));
+  ball_.position_var.push_back(static_cast<double>((1.0f - ball.lasting_share) * ball.sigma_m * ball.sigma_m));
 }
 
 Result<NoiseReport> NoiseMeasurement::report(const std::array<std::string, 2>& teams) const {

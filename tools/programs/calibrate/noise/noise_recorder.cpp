@@ -1,5 +1,7 @@
 #include "tools/programs/calibrate/noise/noise_recorder.h"
 
+#include <chrono>
+
 namespace touchline::calibrate {
 
 Result<void> NoiseRecorder::load(const std::string& venue, const std::string& team) {
@@ -16,10 +18,22 @@ Result<void> NoiseRecorder::add(const Frame& frame, const std::string& source) {
     }
     pipeline->set_observing(true);
     pipeline_ = std::move(pipeline);
+    settle(frame);
   }
   measurement_.add(pipeline_->step(frame).sightings);
   pipeline_->adapt();
   return {};
+}
+
+void NoiseRecorder::settle(const Frame& first) {
+  constexpr int kPictures = 200;
+  constexpr Duration kPeriod = std::chrono::milliseconds(100);
+  Frame frame = first;
+  for (int before = kPictures; before > 0; --before) {
+    frame.capture_time = first.capture_time - before * kPeriod;
+    pipeline_->step(frame);
+    pipeline_->adapt();
+  }
 }
 
 Result<NoiseReport> NoiseRecorder::report() const {

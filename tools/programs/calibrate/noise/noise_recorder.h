@@ -27,6 +27,10 @@ class NoiseRecorder {
   [[nodiscard]] const config::NoiseEntry& before() const { return configuration_->venue.noise; }
 
  private:
+  /// Shows the first picture until the pipeline has learned its light and the widths of its edges: what it learns while
+  /// it measures would count as noise.
+  void settle(const Frame& first);
+
   std::unique_ptr<config::Configuration> configuration_ = std::make_unique<config::Configuration>();
   std::unique_ptr<Pipeline> pipeline_;  // from the first frame on
   NoiseMeasurement measurement_;

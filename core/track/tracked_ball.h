@@ -1,0 +1,46 @@
+#pragma once
+
+#include "core/track/consecutive_outliers.h"
+#include "core/track/life_cycle.h"
+#include "core/track/point_filter.h"
+#include "core/track/track_parameters.h"
+
+namespace touchline {
+
+/// The track of the ball. Its process noise follows the innovations: a ball that rolls freely moves more calmly than
+/// one that robots fight for, and a sighting beyond the gate may show a bounce or a hit since the last one.
+class TrackedBall {
+ public:
+  void lose();
+  /// Predicts from `from`, the time of the last call, to `now`, and fuses the sighting, if there is one.
+  void update(const BallSighting& sighting, Instant from, Instant now, const TrackParameters& parameters);
+  /// At the time `now` of the last update, and predicted to `action`.
+  void report(Instant now, Instant action, const TrackParameters& parameters, BallTrack& out) const;
+
+ private:
+  // Standard deviations along one axis.
+  struct Errors {
+    double white_m = 0.0, lasting_m = 0.0;
+  };
+  static Errors errors_of(const BallSighting& sighting, const BallFilterParameters& parameters);
+
+  bool fuse(const BallSighting& sighting, Instant now, const TrackParameters& parameters);
+  void start(const BallSighting& sighting, const PointFilter::Velocity& velocity, const Errors& errors);
+  /// Returns the part of the lasting error that is as at the last sighting.
+  double renew_lasting_error(const BallSighting& sighting, const Errors& errors);
+
+  PointFilter filter_;
+  LifeCycle life_;
+  ConsecutiveOutliers outliers_;
+  FieldPoint last_position_;   // at the last sighting
+  float confidence_ = 0.0f;    // of the last sighting
+  float innovation2_ = -1.0f;  // as in BallTrack
+  double activity_ = 1.0;      // part of the process noise's variance that the innovations show
+  // The lasting error: its standard deviation, where the ball was when it was another one, and the correlation with
+  // that one.
+  double lasting_m_ = 0.0;
+  FieldPoint lasting_since_;
+  double same_ = 1.0;
+};
+
+}  // namespace touchline

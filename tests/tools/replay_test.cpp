@@ -265,6 +265,23 @@ TEST_F(Replay, NeverOverwritesAnInput) {
   EXPECT_TRUE(run()) << error;
 }
 
+// Without --annotate, the empty path of the pictures counted as the folder of a file without one.
+TEST_F(Replay, OutputsNeedNoFolder) {
+  write_flat("a.png");
+  const std::filesystem::path before = std::filesystem::current_path();
+  std::filesystem::current_path(folder.path());
+  options.out = "result.jsonl";
+  options.plot = "motion.svg";
+  EXPECT_TRUE(run()) << error;
+  options.plot = folder / "result.jsonl";
+  std::filesystem::remove(options.plot);
+  EXPECT_FALSE(run()) << "two names of one file that does not exist";
+  options.plot = "seen/motion.svg";
+  options.annotate = folder / "seen/";
+  EXPECT_FALSE(run()) << "a plot among the annotated pictures";
+  std::filesystem::current_path(before);
+}
+
 TEST_F(Replay, DevicesAndFifosAreNotReplaced) {
   write_flat("a.png");
   ASSERT_EQ(::mkfifo((folder / "fifo").c_str(), 0600), 0);

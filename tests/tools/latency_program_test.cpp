@@ -208,6 +208,27 @@ TEST_F(LatencyProgram, UnwritableFilesAreRejectedBeforeTheStart) {
   EXPECT_TRUE(output_contains("is a folder")) << read("out");
 }
 
+TEST_F(LatencyProgram, OutputsReplaceNeitherInputsNorEachOther) {
+  std::filesystem::copy(std::filesystem::path(TOUCHLINE_MOCK_BOARD).parent_path(), path("mock"));
+  const std::string board = "--frames 5 --board " + path("mock/board.toml ");
+  for (const char* name : {"mock/board.toml", "mock/venue.toml", "mock/team.toml"}) {
+    const std::string before = read(name), same = path("./") + name;
+    for (const char* kind : {"", "--worst-frames "}) {
+      EXPECT_EQ(latency(board + kind + "--csv " + same), 1) << name;
+      EXPECT_EQ(read("out"), "touchline-latency: --csv " + same + ": would overwrite, or be added to, the input " +
+                                 path(name) + "\n");
+    }
+    EXPECT_EQ(read(name), before);
+  }
+  write("a.json", "x");
+  EXPECT_EQ(latency("--compare " + path("b.json") + " " + path("a.json") + " --html " + path("a.json")), 1);
+  EXPECT_TRUE(output_contains("--html " + path("a.json") + ": would overwrite")) << read("out");
+  EXPECT_EQ(read("a.json"), "x");
+  EXPECT_EQ(measure("--frames 5 --out " + path("x") + " --html " + path("x")), 1);
+  EXPECT_TRUE(output_contains("--out " + path("x") + ": would overwrite, or be added to, that of --html"))
+      << read("out");
+}
+
 TEST_F(LatencyProgram, InvalidFilesGiveExitCode1AndLostDevices2) {
   EXPECT_EQ(latency("--board " + path("none.toml")), 1);
   EXPECT_EQ(measure("--venue " + path("none.toml")), 1);

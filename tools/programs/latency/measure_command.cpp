@@ -20,6 +20,7 @@
 #include "hal/files/output_file.h"
 #include "hal/linux/monotonic_clock.h"
 #include "tools/programs/command_line/command_line.h"
+#include "tools/programs/command_line/would_overwrite.h"
 #include "tools/programs/latency/background_load.h"
 #include "tools/programs/latency/console_clients.h"
 #include "tools/programs/latency/measurement.h"
@@ -51,6 +52,53 @@ Result<void> check_writable(const std::string& path) {
   const bool exists = ::access(path.c_str(), F_OK) == 0;
   if (::access(exists ? path.c_str() : folder.c_str(), exists ? W_OK : W_OK | X_OK) != 0) {
     return failure(ErrorCode::kPermission, "%s: cannot be written: %s", path.c_str(), std::strerror(errno));
+  }
+  return {};
+}
+
+struct NamedOutput {
+  const char* option;
+  std::string path;  // empty: not written
+};
+
+std::vector<NamedOutput> named(const Outputs& outputs) {
+  return {{"--out", outputs.json},
+          {"--csv", outputs.csv},
+          {"--histogram", outputs.histogram},
+          {"--html", outputs.html},
+          {"--save-worst", outputs.worst_folder}};
+}
+
+// Refuses outputs that would replace an input.
+Result<void> check_inputs_remain(const std::vector<NamedOutput>& outputs, const std::vector<std::string>& inputs) {
+  for (const auto& [option, path] : outputs) {
+    for (const std::string& input : inputs) {
+      if (!would_overwrite(input, path)) continue;
+      return failure(ErrorCode::kInconsistent, "%s %s: would overwrite, or be added to, the input %s", option,
+                     path.c_str(), input.c_str());
+    }
+  }
+  return {};
+}
+
+Result<void> check_inputs_remain(const Outputs& outputs, const config::Configuration& configuration) {
+  std::vector<std::string> inputs;
+  for (const auto* where : {&configuration.board_where, &configuration.venue_where, &configuration.team_where}) {
+    inputs.push_back(where->file());
+  }
+  const hal::CameraSettings& camera = configuration.board.camera;
+  if (camera.backend == hal::CameraBackend::kReplay) inputs.push_back(camera.device);
+  return check_inputs_remain(named(outputs), inputs);
+}
+
+// Refuses outputs of which one would replace another one.
+Result<void> check_different(const std::vector<NamedOutput>& outputs) {
+  for (std::size_t i = 0; i < outputs.size(); ++i) {
+    for (std::size_t k = i + 1; k < outputs.size(); ++k) {
+      if (!would_overwrite(outputs[k].path, outputs[i].path)) continue;
+      return failure(ErrorCode::kInconsistent, "%s %s: would overwrite, or be added to, that of %s", outputs[i].option,
+                     outputs[i].path.c_str(), outputs[k].option);
+    }
   }
   return {};
 }
@@ -304,6 +352,9 @@ int measure_board(MeasureOptions& options) {
   if (const Result<void> loaded = session.load(options.session); !loaded.ok()) return refuse(loaded.error());
   const config::Configuration& configuration = session.configuration();
   const config::BoardFile& board = configuration.board;
+  if (const Result<void> kept = check_inputs_remain(options.outputs, configuration); !kept.ok()) {
+    return fail(kept.text());
+  }
   if (options.led) {
     if (const Result<void> wired = check_led(board); !wired.ok()) return fail(wired.text());
     session.set_arena_led({options.led->u_px, options.led->v_px, options.led->radius_px});
@@ -347,6 +398,9 @@ int measure_worst_frames(MeasureOptions& options) {
   const auto configuration = std::make_unique<config::Configuration>();
   const Result<void> loaded = config::load(options.session.files, *configuration);
   if (!loaded.ok()) return refuse(loaded.error());
+  if (const Result<void> kept = check_inputs_remain(options.outputs, *configuration); !kept.ok()) {
+    return fail(kept.text());
+  }
   const auto pipeline = std::make_unique<Pipeline>();
   const Status status = pipeline->configure(configuration->pipeline, ExecutionMeter::read);
   if (!status.ok()) return fail(std::string("the pipeline rejects these files: ") + describe(status.code()));
@@ -383,6 +437,7 @@ int measure(MeasureOptions& options) {
   for (const std::string& path : {outputs.json, outputs.csv, outputs.histogram, outputs.html}) {
     if (const Result<void> writable = check_writable(path); !writable.ok()) return fail(writable.text());
   }
+  if (const Result<void> different = check_different(named(outputs)); !different.ok()) return fail(different.text());
   const WorstFrameRecorder recorder(outputs.worst_folder, options.listed);
   if (const Result<void> writable = recorder.check(); !writable.ok()) return fail(writable.text());
   crash_stop::install_handlers();
@@ -391,6 +446,9 @@ int measure(MeasureOptions& options) {
 }
 
 int compare(const std::string& path_a, const std::string& path_b, const std::string& html) {
+  if (const Result<void> kept = check_inputs_remain({{"--html", html}}, {path_a, path_b}); !kept.ok()) {
+    return fail(kept.text());
+  }
   const Result<LatencyReport> a = read_report(path_a), b = read_report(path_b);
   for (const Result<LatencyReport>* report : {&a, &b}) {
     if (!report->ok()) return fail(report->text());

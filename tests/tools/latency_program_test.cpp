@@ -128,15 +128,18 @@ TEST_F(LatencyProgram, WorkIsChargedToItsStage) {
 
 // A replay of the saved pictures sees the same robots. Their ids may follow from earlier frames.
 TEST_F(LatencyProgram, SavedWorstFramesCanBeReplayed) {
-  ASSERT_EQ(measure("--frames 40 --list 3 --plant work=50 --save-worst " + path("worst")), 0) << read("out");
+  const std::string overrides = "--set radio.baud=115200 --set 'ball.color=\"orange\"' ";
+  const std::string folder = "--save-worst \"" + path("the day's worst") + "\"";
+  ASSERT_EQ(measure("--frames 40 --list 3 --plant work=50 " + overrides + folder), 0) << read("out");
   const std::string replayed = read("out");
-  const std::size_t command = replayed.find("touchline-replay " + path("worst"));
+  const std::size_t command = replayed.find("touchline-replay '" + path("the day'\\''s worst") + "' ");
   ASSERT_NE(command, std::string::npos) << replayed;
-  EXPECT_TRUE(std::filesystem::exists(path("worst/frame-000021.png")));
+  EXPECT_TRUE(output_contains(" --set 'ball.color=\"orange\"' --out -\n")) << "not radio.baud:\n" << replayed;
+  EXPECT_TRUE(std::filesystem::exists(path("the day's worst/frame-000021.png")));
   const std::string arguments = replayed.substr(command, replayed.find("--out -", command) - command)
                                     .substr(std::string("touchline-replay ").size());
   ASSERT_TRUE(run_program("'" TOUCHLINE_REPLAY "'", arguments + "--quiet --out " + path("again.jsonl"))) << read("out");
-  std::istringstream saved(read("worst/trace.jsonl")), again(read("again.jsonl"));
+  std::istringstream saved(read("the day's worst/trace.jsonl")), again(read("again.jsonl"));
   int lines = 0;
   const auto robots = [](const std::string& line) {
     const nlohmann::json parsed = nlohmann::json::parse(line);
@@ -156,7 +159,7 @@ TEST_F(LatencyProgram, SavedWorstFramesCanBeReplayed) {
     }
   }
   EXPECT_EQ(lines, 3);
-  EXPECT_EQ(measure("--frames 5 --save-worst " + path("worst")), 1);
+  EXPECT_EQ(measure("--frames 5 " + folder), 1);
   EXPECT_TRUE(output_contains("must be a new or empty folder")) << read("out");
 }
 

@@ -2,7 +2,9 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
+#include <cctype>
 #include <cerrno>
 #include <cstring>
 #include <ctime>
@@ -54,6 +56,15 @@ Result<void> check_writable(const std::string& path) {
     return failure(ErrorCode::kPermission, "%s: cannot be written: %s", path.c_str(), std::strerror(errno));
   }
   return {};
+}
+
+// The word for a POSIX shell, in quotes if it needs them.
+std::string shell_word(const std::string& word) {
+  const auto is_plain = [](unsigned char c) { return std::isalnum(c) != 0 || std::strchr("_-+=./,:@%", c) != nullptr; };
+  if (!word.empty() && std::all_of(word.begin(), word.end(), is_plain)) return word;
+  std::string text = "'";
+  for (const char c : word) text += c == '\'' ? "'\\''" : std::string(1, c);
+  return text + "'";
 }
 
 struct NamedOutput {
@@ -265,9 +276,13 @@ class Run {
 
   // Replays what --save-worst saved.
   [[nodiscard]] std::string replay_command() const {
-    const std::string& folder = options_.outputs.worst_folder;
-    return "touchline-replay " + folder + " --venue " + configuration_.venue_where.file() + " --team " +
-           configuration_.team_where.file() + " --out -";
+    std::string command = "touchline-replay " + shell_word(options_.outputs.worst_folder) + " --venue " +
+                          shell_word(configuration_.venue_where.file()) + " --team " +
+                          shell_word(configuration_.team_where.file());
+    for (const std::string& override : config::venue_and_team_overrides(options_.session.files.overrides)) {
+      command += " --set " + shell_word(override);
+    }
+    return command + " --out -";
   }
 
   [[nodiscard]] int output(const LatencyReport& report) const {

@@ -191,6 +191,20 @@ TEST(LatencyComparison, NoIntervalIsShownBelowAMicrosecond) {
   EXPECT_EQ(shown(2.0, 1.0), "0.50, 0.50 to 0.50");
 }
 
+TEST(LatencyComparison, ChangesBelowAMicrosecondAreNotJudged) {
+  LatencyReport a = noisy_report(1, 1.0), b = a;
+  const auto summary = [&](double from_us, double to_us) {
+    a.spans[0].p99 = from_seconds(1e-6 * from_us);
+    a.spans[0].p99_interval = {a.spans[0].p99, a.spans[0].p99};
+    b.spans[0].p99 = from_seconds(1e-6 * to_us);
+    b.spans[0].p99_interval = {b.spans[0].p99, b.spans[0].p99};
+    return comparison_of({"a", a}, {"b", b}).summary;
+  };
+  EXPECT_EQ(summary(3.680, 4.251), "No time got worse from A to B.");
+  EXPECT_EQ(summary(4.251, 3.680), "No time got worse from A to B.");
+  EXPECT_EQ(summary(3.680, 4.681), "Worse in B: capture to frame (p99 x 1.27).");
+}
+
 TEST(LatencyDocument, RareFramesAreEstimatedOrRefused) {
   const LatencyReport report = noisy_report(1, 1.0);
   ASSERT_EQ(report.rare_frames.size(), 2u);

@@ -184,6 +184,15 @@ TEST_F(LatencyProgram, ComparesAnLedWithItsLine) {
   EXPECT_TRUE(output_contains("--led needs gpio.status_led_line")) << read("out");
 }
 
+TEST_F(LatencyProgram, AnLedThatNoPictureCanShowIsRefused) {
+  EXPECT_EQ(measure("--frames 5 --led 640,30"), 1);
+  EXPECT_EQ(read("out"), "touchline-latency: --led 640,30: is outside of the picture, which has 640 x 480 pixels\n");
+  EXPECT_EQ(measure("--frames 5 --led 60,480"), 1);
+  EXPECT_EQ(measure("--frames 5 --led 60,30 --set camera.backend=replay --set camera.device=" + path("none.mp4")), 1);
+  EXPECT_TRUE(output_contains("--led needs a camera: a recording ")) << read("out");
+  EXPECT_EQ(measure("--frames 5 --led 60,30 --worst-frames"), 64);
+}
+
 TEST_F(LatencyProgram, AWrongCommandLineGivesExitCode64) {
   EXPECT_EQ(latency("--help"), 0);
   EXPECT_EQ(latency(""), 64);

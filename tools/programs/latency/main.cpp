@@ -36,8 +36,9 @@ int main(int argc, char** argv) {
   app.add_option("--deadline-ms", options.deadline_ms, "Deadline from capture to packet (the frame period)")
       ->check(number_range(0.001, 1e6));
   app.add_option("--list", options.listed, "Number of worst frames in the report (5)")->check(CLI::Range(1, 20));
-  app.add_flag("--worst-frames", options.worst_frames,
-               "Measure synthetic pictures that are most expensive to process, instead of the camera; no radio");
+  CLI::Option* worst_frames =
+      app.add_flag("--worst-frames", options.worst_frames,
+                   "Measure synthetic pictures that are most expensive to process, instead of the camera; no radio");
   app.add_flag("--load", options.load, "Run stress-ng at the same time: processors, caches, memory, files");
   app.add_option_function<std::string>(
          "--led",
@@ -48,7 +49,8 @@ int main(int argc, char** argv) {
          },
          "Blink the status light, whose LED is seen at this pixel, and measure from its light to the packet;\n"
          "in the mock arena with --pace")
-      ->type_name("U,V[,RADIUS]");
+      ->type_name("U,V[,RADIUS]")
+      ->excludes(worst_frames);
   app.add_flag(
       "--noise", options.noise,
       "Measure how late the timers of a thread beside the loop are: the machine's share of the delays. As root, where\n"

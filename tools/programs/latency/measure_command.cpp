@@ -336,12 +336,19 @@ std::string time_text(Session& session) {
              : "the machine's, without that of rendering; stalls delay later frames";
 }
 
-Result<void> check_led(const config::BoardFile& board) {
+Result<void> check_led(const LedPlace& place, const config::BoardFile& board) {
+  const hal::CameraSettings& camera = board.camera;
+  if (camera.backend == hal::CameraBackend::kReplay) {
+    return failure(ErrorCode::kUnsupported, "--led needs a camera: a recording does not show when the LED is switched");
+  }
+  // The center of the last pixel is at width_px - 1.
+  if (place.u_px >= camera.width_px - 0.5 || place.v_px >= camera.height_px - 0.5) {
+    return failure(ErrorCode::kOutOfRange, "--led %g,%g: is outside of the picture, which has %d x %d pixels",
+                   place.u_px, place.v_px, camera.width_px, camera.height_px);
+  }
   const bool is_wired = board.gpio.backend == hal::GpioBackend::kMock ||
                         (board.gpio.backend == hal::GpioBackend::kGpiod && board.gpio.status_led_line != hal::kNoLine);
   if (!is_wired) return failure(ErrorCode::kUnsupported, "--led needs gpio.status_led_line in the board file");
-  if (board.camera.rate_hz <= 0.0)
-    return failure(ErrorCode::kUnsupported, "--led needs camera.rate_hz in the board file");
   return {};
 }
 
@@ -371,7 +378,7 @@ int measure_board(MeasureOptions& options) {
     return fail(kept.text());
   }
   if (options.led) {
-    if (const Result<void> wired = check_led(board); !wired.ok()) return fail(wired.text());
+    if (const Result<void> wired = check_led(*options.led, board); !wired.ok()) return fail(wired.text());
     session.set_arena_led({options.led->u_px, options.led->v_px, options.led->radius_px});
   }
   Result<network::NetworkPlan> plan = network::plan_network(configuration, options.network);

@@ -190,7 +190,6 @@ TEST_F(LatencyProgram, AnLedThatNoPictureCanShowIsRefused) {
   EXPECT_EQ(measure("--frames 5 --led 60,480"), 1);
   EXPECT_EQ(measure("--frames 5 --led 60,30 --set camera.backend=replay --set camera.device=" + path("none.mp4")), 1);
   EXPECT_TRUE(output_contains("--led needs a camera: a recording ")) << read("out");
-  EXPECT_EQ(measure("--frames 5 --led 60,30 --worst-frames"), 64);
 }
 
 TEST_F(LatencyProgram, AWrongCommandLineGivesExitCode64) {
@@ -203,6 +202,13 @@ TEST_F(LatencyProgram, AWrongCommandLineGivesExitCode64) {
   EXPECT_EQ(measure("--histogram a.jpg"), 64);
   EXPECT_TRUE(output_contains("a.jpg: the name must end in .svg or .png")) << read("out");
   EXPECT_EQ(latency("--compare one.json"), 64);
+  for (const char* unused : {"--out x.json", "--frames 10", "--set camera.gain=1", "--board x.toml"}) {
+    EXPECT_EQ(latency(std::string("--compare one.json two.json ") + unused), 64);
+    EXPECT_TRUE(output_contains("--compare excludes " + std::string(unused).substr(0, 5))) << read("out");
+  }
+  for (const char* unused : {"--led 60,30", "--pace", "--seed 2", "--publish json", "--console-clients 0"}) {
+    EXPECT_EQ(measure(std::string("--worst-frames ") + unused), 64) << unused;
+  }
   for (const char* planted : {"stall", "stall=", "stall=x", "nap=5", "work=0", "work=5ms"}) {
     EXPECT_EQ(measure(std::string("--plant ") + planted), 64) << planted;
   }

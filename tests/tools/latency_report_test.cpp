@@ -116,7 +116,10 @@ TEST(LatencyJson, NamesTheMalformedKey) {
     EXPECT_FALSE(report.ok()) << what;
     return report.text();
   };
-  EXPECT_EQ(error_with("{", "["), "is not JSON");
+  EXPECT_EQ(error_with("{", "["), "line 2, column 10: is not JSON");
+  EXPECT_EQ(from_json("{\n \"format\": 2,\n \"sour").text(), "line 3, column 7: is not JSON");
+  EXPECT_EQ(from_json("").text(), "line 1, column 1: is not JSON");
+  EXPECT_EQ(error_with("\"format\": 2", "\"format\": 1e999"), "contains a number that is too large");
   EXPECT_EQ(error_with("\"format\": 2", "\"format\": 1"), "format: 1 is not supported; this program reads format 2");
   EXPECT_EQ(error_with("\"format\"", "\"fromat\""), "format: is missing");
   EXPECT_EQ(error_with("\"frames\": 1000", "\"frames\": -1"), "frames: must be a count");

@@ -145,6 +145,15 @@ Result<void> load_venue_and_team(const FilePaths& paths, Configuration& out) {
   return errors.result();
 }
 
+std::vector<std::string> venue_and_team_overrides(const std::vector<std::string>& overrides) {
+  std::vector<std::string> accepted;
+  ErrorList ignored;
+  for (const std::string& text : overrides) {
+    if (sort_overrides({text}, ignored).board.empty()) accepted.push_back(text);
+  }
+  return accepted;
+}
+
 Result<void> resolve(const InputFormat& input, Configuration& configuration) {
   ErrorList errors;
   errors.add(resolve_venue(configuration.venue, configuration.venue_where, input, configuration.pipeline));

@@ -42,6 +42,8 @@ std::string_view kernel_word(const BoardFile& board);
 
 /// Loads venue and team alone, for tools that read pictures. Call resolve() when the format of the pictures is known.
 Result<void> load_venue_and_team(const FilePaths& paths, Configuration& out);
+/// Returns those of `overrides` that load_venue_and_team() accepts: all but those of the board file.
+std::vector<std::string> venue_and_team_overrides(const std::vector<std::string>& overrides);
 /// Checks venue and team for these pictures and fills `configuration.pipeline`. Errors of resolve_venue() and
 /// resolve_team().
 Result<void> resolve(const InputFormat& input, Configuration& configuration);

@@ -117,6 +117,8 @@ class Motion(unittest.TestCase):
     @staticmethod
     def game(error, nees, count=10):
         def errors(rms):
+            if count == 0:
+                return {"count": 0, "rms": None, "p95": None, "max": None}
             return {"count": count, "rms": rms, "p95": 2 * rms, "max": 3 * rms}
         robots = [{"name": name, "sighting_m": errors(0.001), "track_m": errors(error), "sighting_rad": errors(0.01),
                    "track_rad": errors(0.01), "at_action_m": errors(error), "at_action_rad": errors(0.01), "nees_position": nees,
@@ -149,6 +151,12 @@ class Motion(unittest.TestCase):
         self.assertIn("0.60 !", table.text_of(row, {}))
         self.assertIn("goal: 0.7 to 1.5, before: 1.10", table.text_of(row, {"motion: ball, NEES": {"value": 1.1}}))
         self.assertEqual(table.summary([row]), {"motion: ball, NEES": {"value": 0.6}})
+
+    def test_a_game_without_errors_does_not_count(self):
+        games = [self.game(None, None, count=0), self.game(0.003, 2.0)]
+        for row, value in (("own robots, when the command acts, mm", 3.0), ("own robots, NEES of the position", 2.0)):
+            self.assertAlmostEqual(self.row(games, row)["value"], value)
+            self.assertIsNone(self.row(games, row)["each"][0])
 
     def test_a_game_without_impacts_has_no_value(self):
         empty = self.row([self.game(0.001, 1.0, count=0)], "own robots, 1 frame after an impact, max mm")

@@ -128,15 +128,18 @@ TEST_F(LatencyProgram, WorkIsChargedToItsStage) {
 
 // A replay of the saved pictures sees the same robots. Their ids may follow from earlier frames.
 TEST_F(LatencyProgram, SavedWorstFramesCanBeReplayed) {
-  ASSERT_EQ(measure("--frames 40 --list 3 --plant work=50 --save-worst " + path("worst")), 0) << read("out");
+  const std::string overrides = "--set radio.baud=115200 --set 'ball.color=\"orange\"' ";
+  const std::string folder = "--save-worst \"" + path("the day's worst") + "\"";
+  ASSERT_EQ(measure("--frames 40 --list 3 --plant work=50 " + overrides + folder), 0) << read("out");
   const std::string replayed = read("out");
-  const std::size_t command = replayed.find("touchline-replay " + path("worst"));
+  const std::size_t command = replayed.find("touchline-replay '" + path("the day'\\''s worst") + "' ");
   ASSERT_NE(command, std::string::npos) << replayed;
-  EXPECT_TRUE(std::filesystem::exists(path("worst/frame-000021.png")));
+  EXPECT_TRUE(output_contains(" --set 'ball.color=\"orange\"' --out -\n")) << "not radio.baud:\n" << replayed;
+  EXPECT_TRUE(std::filesystem::exists(path("the day's worst/frame-000021.png")));
   const std::string arguments = replayed.substr(command, replayed.find("--out -", command) - command)
                                     .substr(std::string("touchline-replay ").size());
   ASSERT_TRUE(run_program("'" TOUCHLINE_REPLAY "'", arguments + "--quiet --out " + path("again.jsonl"))) << read("out");
-  std::istringstream saved(read("worst/trace.jsonl")), again(read("again.jsonl"));
+  std::istringstream saved(read("the day's worst/trace.jsonl")), again(read("again.jsonl"));
   int lines = 0;
   const auto robots = [](const std::string& line) {
     const nlohmann::json parsed = nlohmann::json::parse(line);
@@ -156,7 +159,7 @@ TEST_F(LatencyProgram, SavedWorstFramesCanBeReplayed) {
     }
   }
   EXPECT_EQ(lines, 3);
-  EXPECT_EQ(measure("--frames 5 --save-worst " + path("worst")), 1);
+  EXPECT_EQ(measure("--frames 5 " + folder), 1);
   EXPECT_TRUE(output_contains("must be a new or empty folder")) << read("out");
 }
 
@@ -181,6 +184,14 @@ TEST_F(LatencyProgram, ComparesAnLedWithItsLine) {
   EXPECT_TRUE(output_contains("--led needs gpio.status_led_line")) << read("out");
 }
 
+TEST_F(LatencyProgram, AnLedThatNoPictureCanShowIsRefused) {
+  EXPECT_EQ(measure("--frames 5 --led 640,30"), 1);
+  EXPECT_EQ(read("out"), "touchline-latency: --led 640,30: is outside of the picture, which has 640 x 480 pixels\n");
+  EXPECT_EQ(measure("--frames 5 --led 60,480"), 1);
+  EXPECT_EQ(measure("--frames 5 --led 60,30 --set camera.backend=replay --set camera.device=" + path("none.mp4")), 1);
+  EXPECT_TRUE(output_contains("--led needs a camera: a recording ")) << read("out");
+}
+
 TEST_F(LatencyProgram, AWrongCommandLineGivesExitCode64) {
   EXPECT_EQ(latency("--help"), 0);
   EXPECT_EQ(latency(""), 64);
@@ -191,6 +202,13 @@ TEST_F(LatencyProgram, AWrongCommandLineGivesExitCode64) {
   EXPECT_EQ(measure("--histogram a.jpg"), 64);
   EXPECT_TRUE(output_contains("a.jpg: the name must end in .svg or .png")) << read("out");
   EXPECT_EQ(latency("--compare one.json"), 64);
+  for (const char* unused : {"--out x.json", "--frames 10", "--set camera.gain=1", "--board x.toml"}) {
+    EXPECT_EQ(latency(std::string("--compare one.json two.json ") + unused), 64);
+    EXPECT_TRUE(output_contains("--compare excludes " + std::string(unused).substr(0, 5))) << read("out");
+  }
+  for (const char* unused : {"--led 60,30", "--pace", "--seed 2", "--publish json", "--console-clients 0"}) {
+    EXPECT_EQ(measure(std::string("--worst-frames ") + unused), 64) << unused;
+  }
   for (const char* planted : {"stall", "stall=", "stall=x", "nap=5", "work=0", "work=5ms"}) {
     EXPECT_EQ(measure(std::string("--plant ") + planted), 64) << planted;
   }
@@ -206,6 +224,27 @@ TEST_F(LatencyProgram, UnwritableFilesAreRejectedBeforeTheStart) {
   }
   EXPECT_EQ(latency("--board none.toml --out " + path("")), 1);
   EXPECT_TRUE(output_contains("is a folder")) << read("out");
+}
+
+TEST_F(LatencyProgram, OutputsReplaceNeitherInputsNorEachOther) {
+  std::filesystem::copy(std::filesystem::path(TOUCHLINE_MOCK_BOARD).parent_path(), path("mock"));
+  const std::string board = "--frames 5 --board " + path("mock/board.toml ");
+  for (const char* name : {"mock/board.toml", "mock/venue.toml", "mock/team.toml"}) {
+    const std::string before = read(name), same = path("./") + name;
+    for (const char* kind : {"", "--worst-frames "}) {
+      EXPECT_EQ(latency(board + kind + "--csv " + same), 1) << name;
+      EXPECT_EQ(read("out"), "touchline-latency: --csv " + same + ": would overwrite, or be added to, the input " +
+                                 path(name) + "\n");
+    }
+    EXPECT_EQ(read(name), before);
+  }
+  write("a.json", "x");
+  EXPECT_EQ(latency("--compare " + path("b.json") + " " + path("a.json") + " --html " + path("a.json")), 1);
+  EXPECT_TRUE(output_contains("--html " + path("a.json") + ": would overwrite")) << read("out");
+  EXPECT_EQ(read("a.json"), "x");
+  EXPECT_EQ(measure("--frames 5 --out " + path("x") + " --html " + path("x")), 1);
+  EXPECT_TRUE(output_contains("--out " + path("x") + ": would overwrite, or be added to, that of --html"))
+      << read("out");
 }
 
 TEST_F(LatencyProgram, InvalidFilesGiveExitCode1AndLostDevices2) {

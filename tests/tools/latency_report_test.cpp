@@ -116,7 +116,10 @@ TEST(LatencyJson, NamesTheMalformedKey) {
     EXPECT_FALSE(report.ok()) << what;
     return report.text();
   };
-  EXPECT_EQ(error_with("{", "["), "is not JSON");
+  EXPECT_EQ(error_with("{", "["), "line 2, column 10: is not JSON");
+  EXPECT_EQ(from_json("{\n \"format\": 2,\n \"sour").text(), "line 3, column 7: is not JSON");
+  EXPECT_EQ(from_json("").text(), "line 1, column 1: is not JSON");
+  EXPECT_EQ(error_with("\"format\": 2", "\"format\": 1e999"), "contains a number that is too large");
   EXPECT_EQ(error_with("\"format\": 2", "\"format\": 1"), "format: 1 is not supported; this program reads format 2");
   EXPECT_EQ(error_with("\"format\"", "\"fromat\""), "format: is missing");
   EXPECT_EQ(error_with("\"frames\": 1000", "\"frames\": -1"), "frames: must be a count");
@@ -189,6 +192,20 @@ TEST(LatencyComparison, NoIntervalIsShownBelowAMicrosecond) {
   EXPECT_EQ(shown(0.4, 0.8), "2.00, ");
   EXPECT_EQ(shown(0.8, 1.6), "2.00, ");
   EXPECT_EQ(shown(2.0, 1.0), "0.50, 0.50 to 0.50");
+}
+
+TEST(LatencyComparison, ChangesBelowAMicrosecondAreNotJudged) {
+  LatencyReport a = noisy_report(1, 1.0), b = a;
+  const auto summary = [&](double from_us, double to_us) {
+    a.spans[0].p99 = from_seconds(1e-6 * from_us);
+    a.spans[0].p99_interval = {a.spans[0].p99, a.spans[0].p99};
+    b.spans[0].p99 = from_seconds(1e-6 * to_us);
+    b.spans[0].p99_interval = {b.spans[0].p99, b.spans[0].p99};
+    return comparison_of({"a", a}, {"b", b}).summary;
+  };
+  EXPECT_EQ(summary(3.680, 4.251), "No time got worse from A to B.");
+  EXPECT_EQ(summary(4.251, 3.680), "No time got worse from A to B.");
+  EXPECT_EQ(summary(3.680, 4.681), "Worse in B: capture to frame (p99 x 1.27).");
 }
 
 TEST(LatencyDocument, RareFramesAreEstimatedOrRefused) {

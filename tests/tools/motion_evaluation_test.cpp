@@ -6,7 +6,9 @@
 
 #include <iostream>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <numbers>
+#include <sstream>
 
 #include "tests/results.h"
 
@@ -76,6 +78,20 @@ ExternalCommands standing() {
     commands.push_back(command);
   }
   return commands;
+}
+
+// Rows without errors looked like perfect ones.
+TEST(MotionEvaluation, RowsWithoutValuesAreNotZero) {
+  MotionReport report;
+  report.robots.emplace_back().name = "robot";
+  report.balls.emplace_back().name = "ball";
+  report.impacts.emplace_back().name = "impact";
+  std::ostringstream out;
+  print(report, out);
+  EXPECT_EQ(out.str().find("0.0"), std::string::npos) << out.str();
+  EXPECT_NE(out.str().find("ball                                0        -        -"), std::string::npos) << out.str();
+  const nlohmann::json json = nlohmann::json::parse(to_json(report));
+  EXPECT_TRUE(json["robots"][0]["track_m"]["rms"].is_null() && json["robots"][0]["nis"].is_null()) << json;
 }
 
 // Robots stand in several layouts: errors of their sightings are constant in each.

@@ -20,7 +20,7 @@ std::size_t count(const std::string& text, const std::string& part) {
 }
 
 // Own robot 2 drives along x with 1 m/s, opponent 0 stands. The ball is seen in every second frame.
-MotionPlot plot_of(int frames) {
+MotionPlot plot_of(int frames, bool is_ball_seen = true) {
   MotionPlot plot;
   const auto trace = std::make_unique<StepTrace>();
   for (int i = 0; i < frames; ++i) {
@@ -42,8 +42,9 @@ MotionPlot plot_of(int frames) {
       track.innovation2 = 2.0f;
       trace->tracks.robots.push_back(track);
     }
-    trace->sightings.ball.seen = i % 2 == 0;
-    trace->tracks.ball.state = TrackState::kSeen;
+    trace->sightings.ball.seen = is_ball_seen && i % 2 == 0;
+    trace->tracks.ball.state = is_ball_seen ? TrackState::kSeen : TrackState::kLost;
+    trace->tracks.ball.innovation2 = trace->sightings.ball.seen ? 1.0f : -1.0f;
     plot.add(*trace);
   }
   return plot;
@@ -64,15 +65,20 @@ TEST(MotionPlot, DrawsEverySightingAndInnovation) {
     EXPECT_NE(svg.find("</svg>"), std::string::npos);
     return count(svg, " C ");
   };
-  // Ten more frames: the robot's path, heading, velocities (2) and innovation; the ball's path and velocities (2), each
-  // in every second frame. A point consists of the same number of curves everywhere.
-  const std::size_t points = 10U * 5U + 5U * 3U, added = curves(40) - curves(30);
+  // Ten more frames: the robot's path, heading, velocities (2) and innovation; the ball's path, velocities (2) and
+  // innovation, each in every second frame. A point consists of the same number of curves everywhere.
+  const std::size_t points = 10U * 5U + 5U * 4U, added = curves(40) - curves(30);
   EXPECT_GT(added, 0U);
   EXPECT_EQ(added % points, 0U) << added;
   EXPECT_EQ(curves(60) - curves(40), 2U * added);
 }
 
-TEST(MotionPlot, DrawsWithoutAnyFrame) {
+TEST(MotionPlot, DrawsNoChartsOfWhatWasNeverSeen) {
+  // Two dashes of each chart of innovations: the line, and another one beside its name.
+  const auto dashes = [](const MotionPlot& plot) { return count(plot.svg(Team::kOwn, 2, "blue 2"), "dasharray"); };
+  EXPECT_EQ(dashes(plot_of(20)), 4U);
+  EXPECT_EQ(dashes(plot_of(20, false)), 2U);
+  EXPECT_EQ(dashes(MotionPlot()), 0U);
   EXPECT_NE(MotionPlot().svg(Team::kOwn, kUnknownId, "").find("</svg>"), std::string::npos);
 }
 

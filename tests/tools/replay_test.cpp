@@ -12,6 +12,7 @@
 
 #include "core/geometry/camera_model.h"
 #include "hal/replay/replay_camera.h"
+#include "tests/command_output.h"
 #include "tests/replay/media.h"
 #include "tests/results.h"
 #include "tools/programs/evaluate/pose_evaluation.h"
@@ -265,6 +266,23 @@ TEST_F(Replay, NeverOverwritesAnInput) {
   EXPECT_TRUE(run()) << error;
 }
 
+// Without --annotate, the empty path of the pictures counted as the folder of a file without one.
+TEST_F(Replay, OutputsNeedNoFolder) {
+  write_flat("a.png");
+  const std::filesystem::path before = std::filesystem::current_path();
+  std::filesystem::current_path(folder.path());
+  options.out = "result.jsonl";
+  options.plot = "motion.svg";
+  EXPECT_TRUE(run()) << error;
+  options.plot = folder / "result.jsonl";
+  std::filesystem::remove(options.plot);
+  EXPECT_FALSE(run()) << "two names of one file that does not exist";
+  options.plot = "seen/motion.svg";
+  options.annotate = folder / "seen/";
+  EXPECT_FALSE(run()) << "a plot among the annotated pictures";
+  std::filesystem::current_path(before);
+}
+
 TEST_F(Replay, DevicesAndFifosAreNotReplaced) {
   write_flat("a.png");
   ASSERT_EQ(::mkfifo((folder / "fifo").c_str(), 0600), 0);
@@ -333,6 +351,17 @@ TEST_F(Replay, ADamagedPictureEndsTheReplayUnlessSkipped) {
   ASSERT_TRUE(run()) << error;
   EXPECT_EQ(summary.frames, 2u);
   EXPECT_EQ(summary.damaged, 1u);
+}
+
+TEST(ReplayProgram, AWrongCommandLineGivesExitCode64) {
+  const auto run = [](const std::string& arguments) {
+    return testing::run_command("'" TOUCHLINE_REPLAY "' in --venue v --team t --out r.jsonl " + arguments + " 2>&1");
+  };
+  const testing::CommandOutput ending = run("--plot motion.png");
+  EXPECT_EQ(ending.code, 64);
+  EXPECT_NE(ending.text.find("motion.png: the name must end in .svg"), std::string::npos) << ending.text;
+  EXPECT_EQ(run("--plot-robot blue:1").code, 64);
+  EXPECT_EQ(run("--plot-robot blue:1 --plot motion.svg").code, 1) << "no input";
 }
 
 TEST_F(Replay, StoppingLeavesNoFiles) {

@@ -15,9 +15,9 @@ def first(rows, name, frames_after=None):
 
 
 def pooled(summaries):
-    """Returns the RMS of several games."""
+    """Returns the RMS of several games. Without errors, a game's is null."""
     count = sum(s["count"] for s in summaries)
-    return math.sqrt(sum(s["count"] * s["rms"] ** 2 for s in summaries) / count) if count else None
+    return math.sqrt(sum(s["count"] * s["rms"] ** 2 for s in summaries if s["count"]) / count) if count else None
 
 
 def largest(summaries):
@@ -25,7 +25,8 @@ def largest(summaries):
 
 
 def mean(rows, key, errors):
-    """Returns the mean of a value per error of several games."""
+    """Returns the mean of a value per error of several games. Without values, a game's is null."""
+    rows = [r for r in rows if r[key] is not None]
     count = sum(r[errors]["count"] for r in rows)
     return sum(r[errors]["count"] * r[key] for r in rows) / count if count else None
 

@@ -3,6 +3,7 @@
 #include <charconv>
 #include <iostream>
 #include <sstream>
+#include <utility>
 
 namespace touchline {
 
@@ -40,6 +41,18 @@ CLI::Validator number_range(double low, double high) {
             return inside ? std::string() : "\"" + text + "\" is not a number " + description;
           },
           "FLOAT " + description};
+}
+
+CLI::Validator name_ending(std::vector<std::string> endings) {
+  return {[endings = std::move(endings)](const std::string& path) {
+            std::string names;
+            for (const std::string& ending : endings) {
+              if (path.ends_with(ending)) return std::string();
+              names += (names.empty() ? "" : " or ") + ending;
+            }
+            return path + ": the name must end in " + names;
+          },
+          ""};
 }
 
 }  // namespace touchline

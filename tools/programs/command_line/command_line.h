@@ -24,4 +24,7 @@ CLI::Option* add_overrides(CLI::App& app, std::vector<std::string>& overrides, c
 /// Accepts a number from `low` to `high`. Unlike CLI::Range it refuses "nan", which is not below or above any limit.
 CLI::Validator number_range(double low, double high);
 
+/// Accepts the name of a file with one of these endings, ".svg" for example.
+CLI::Validator name_ending(std::vector<std::string> endings);
+
 }  // namespace touchline

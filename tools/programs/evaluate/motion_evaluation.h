@@ -57,9 +57,9 @@ struct MotionReport {
 /// Compares the recorded frames with the truth.
 MotionReport evaluate_motion(const RecordedGame& game);
 
-/// Prints tables in millimeters, degrees and meters per second.
+/// Prints tables in millimeters, degrees and meters per second; "-" where there are no values.
 void print(const MotionReport& report, std::ostream& out);
-/// The same numbers in meters, radians and meters per second.
+/// The same numbers in meters, radians and meters per second; null where there are no values.
 std::string to_json(const MotionReport& report);
 
 }  // namespace touchline::evaluate

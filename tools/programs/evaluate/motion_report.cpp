@@ -2,6 +2,7 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
+#include "tools/programs/command_line/formatted.h"
 #include "tools/programs/evaluate/motion_evaluation.h"
 
 namespace touchline::evaluate {
@@ -18,7 +19,18 @@ void write_line(std::ostream& out, const char* format, Values... values) {
   out << text << '\n';
 }
 
+// An error in the table's unit; "-" without errors.
+std::string text_of(const statistics::ErrorSummary& e, double value, double unit) {
+  return e.count == 0 ? "-" : formatted("%.3f", value * unit);
+}
+std::string rms_text(const statistics::ErrorSummary& e, double unit) { return text_of(e, e.rms, unit); }
+
+// A mean of squares, which is 0 only without values.
+std::string mean_text(double mean) { return mean > 0.0 ? formatted("%.2f", mean) : "-"; }
+MotionJson json_of_mean(double mean) { return mean > 0.0 ? MotionJson(mean) : MotionJson(); }
+
 MotionJson json_of_errors(const statistics::ErrorSummary& e) {
+  if (e.count == 0) return {{"count", 0}, {"rms", nullptr}, {"p95", nullptr}, {"max", nullptr}};
   return {{"count", e.count}, {"rms", e.rms}, {"p95", e.p95}, {"max", e.max}};
 }
 
@@ -29,29 +41,41 @@ void print(const MotionReport& report, std::ostream& out) {
   write_line(out, "%-28s %8s %17s %17s %17s   %s", "", "", "mm", "degrees", "when it acts", "squared error / variance");
   write_line(out, "%-28s %8s %8s %8s %8s %8s %8s %8s %9s %9s %9s", "", "count", "sighting", "track", "sighting",
              "track", "mm", "degrees", "position", "heading", "innovat.");
+  const auto write_row = [&out](const std::string& name, std::size_t count, const std::vector<std::string>& cells,
+                                const std::string& rest) {
+    std::string row = formatted("%-28s %8zu", name.c_str(), count);
+    for (std::size_t i = 0; i < cells.size(); ++i) row += formatted(i < 6 ? " %8s" : " %9s", cells[i].c_str());
+    out << row << rest << '\n';
+  };
   for (const MotionRow& r : report.robots) {
-    write_line(out, "%-28s %8zu %8.3f %8.3f %8.3f %8.3f %8.3f %8.3f %9.2f %9.2f %9.2f", r.name.c_str(), r.tracked.count,
-               r.sighted.rms * kMm, r.tracked.rms * kMm, r.sighted_angle.rms * kDeg, r.tracked_angle.rms * kDeg,
-               r.acted.rms * kMm, r.acted_angle.rms * kDeg, r.nees_position, r.nees_angle, r.nis);
+    write_row(r.name, r.tracked.count,
+              {rms_text(r.sighted, kMm), rms_text(r.tracked, kMm), rms_text(r.sighted_angle, kDeg),
+               rms_text(r.tracked_angle, kDeg), rms_text(r.acted, kMm), rms_text(r.acted_angle, kDeg),
+               mean_text(r.nees_position), mean_text(r.nees_angle), mean_text(r.nis)},
+              "");
   }
   for (const BallRow& r : report.balls) {
-    write_line(out, "%-28s %8zu %8.3f %8.3f %8s %8s %8.3f %8s %9.2f %9s %9.2f%s", r.name.c_str(), r.sighted.count,
-               r.sighted.rms * kMm, r.tracked.rms * kMm, "-", "-", r.acted.rms * kMm, "-", r.nees, "-", r.nis,
-               r.lost == 0 ? "" : (", lost in " + std::to_string(r.lost)).c_str());
+    write_row(r.name, r.sighted.count,
+              {rms_text(r.sighted, kMm), rms_text(r.tracked, kMm), "-", "-", rms_text(r.acted, kMm), "-",
+               mean_text(r.nees), "-", mean_text(r.nis)},
+              r.lost == 0 ? "" : ", lost in " + std::to_string(r.lost));
   }
-  write_line(out, "\n%-28s %8s %17s %17s", "velocities, RMS errors", "", "m/s", "rad/s");
-  write_line(out, "%-28s %8s %8s %8s %8s %8s", "", "count", "sightings", "track", "sightings", "track");
+  write_line(out, "\n%-28s %8s %17s %17s", "errors of velocities, RMS", "", "mm/s", "rad/s");
+  write_line(out, "%-28s %8s %8s %8s %8s %8s", "", "count", "sighting", "track", "sighting", "track");
   for (const VelocityRow& r : report.velocities) {
-    write_line(out, "%-28s %8zu %9.4f %8.4f %9.3f %8.3f", r.name.c_str(), r.tracked.count, r.sighted.rms, r.tracked.rms,
-               r.sighted_turn.rms, r.tracked_turn.rms);
+    write_row(r.name, r.tracked.count,
+              {rms_text(r.sighted, kMm), rms_text(r.tracked, kMm), rms_text(r.sighted_turn, 1.0),
+               rms_text(r.tracked_turn, 1.0)},
+              "");
   }
   write_line(out, "\n%-28s %8s %8s %8s %8s   %17s", "after an impact", "count", "RMS mm", "p95", "max",
              "speed RMS, p95 m/s");
   for (const ImpactRow& r : report.impacts) {
-    const std::string name = r.name + ", " + std::to_string(r.frames_after) + " frames after";
-    write_line(out, "%-28s %8zu %8.3f %8.3f %8.3f   %8.3f %8.3f%s", name.c_str(), r.position.count,
-               r.position.rms * kMm, r.position.p95 * kMm, r.position.max * kMm, r.speed.rms, r.speed.p95,
-               r.lost == 0 ? "" : (", lost " + std::to_string(r.lost)).c_str());
+    write_row(
+        r.name + ", " + std::to_string(r.frames_after) + " frames after", r.position.count,
+        {rms_text(r.position, kMm), text_of(r.position, r.position.p95, kMm), text_of(r.position, r.position.max, kMm)},
+        formatted("   %8s %8s", rms_text(r.speed, 1.0).c_str(), text_of(r.speed, r.speed.p95, 1.0).c_str()) +
+            (r.lost == 0 ? "" : ", lost " + std::to_string(r.lost)));
   }
 }
 
@@ -66,9 +90,9 @@ std::string to_json(const MotionReport& report) {
                       {"track_rad", json_of_errors(r.tracked_angle)},
                       {"at_action_m", json_of_errors(r.acted)},
                       {"at_action_rad", json_of_errors(r.acted_angle)},
-                      {"nees_position", r.nees_position},
-                      {"nees_heading", r.nees_angle},
-                      {"nis", r.nis}});
+                      {"nees_position", json_of_mean(r.nees_position)},
+                      {"nees_heading", json_of_mean(r.nees_angle)},
+                      {"nis", json_of_mean(r.nis)}});
   }
   for (const BallRow& r : report.balls) {
     balls.push_back({{"name", r.name},
@@ -76,8 +100,8 @@ std::string to_json(const MotionReport& report) {
                      {"track_m", json_of_errors(r.tracked)},
                      {"at_action_m", json_of_errors(r.acted)},
                      {"lost", r.lost},
-                     {"nees", r.nees},
-                     {"nis", r.nis}});
+                     {"nees", json_of_mean(r.nees)},
+                     {"nis", json_of_mean(r.nis)}});
   }
   for (const ImpactRow& r : report.impacts) {
     impacts.push_back({{"name", r.name},

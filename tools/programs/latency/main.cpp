@@ -25,7 +25,10 @@ int main(int argc, char** argv) {
   app.add_option("--venue", files.venue, "Venue file instead of the one that the board file names");
   app.add_option("--team", files.team, "Team file instead of the one that the board file names");
   add_overrides(app, files.overrides, "the three files");
-  app.add_option("--seed", options.session.seed, "Random seed of the mock arena (1)");
+  CLI::Option* worst_frames =
+      app.add_flag("--worst-frames", options.worst_frames,
+                   "Measure synthetic pictures that are most expensive to process, instead of the camera; no radio");
+  app.add_option("--seed", options.session.seed, "Random seed of the mock arena (1)")->excludes(worst_frames);
   CLI::Option* frames =
       app.add_option("--frames", options.frames, "Number of frames to measure (10000)")->check(CLI::Range(1, 10000000));
   app.add_option("--duration", options.duration_s, "Seconds to measure instead (simulated seconds in the mock arena)")
@@ -36,8 +39,6 @@ int main(int argc, char** argv) {
   app.add_option("--deadline-ms", options.deadline_ms, "Deadline from capture to packet (the frame period)")
       ->check(number_range(0.001, 1e6));
   app.add_option("--list", options.listed, "Number of worst frames in the report (5)")->check(CLI::Range(1, 20));
-  app.add_flag("--worst-frames", options.worst_frames,
-               "Measure synthetic pictures that are most expensive to process, instead of the camera; no radio");
   app.add_flag("--load", options.load, "Run stress-ng at the same time: processors, caches, memory, files");
   app.add_option_function<std::string>(
          "--led",
@@ -48,7 +49,8 @@ int main(int argc, char** argv) {
          },
          "Blink the status light, whose LED is seen at this pixel, and measure from its light to the packet;\n"
          "in the mock arena with --pace")
-      ->type_name("U,V[,RADIUS]");
+      ->type_name("U,V[,RADIUS]")
+      ->excludes(worst_frames);
   app.add_flag(
       "--noise", options.noise,
       "Measure how late the timers of a thread beside the loop are: the machine's share of the delays. As root, where\n"
@@ -70,35 +72,44 @@ int main(int argc, char** argv) {
                  "Publish during the measurement, as touchline run does: NAME[=ADDRESS], several times if needed")
       ->type_name("NAME[=ADDRESS]")
       ->expected(1)
-      ->take_all();
+      ->take_all()
+      ->excludes(worst_frames);
   app.add_option("--accept", options.network.accept,
                  "Let programs on this computer drive robots, as touchline run does, several times if needed")
       ->type_name("NAME[=ADDRESS]")
       ->expected(1)
-      ->take_all();
+      ->take_all()
+      ->excludes(worst_frames);
   app.add_option("--console-clients", options.console_clients,
                  "Serve the console during the measurement, and read it with this number of clients at full rate")
-      ->check(CLI::Range(0, 16));
+      ->check(CLI::Range(0, 16))
+      ->excludes(worst_frames);
   // The process of those clients; for this program itself.
   std::uint16_t console_port = 0;
   app.add_option("--read-console", console_port)->group("");
   app.add_flag("--pace", options.pace,
-               "The mock arena's time is the machine's: after a stall, frames are late or lost as with a real camera");
+               "The mock arena's time is the machine's: after a stall, frames are late or lost as with a real camera")
+      ->excludes(worst_frames);
   app.add_option("--out", outputs.json, "Write all numbers into this JSON file");
   app.add_option("--csv", outputs.csv, "Write the times of every frame in nanoseconds into this CSV file");
   app.add_option("--histogram", outputs.histogram, "Write the histogram into this file, .svg or .png")
-      ->check([](const std::string& path) {
-        return path.ends_with(".svg") || path.ends_with(".png") ? "" : path + ": the name must end in .svg or .png";
-      });
+      ->check(name_ending({".svg", ".png"}));
   app.add_option("--save-worst", outputs.worst_folder,
                  "Save pictures and results of the worst frames into this folder, for touchline-replay")
       ->type_name("FOLDER");
-  app.add_option("--html", outputs.html, "Write the whole report into this HTML file");
-  app.add_option("--compare", compared, "Compare the second JSON file with the first, without measuring")
-      ->expected(2)
-      ->type_name("A.json B.json");
+  const CLI::Option* html = app.add_option("--html", outputs.html, "Write the whole report into this HTML file");
+  const CLI::Option* compare =
+      app.add_option("--compare", compared, "Compare the second JSON file with the first, without measuring")
+          ->expected(2)
+          ->type_name("A.json B.json");
   app.final_callback([&] {
     if (console_port == 0 && compared.empty() && files.board.empty()) throw CLI::RequiredError("--board or --compare");
+    if (compared.empty()) return;
+    for (const CLI::Option* option : app.get_options()) {
+      if (option->count() > 0 && option != compare && option != html) {
+        throw CLI::ExcludesError(compare->get_name(), option->get_name());
+      }
+    }
   });
   if (const auto exit_code = parse_arguments(app, argc, argv)) return *exit_code;
   if (console_port != 0) return latency::read_console(console_port, options.console_clients.value_or(1));

@@ -2,7 +2,9 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
+#include <cctype>
 #include <cerrno>
 #include <cstring>
 #include <ctime>
@@ -20,6 +22,7 @@
 #include "hal/files/output_file.h"
 #include "hal/linux/monotonic_clock.h"
 #include "tools/programs/command_line/command_line.h"
+#include "tools/programs/command_line/would_overwrite.h"
 #include "tools/programs/latency/background_load.h"
 #include "tools/programs/latency/console_clients.h"
 #include "tools/programs/latency/measurement.h"
@@ -51,6 +54,62 @@ Result<void> check_writable(const std::string& path) {
   const bool exists = ::access(path.c_str(), F_OK) == 0;
   if (::access(exists ? path.c_str() : folder.c_str(), exists ? W_OK : W_OK | X_OK) != 0) {
     return failure(ErrorCode::kPermission, "%s: cannot be written: %s", path.c_str(), std::strerror(errno));
+  }
+  return {};
+}
+
+// The word for a POSIX shell, in quotes if it needs them.
+std::string shell_word(const std::string& word) {
+  const auto is_plain = [](unsigned char c) { return std::isalnum(c) != 0 || std::strchr("_-+=./,:@%", c) != nullptr; };
+  if (!word.empty() && std::all_of(word.begin(), word.end(), is_plain)) return word;
+  std::string text = "'";
+  for (const char c : word) text += c == '\'' ? "'\\''" : std::string(1, c);
+  return text + "'";
+}
+
+struct NamedOutput {
+  const char* option;
+  std::string path;  // empty: not written
+};
+
+std::vector<NamedOutput> named(const Outputs& outputs) {
+  return {{"--out", outputs.json},
+          {"--csv", outputs.csv},
+          {"--histogram", outputs.histogram},
+          {"--html", outputs.html},
+          {"--save-worst", outputs.worst_folder}};
+}
+
+// Refuses outputs that would replace an input.
+Result<void> check_inputs_remain(const std::vector<NamedOutput>& outputs, const std::vector<std::string>& inputs) {
+  for (const auto& [option, path] : outputs) {
+    for (const std::string& input : inputs) {
+      if (!would_overwrite(input, path)) continue;
+      return failure(ErrorCode::kInconsistent, "%s %s: would overwrite, or be added to, the input %s", option,
+                     path.c_str(), input.c_str());
+    }
+  }
+  return {};
+}
+
+Result<void> check_inputs_remain(const Outputs& outputs, const config::Configuration& configuration) {
+  std::vector<std::string> inputs;
+  for (const auto* where : {&configuration.board_where, &configuration.venue_where, &configuration.team_where}) {
+    inputs.push_back(where->file());
+  }
+  const hal::CameraSettings& camera = configuration.board.camera;
+  if (camera.backend == hal::CameraBackend::kReplay) inputs.push_back(camera.device);
+  return check_inputs_remain(named(outputs), inputs);
+}
+
+// Refuses outputs of which one would replace another one.
+Result<void> check_different(const std::vector<NamedOutput>& outputs) {
+  for (std::size_t i = 0; i < outputs.size(); ++i) {
+    for (std::size_t k = i + 1; k < outputs.size(); ++k) {
+      if (!would_overwrite(outputs[k].path, outputs[i].path)) continue;
+      return failure(ErrorCode::kInconsistent, "%s %s: would overwrite, or be added to, that of %s", outputs[i].option,
+                     outputs[i].path.c_str(), outputs[k].option);
+    }
   }
   return {};
 }
@@ -217,9 +276,13 @@ class Run {
 
   // Replays what --save-worst saved.
   [[nodiscard]] std::string replay_command() const {
-    const std::string& folder = options_.outputs.worst_folder;
-    return "touchline-replay " + folder + " --venue " + configuration_.venue_where.file() + " --team " +
-           configuration_.team_where.file() + " --out -";
+    std::string command = "touchline-replay " + shell_word(options_.outputs.worst_folder) + " --venue " +
+                          shell_word(configuration_.venue_where.file()) + " --team " +
+                          shell_word(configuration_.team_where.file());
+    for (const std::string& override : config::venue_and_team_overrides(options_.session.files.overrides)) {
+      command += " --set " + shell_word(override);
+    }
+    return command + " --out -";
   }
 
   [[nodiscard]] int output(const LatencyReport& report) const {
@@ -273,12 +336,19 @@ std::string time_text(Session& session) {
              : "the machine's, without that of rendering; stalls delay later frames";
 }
 
-Result<void> check_led(const config::BoardFile& board) {
+Result<void> check_led(const LedPlace& place, const config::BoardFile& board) {
+  const hal::CameraSettings& camera = board.camera;
+  if (camera.backend == hal::CameraBackend::kReplay) {
+    return failure(ErrorCode::kUnsupported, "--led needs a camera: a recording does not show when the LED is switched");
+  }
+  // The center of the last pixel is at width_px - 1.
+  if (place.u_px >= camera.width_px - 0.5 || place.v_px >= camera.height_px - 0.5) {
+    return failure(ErrorCode::kOutOfRange, "--led %g,%g: is outside of the picture, which has %d x %d pixels",
+                   place.u_px, place.v_px, camera.width_px, camera.height_px);
+  }
   const bool is_wired = board.gpio.backend == hal::GpioBackend::kMock ||
                         (board.gpio.backend == hal::GpioBackend::kGpiod && board.gpio.status_led_line != hal::kNoLine);
   if (!is_wired) return failure(ErrorCode::kUnsupported, "--led needs gpio.status_led_line in the board file");
-  if (board.camera.rate_hz <= 0.0)
-    return failure(ErrorCode::kUnsupported, "--led needs camera.rate_hz in the board file");
   return {};
 }
 
@@ -304,8 +374,11 @@ int measure_board(MeasureOptions& options) {
   if (const Result<void> loaded = session.load(options.session); !loaded.ok()) return refuse(loaded.error());
   const config::Configuration& configuration = session.configuration();
   const config::BoardFile& board = configuration.board;
+  if (const Result<void> kept = check_inputs_remain(options.outputs, configuration); !kept.ok()) {
+    return fail(kept.text());
+  }
   if (options.led) {
-    if (const Result<void> wired = check_led(board); !wired.ok()) return fail(wired.text());
+    if (const Result<void> wired = check_led(*options.led, board); !wired.ok()) return fail(wired.text());
     session.set_arena_led({options.led->u_px, options.led->v_px, options.led->radius_px});
   }
   Result<network::NetworkPlan> plan = network::plan_network(configuration, options.network);
@@ -347,6 +420,9 @@ int measure_worst_frames(MeasureOptions& options) {
   const auto configuration = std::make_unique<config::Configuration>();
   const Result<void> loaded = config::load(options.session.files, *configuration);
   if (!loaded.ok()) return refuse(loaded.error());
+  if (const Result<void> kept = check_inputs_remain(options.outputs, *configuration); !kept.ok()) {
+    return fail(kept.text());
+  }
   const auto pipeline = std::make_unique<Pipeline>();
   const Status status = pipeline->configure(configuration->pipeline, ExecutionMeter::read);
   if (!status.ok()) return fail(std::string("the pipeline rejects these files: ") + describe(status.code()));
@@ -383,6 +459,7 @@ int measure(MeasureOptions& options) {
   for (const std::string& path : {outputs.json, outputs.csv, outputs.histogram, outputs.html}) {
     if (const Result<void> writable = check_writable(path); !writable.ok()) return fail(writable.text());
   }
+  if (const Result<void> different = check_different(named(outputs)); !different.ok()) return fail(different.text());
   const WorstFrameRecorder recorder(outputs.worst_folder, options.listed);
   if (const Result<void> writable = recorder.check(); !writable.ok()) return fail(writable.text());
   crash_stop::install_handlers();
@@ -391,6 +468,9 @@ int measure(MeasureOptions& options) {
 }
 
 int compare(const std::string& path_a, const std::string& path_b, const std::string& html) {
+  if (const Result<void> kept = check_inputs_remain({{"--html", html}}, {path_a, path_b}); !kept.ok()) {
+    return fail(kept.text());
+  }
   const Result<LatencyReport> a = read_report(path_a), b = read_report(path_b);
   for (const Result<LatencyReport>* report : {&a, &b}) {
     if (!report->ok()) return fail(report->text());

@@ -33,13 +33,14 @@ struct Ratio {
     double below = 0.0, above = 0.0;  // from the logarithm to the ends of its interval
   };
   std::optional<Distances> interval;
-  bool is_shown = false;  // of the interval: it has `value` in it
+  bool is_shown = false;   // of the interval: it has `value` in it
+  bool is_judged = false;  // the times differ by enough
 
   // Three percentiles of ten spans are judged at once. For a 5 % risk that any of 30 ratios counts as changed by
   // chance, each interval must have 99.8 % (Bonferroni), which is 3.1 instead of 1.96 standard deviations.
   static constexpr double kWiden = 3.14 / 1.96;
-  [[nodiscard]] bool grew() const { return interval && logarithm > kWiden * interval->below; }
-  [[nodiscard]] bool shrank() const { return interval && -logarithm > kWiden * interval->above; }
+  [[nodiscard]] bool grew() const { return is_judged && interval && logarithm > kWiden * interval->below; }
+  [[nodiscard]] bool shrank() const { return is_judged && interval && -logarithm > kWiden * interval->above; }
 };
 
 Ratio ratio_of(const LatencySummary& a, const LatencySummary& b, const Column& column) {
@@ -56,6 +57,7 @@ Ratio ratio_of(const LatencySummary& a, const LatencySummary& b, const Column& c
   const double x = log_of(from), y = log_of(to);
   ratio.logarithm = y - x;
   ratio.is_shown = from >= kLeast && to >= kLeast;
+  ratio.is_judged = std::chrono::abs(to - from) >= kLeast;
   ratio.interval = {std::hypot(y - log_of(in_b.low), log_of(in_a.high) - x),
                     std::hypot(log_of(in_b.high) - y, x - log_of(in_a.low))};
   return ratio;

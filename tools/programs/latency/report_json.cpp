@@ -1,6 +1,8 @@
 #include "tools/programs/latency/report_json.h"
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
+#include <string_view>
 #include <type_traits>
 
 namespace touchline::latency {
@@ -239,6 +241,13 @@ class Reader {
   Result<void>& result_;
 };
 
+// `before`: the text before the first wrong character.
+Error not_json_after(std::string_view before) {
+  const auto line = static_cast<long>(1 + std::count(before.begin(), before.end(), '\n'));
+  const std::size_t column = before.size() - (before.rfind('\n') + 1) + 1;
+  return failure(ErrorCode::kInconsistent, "line %ld, column %zu: is not JSON", line, column);
+}
+
 }  // namespace
 
 std::string to_json(const LatencyReport& report) {
@@ -250,8 +259,14 @@ std::string to_json(const LatencyReport& report) {
 }
 
 Result<LatencyReport> from_json(const std::string& text) {
-  const ordered_json json = ordered_json::parse(text, nullptr, false);
-  if (json.is_discarded()) return failure(ErrorCode::kInconsistent, "is not JSON");
+  ordered_json json;
+  try {
+    json = ordered_json::parse(text);
+  } catch (const ordered_json::parse_error& fault) {
+    return not_json_after(std::string_view(text).substr(0, fault.byte - 1));
+  } catch (const ordered_json::out_of_range&) {
+    return failure(ErrorCode::kOutOfRange, "contains a number that is too large");
+  }
   Result<void> result;
   Reader reader(json, "", result);
   std::int64_t format = 0;

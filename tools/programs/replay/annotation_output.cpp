@@ -43,12 +43,4 @@ Result<void> AnnotationOutput::finish() {
   return video_ == nullptr || !video_open_ ? Result<void>() : video_->finish();
 }
 
-bool would_overwrite(const std::string& input, const std::string& output) {
-  std::error_code failure;
-  const std::filesystem::path from = std::filesystem::weakly_canonical(input, failure);
-  const std::filesystem::path to = std::filesystem::weakly_canonical(output, failure);
-  const bool among_pictures = to.has_extension() && to.extension() != ".jsonl" && to.extension() != ".mp4";
-  return from == to || (from == to.parent_path() && among_pictures);
-}
-
 }  // namespace touchline::replay

@@ -25,7 +25,4 @@ class AnnotationOutput {
   bool video_open_ = false;
 };
 
-/// Whether writing `output` would replace `input` or add a picture to the input folder.
-bool would_overwrite(const std::string& input, const std::string& output);
-
 }  // namespace touchline::replay

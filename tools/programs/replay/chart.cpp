@@ -59,6 +59,8 @@ class Axes2d {
   [[nodiscard]] double v(double y) const {
     return chart_.top + chart_.height - (y - y_.low) / (y_.high - y_.low) * chart_.height;
   }
+  // Without any value, there are no scales to draw.
+  [[nodiscard]] bool is_empty() const { return x_.empty; }
   [[nodiscard]] const Range& x() const { return x_; }
   [[nodiscard]] const Range& y() const { return y_; }
 
@@ -141,13 +143,16 @@ void draw_curve(cairo_t& context, const Axes2d& axes, const Curve& curve) {
   }
 }
 
+// The line's name is in the title's row, where it hides no values.
 void draw_limit(cairo_t& context, const Chart& chart, const Axes2d& axes) {
+  constexpr double kSample = 22.0, kGap = 6.0;
   const std::array<double, 2> dashes{6.0, 4.0};
+  const double right = chart.left + chart.width, name = right - chart_text_width(context, chart.limit_name);
   cairo_set_dash(&context, dashes.data(), 2, 0.0);
-  chart_line(context, chart.left, axes.v(chart.limit), chart.left + chart.width, axes.v(chart.limit), kChartLimit);
+  chart_line(context, chart.left, axes.v(chart.limit), right, axes.v(chart.limit), kChartLimit);
+  chart_line(context, name - kGap - kSample, chart.top - 12.0, name - kGap, chart.top - 12.0, kChartLimit);
   cairo_set_dash(&context, nullptr, 0, 0.0);
-  const double width = chart_text_width(context, chart.limit_name);
-  chart_text(context, chart.left + chart.width - width, axes.v(chart.limit) - 4.0, chart.limit_name);
+  chart_text(context, name, chart.top - 8.0, chart.limit_name);
 }
 
 void draw_chart_legend(cairo_t& context, const Chart& chart) {
@@ -176,6 +181,10 @@ void draw_chart(cairo_t& context, const Chart& chart) {
   cairo_select_font_face(&context, "sans-serif", CAIRO_FONT_SLANT_NORMAL, CAIRO_FONT_WEIGHT_NORMAL);
   cairo_set_font_size(&context, kChartText);
   const Axes2d axes(chart);
+  if (axes.is_empty()) {
+    chart_text(context, chart.left, chart.top - 8.0, chart.title + (chart.curves.empty() ? "" : ": no values"));
+    return;
+  }
   draw_ticks(context, chart, axes);
   if (chart.limit > 0.0) draw_limit(context, chart, axes);
   for (const Curve& curve : chart.curves) draw_curve(context, axes, curve);

@@ -26,6 +26,7 @@ struct Chart {
   std::vector<Curve> curves;
 };
 
+/// Without any value, only the title is drawn.
 void draw_chart(cairo_t& context, const Chart& chart);
 
 /// A step of 1, 2 or 5 times a power of ten that gives about five ticks in `range` > 0.

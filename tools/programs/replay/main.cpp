@@ -73,10 +73,13 @@ int main(int argc, char** argv) {
   app.add_option("--out", options.out, "Result file, JSON lines; -: standard output")->required();
   app.add_option("--annotate", options.annotate,
                  "Draw the results into pictures in this folder, or into a video NAME.mp4");
-  app.add_option("--plot", options.plot,
-                 "Draw path, velocities and innovations of a robot and of the ball into this SVG file");
+  CLI::Option* plot =
+      app.add_option("--plot", options.plot,
+                     "Draw path, velocities and innovations of a robot and of the ball into this SVG file")
+          ->check(touchline::name_ending({".svg"}));
   app.add_option("--plot-robot", options.plot_robot,
-                 "TEAM:ID, the robot of --plot, with the team's color: blue:3 (default: the one that drives farthest)");
+                 "TEAM:ID, the robot of --plot, with the team's color: blue:3 (default: the one that drives farthest)")
+      ->needs(plot);
   app.add_option("--rate", options.rate_hz, "Frames per second (default: a video's own time stamps, pictures 30)")
       ->check(touchline::number_range(0.001, 10000.0));
   touchline::add_overrides(app, options.overrides, "the venue or team file");

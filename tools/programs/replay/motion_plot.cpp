@@ -42,6 +42,8 @@ void put(Curve& curve, double x, double y) {
 class Column {
  public:
   Column(cairo_t& context, double left) : context_(context), left_(left + kLeftMargin) {}
+  // Instead of charts.
+  void draw_text(const std::string& text) { draw_chart(context_, next(kPathTop, kPathHeight, text, "", "")); }
   void draw_path(Curve sighted, Curve tracked, const std::string& title) {
     Chart chart = next(kPathTop, kPathHeight, title, "x in m", "y in m");
     chart.equal_scales = chart.legend = true;
@@ -53,7 +55,7 @@ class Column {
     Chart chart = next(top_, kRowHeight, title, "time in s", unit);
     chart.curves = std::move(curves);
     chart.limit = limit;
-    chart.limit_name = "95 % of all lie below";
+    chart.limit_name = "95 % should lie below";
     draw_chart(context_, chart);
     top_ += kRowPitch;
   }
@@ -125,6 +127,11 @@ void draw_robot(cairo_t& context, const MotionPlot::Motions& motions, const std:
 // Fig. 10.
 void draw_ball(cairo_t& context, const MotionPlot::Motions& motions) {
   Column column(context, kColumn);
+  const auto is_known = [](const MotionPlot::Motion& m) { return m.sighted || m.tracked; };
+  if (std::none_of(motions.begin(), motions.end(), is_known)) {
+    column.draw_text("ball: not seen");
+    return;
+  }
   draw_paths(column, motions, "ball: path");
   for (const std::size_t axis : {std::size_t{0}, std::size_t{1}}) {
     Curve raw = sighting_curve(), filtered = track_curve();
@@ -217,7 +224,11 @@ std::string MotionPlot::svg(Team team, RobotId id, const std::string& name) cons
   set_color(*context, {1.0, 1.0, 1.0});
   cairo_paint(context.get());
   const auto robot = robots_.find({team, id});
-  if (robot != robots_.end()) draw_robot(*context, robot->second, name);
+  if (robot != robots_.end()) {
+    draw_robot(*context, robot->second, name);
+  } else {
+    Column(*context, 0.0).draw_text("no robot with an id was seen");
+  }
   draw_ball(*context, ball_);
   cairo_surface_finish(surface.get());
   return svg;

@@ -10,6 +10,7 @@
 #include "firmware/report/trace_json.h"
 #include "hal/files/output_file.h"
 #include "hal/replay/replay_camera.h"
+#include "tools/programs/command_line/would_overwrite.h"
 #include "tools/programs/replay/annotation.h"
 #include "tools/programs/replay/annotation_output.h"
 #include "tools/programs/replay/motion_plot.h"
@@ -31,7 +32,6 @@ AnnotationStyle annotation_style(const config::Configuration& configuration) {
 
 Result<void> check_outputs(const ReplayOptions& options) {
   for (const std::string& output : {options.out, options.annotate, options.plot}) {
-    if (output.empty()) continue;
     for (const std::string& input : {options.input, options.venue, options.team}) {
       if (!would_overwrite(input, output)) continue;
       return failure(ErrorCode::kInconsistent, "%s: would overwrite, or be added to, the input %s", output.c_str(),
@@ -41,8 +41,7 @@ Result<void> check_outputs(const ReplayOptions& options) {
   if (would_overwrite(options.out, options.annotate)) {
     return failure(ErrorCode::kInconsistent, "%s: is also the result file", options.annotate.c_str());
   }
-  if (!options.plot.empty() &&
-      (would_overwrite(options.out, options.plot) || would_overwrite(options.annotate, options.plot))) {
+  if (would_overwrite(options.out, options.plot) || would_overwrite(options.annotate, options.plot)) {
     return failure(ErrorCode::kInconsistent, "%s: is also another output", options.plot.c_str());
   }
   return {};

@@ -1,0 +1,11 @@
+#pragma once
+
+#include <string>
+
+namespace touchline {
+
+/// Whether writing `output` would replace `input`, or add a picture to it if it is a folder. Neither file needs to
+/// exist; an empty path is no file.
+bool would_overwrite(const std::string& input, const std::string& output);
+
+}  // namespace touchline

@@ -70,6 +70,8 @@ constexpr float kLastsOnFloorPx = 0.5f, kLastsBesidePx = 3.0f;
 // Variance of a pixel's light on the outline relative to that of one inside: it has half the light, to which the
 // variance is proportional.
 constexpr float kEdgeNoise = 0.5f;
+// Number of differences between neighbors from which this variance is known well enough.
+constexpr int kEnoughDifferences = 16;
 
 using Normal = Eigen::Matrix<float, kShadeTerms, kShadeTerms>;
 using Terms = Eigen::Matrix<float, kShadeTerms, 1>;
@@ -309,8 +311,10 @@ class BallCenterFit::Solver {
   // differences of neighbors' errors inside the ball, to which what the shading does not explain adds little.
   [[nodiscard]] float camera_noise() const {
     std::array<float, kLightChannels> squares{};
-    float count = 0;
-    for (const BallPixels& pixels : disk_) {
+    int count = 0;
+    // Pixels off the outline are the last ones.
+    for (std::size_t k = disk_.size(); k > 0 && count < kEnoughDifferences; --k) {
+      const BallPixels& pixels = disk_[k - 1];
       for (std::size_t i = 1; i + 1 < kLanes; ++i) {
         const auto bend = [i](const StoredFloat8& of) {
           return of.value[i - 1] - 2.0f * of.value[i] + of.value[i + 1];
@@ -333,7 +337,7 @@ class BallCenterFit::Solver {
       sum += light_[c] * light_[c] * squares[c];
       power += light_[c] * light_[c];
     }
-    return count > 0.0f ? sum / (kPerVariance * count * power) : 0.0f;
+    return count > 0 ? sum / (kPerVariance * static_cast<float>(count) * power) : 0.0f;
   }
 
   // Steps of this method are too short or too long by a factor that hardly changes. It follows from how much of a step

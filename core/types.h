@@ -188,9 +188,9 @@ struct BallSighting {
   FieldPoint position;
   PixelPoint center;
   std::uint32_t area_px = 0;
-  float sigma_m = 0.0f;     // standard deviation of each coordinate, as far as this picture tells
-  float lasting_share = 0.0f, lasts_m = 0.0f;  // as of a robot
-  float confidence = 0.0f;  // see Confidence
+  float sigma_m = 0.0f;                        // standard deviation of each coordinate, as far as this picture tells
+  float confidence = 0.0f;                     // see Confidence
+  float lasting_share = 0.0f, lasts_m = 0.0f;  // of its variance, as of a robot
 };
 
 /// Why a region was used for a sighting, or why not.

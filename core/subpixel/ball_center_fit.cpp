@@ -69,7 +69,7 @@ constexpr float kWholeSeen = 0.9f, kPartSeen = 0.8f, kDoubted = 0.01f;
 constexpr float kLastsOnFloorPx = 0.5f, kLastsBesidePx = 3.0f;
 // Variance of a pixel's light on the outline relative to that of one inside: it has half the light, to which the
 // variance is proportional.
-constexpr float kEdgeNoise = 0.5f;
+constexpr float kOutlineNoise = 0.5f;
 // Number of differences between neighbors from which this variance is known well enough.
 constexpr int kEnoughDifferences = 16;
 
@@ -153,7 +153,8 @@ class BallCenterFit::Solver {
   [[nodiscard]] float sigma() const { return sigma_; }
   // Part of the center's variance that does not come from the camera's noise, 0 to 1.
   [[nodiscard]] float lasting_share() const {
-    return sigma_ > 0.0f ? std::max(0.0f, 1.0f - kEdgeNoise * camera_noise() * per_noise_ / (sigma_ * sigma_)) : 0.0f;
+    return sigma_ > 0.0f ? std::max(0.0f, 1.0f - kOutlineNoise * camera_noise() * per_noise_ / (sigma_ * sigma_))
+                         : 0.0f;
   }
   [[nodiscard]] float lasts_m() const {
     return std::lerp(kLastsOnFloorPx, kLastsBesidePx, beside_) * radius_m_ / view_.radius_px;

@@ -12,17 +12,17 @@ constexpr double kLongestBounce_s = 0.05;
 
 // Gain of the process noise's variance by a sighting, and its least part, as of robots (tracked_robot.cpp). A rolling
 // ball needs little more than a resting one.
-constexpr double kActivityGain = 0.4, kLeastActivity = 1e-3;
+constexpr double kBallActivityGain = 0.4, kLeastBallActivity = 1e-3;
 
 // Below this correlation, all lasting errors count as others. So do those of a picture that states more than this
 // multiple of the former size, or less than its inverse: it shows other parts of the ball.
-constexpr double kLeastSame = 0.1, kOtherSize = 2.0;
+constexpr double kLeastSameBall = 0.1, kOtherBallSize = 2.0;
 
-PointFilter::Noise motion_of(const BallFilterParameters& p, double activity) {
+PointFilter::Noise ball_motion(const BallFilterParameters& p, double activity) {
   return {0.0, std::sqrt(activity) * p.noise_mps_rts, p.damping_per_s};
 }
 
-LifeCycle::Limits limits_of(const TrackParameters& p) {
+LifeCycle::Limits ball_limits(const TrackParameters& p) {
   return {p.ball.confirm_sightings, p.forget_new_after_s, p.ball.lost_after_s};
 }
 
@@ -61,13 +61,13 @@ void TrackedBall::start(const BallSighting& sighting, const PointFilter::Velocit
 
 // As of robots (robot_motion.cpp), the correlation of the errors at two places depends on the places, not on the way.
 double TrackedBall::renew_lasting_error(const BallSighting& sighting, const Errors& errors) {
-  const bool is_other = !(sighting.lasts_m > 0.0f) || errors.lasting_m > kOtherSize * lasting_m_ ||
-                        lasting_m_ > kOtherSize * errors.lasting_m;
+  const bool is_other = !(sighting.lasts_m > 0.0f) || errors.lasting_m > kOtherBallSize * lasting_m_ ||
+                        lasting_m_ > kOtherBallSize * errors.lasting_m;
   const double moved = distance(sighting.position, lasting_since_);
   const double same = is_other ? 0.0 : std::min(same_, std::exp(-moved / static_cast<double>(sighting.lasts_m)));
   const double part = same / same_;
   same_ = same;
-  if (same < kLeastSame) {
+  if (same < kLeastSameBall) {
     lasting_since_ = sighting.position;
     same_ = 1.0;
   }
@@ -78,11 +78,11 @@ double TrackedBall::renew_lasting_error(const BallSighting& sighting, const Erro
 void TrackedBall::update(const BallSighting& sighting, Instant from, Instant now, const TrackParameters& parameters) {
   innovation2_ = -1.0f;
   if (!life_.lost() && seconds(now - life_.last_seen()) > parameters.ball.lost_after_s) life_.lose();
-  if (!life_.lost()) filter_.predict(seconds(now - from), motion_of(parameters.ball, activity_));
+  if (!life_.lost()) filter_.predict(seconds(now - from), ball_motion(parameters.ball, activity_));
   const bool fused = credible(sighting) && fuse(sighting, now, parameters);
   if (fused || life_.lost()) return;
   activity_ = 1.0;
-  life_.missed(now, limits_of(parameters));
+  life_.missed(now, ball_limits(parameters));
 }
 
 bool TrackedBall::fuse(const BallSighting& sighting, Instant now, const TrackParameters& parameters) {
@@ -93,7 +93,7 @@ bool TrackedBall::fuse(const BallSighting& sighting, Instant now, const TrackPar
     outliers_.clear();
     last_position_ = sighting.position;
     confidence_ = sighting.confidence;
-    life_.start(now, limits_of(parameters));
+    life_.start(now, ball_limits(parameters));
     return true;
   }
   const PointFilter::Noise noise{errors.white_m, 0.0, 0.0};
@@ -102,9 +102,10 @@ bool TrackedBall::fuse(const BallSighting& sighting, Instant now, const TrackPar
   double distance2 = next.filter_.distance2(sighting.position, noise);
   // A step along the gradient of the innovation's likelihood by the logarithm of the process noise.
   const double ratio = distance2 / 2.0;
-  const double gain = kActivityGain * (1.0 - errors.white_m * errors.white_m / next.filter_.innovation_variance(noise));
+  const double gain =
+      kBallActivityGain * (1.0 - errors.white_m * errors.white_m / next.filter_.innovation_variance(noise));
   const double change = distance2 > p.gate_position ? ratio : 1.0 + gain * (ratio - 1.0);
-  next.activity_ = std::clamp(change * activity_, kLeastActivity, 1.0);
+  next.activity_ = std::clamp(change * activity_, kLeastBallActivity, 1.0);
   if (distance2 > p.gate_position) {
     // The ball may have bounced, or a robot hit it, since the last sighting.
     next.filter_.disturb(std::min(seconds(now - life_.last_seen()), kLongestBounce_s), p.impact_mps);
@@ -136,7 +137,7 @@ bool TrackedBall::fuse(const BallSighting& sighting, Instant now, const TrackPar
   outliers_.clear();
   last_position_ = sighting.position;
   confidence_ = sighting.confidence;
-  life_.seen(now, limits_of(parameters));
+  life_.seen(now, ball_limits(parameters));
   return true;
 }
 
@@ -151,7 +152,7 @@ void TrackedBall::report(Instant now, Instant action, const TrackParameters& par
   out.last_seen = life_.last_seen();
   out.confidence = confidence_;
   PointFilter later = filter_;
-  later.predict(seconds(action - now), motion_of(parameters.ball, activity_));
+  later.predict(seconds(action - now), ball_motion(parameters.ball, activity_));
   out.position_at_action = later.position();
   out.velocity_at_action = later.velocity();
 }

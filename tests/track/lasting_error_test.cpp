@@ -261,7 +261,8 @@ Hit roll_and_hit(unsigned seed, double speed_mps) {
     sightings.ball.seen = true;
     sightings.ball.position = ball.sighted().position;
     sightings.ball.sigma_m = static_cast<float>(std::hypot(kWhite_m, kLasting_m));
-    sightings.ball.lasting_share = sighting_noise(kLasting_m, 1.0).xx / sighting_noise(sightings.ball.sigma_m, 1.0).xx;
+    sightings.ball.lasting_share =
+        sighting_noise(kLasting_m, 1.0).xx / sighting_noise(static_cast<double>(sightings.ball.sigma_m), 1.0).xx;
     sightings.ball.lasts_m = static_cast<float>(kLasts_m);
     Tracks tracks;
     tracker.update(sightings, at(k * kPeriod_s), at(k * kPeriod_s), tracks);

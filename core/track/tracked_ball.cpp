@@ -10,9 +10,8 @@ namespace {
 // A ball that was not seen for longer may be anywhere. Its next sightings must agree with each other.
 constexpr double kLongestBounce_s = 0.05;
 
-// Gain of the process noise's variance by a sighting, and its least part, as of robots (tracked_robot.cpp). A rolling
-// ball needs little more than a resting one.
-constexpr double kBallActivityGain = 0.4, kLeastBallActivity = 1e-3;
+// A rolling ball needs little more process noise than a resting one.
+constexpr double kLeastBallActivity = 1e-3;
 
 // Below this correlation, all lasting errors count as others. So do those of a picture that states more than this
 // multiple of the former size, or less than its inverse: it shows other parts of the ball.
@@ -53,7 +52,7 @@ void TrackedBall::lose() {
 
 void TrackedBall::start(const BallSighting& sighting, const PointFilter::Velocity& velocity, const Errors& errors) {
   filter_.start(sighting.position, velocity, errors.white_m, errors.lasting_m);
-  activity_ = 1.0;
+  activity_.restore();
   lasting_m_ = errors.lasting_m;
   lasting_since_ = sighting.position;
   same_ = 1.0;
@@ -78,10 +77,10 @@ double TrackedBall::renew_lasting_error(const BallSighting& sighting, const Erro
 void TrackedBall::update(const BallSighting& sighting, Instant from, Instant now, const TrackParameters& parameters) {
   innovation2_ = -1.0f;
   if (!life_.lost() && seconds(now - life_.last_seen()) > parameters.ball.lost_after_s) life_.lose();
-  if (!life_.lost()) filter_.predict(seconds(now - from), ball_motion(parameters.ball, activity_));
+  if (!life_.lost()) filter_.predict(seconds(now - from), ball_motion(parameters.ball, activity_.value()));
   const bool fused = credible(sighting) && fuse(sighting, now, parameters);
   if (fused || life_.lost()) return;
-  activity_ = 1.0;
+  activity_.restore();
   life_.missed(now, ball_limits(parameters));
 }
 
@@ -100,12 +99,8 @@ bool TrackedBall::fuse(const BallSighting& sighting, Instant now, const TrackPar
   TrackedBall next = *this;
   next.filter_.renew_lasting_error(next.renew_lasting_error(sighting, errors), errors.lasting_m);
   double distance2 = next.filter_.distance2(sighting.position, noise);
-  // A step along the gradient of the innovation's likelihood by the logarithm of the process noise.
-  const double ratio = distance2 / 2.0;
-  const double gain =
-      kBallActivityGain * (1.0 - errors.white_m * errors.white_m / next.filter_.innovation_variance(noise));
-  const double change = distance2 > p.gate_position ? ratio : 1.0 + gain * (ratio - 1.0);
-  next.activity_ = std::clamp(change * activity_, kLeastBallActivity, 1.0);
+  const double predicted_share = 1.0 - errors.white_m * errors.white_m / next.filter_.innovation_variance(noise);
+  next.activity_.follow(distance2 / 2.0, distance2 > p.gate_position, predicted_share, kLeastBallActivity);
   if (distance2 > p.gate_position) {
     // The ball may have bounced, or a robot hit it, since the last sighting.
     next.filter_.disturb(std::min(seconds(now - life_.last_seen()), kLongestBounce_s), p.impact_mps);
@@ -152,7 +147,7 @@ void TrackedBall::report(Instant now, Instant action, const TrackParameters& par
   out.last_seen = life_.last_seen();
   out.confidence = confidence_;
   PointFilter later = filter_;
-  later.predict(seconds(action - now), ball_motion(parameters.ball, activity_));
+  later.predict(seconds(action - now), ball_motion(parameters.ball, activity_.value()));
   out.position_at_action = later.position();
   out.velocity_at_action = later.velocity();
 }

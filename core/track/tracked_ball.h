@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/track/activity.h"
 #include "core/track/consecutive_outliers.h"
 #include "core/track/life_cycle.h"
 #include "core/track/point_filter.h"
@@ -35,7 +36,7 @@ class TrackedBall {
   FieldPoint last_position_;   // at the last sighting
   float confidence_ = 0.0f;    // of the last sighting
   float innovation2_ = -1.0f;  // as in BallTrack
-  double activity_ = 1.0;      // part of the process noise's variance that the innovations show
+  Activity activity_;
   // The lasting error: its standard deviation, where the ball was when it was another one, and the correlation with
   // that one.
   double lasting_m_ = 0.0;

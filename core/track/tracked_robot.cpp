@@ -41,13 +41,12 @@ LifeCycle::Limits limits_of(const TrackParameters& p) {
 // 1000 is larger.
 constexpr double kNewestSurprise = 0.4, kSurprise = 3.0;
 
-// A robot moves more calmly than the parameters allow for as long as its innovations are smaller than predicted: gain
-// of the process noise's variance by a sighting, and its least part for a standing robot and for one that drives at 1
-// m/s. With known commands, errors of the wheels grow with the speed; with less, the headings of tracks would be worse
-// than those of sightings. Without them, the noise stands for the acceleration by commands, which a fast robot does not
-// need more than a slow one.
-constexpr double kActivityGain = 0.2, kLeastActivity = 1e-3, kLeastActivityAtSpeed = 0.3,
-                 kLeastFreeActivityAtSpeed = 0.02;
+// A robot moves more calmly than the parameters allow for as long as its innovations are smaller than predicted: least
+// part of the process noise's variance for a standing robot and for one that drives at 1 m/s. With known commands,
+// errors of the wheels grow with the speed; with less, the headings of tracks would be worse than those of sightings.
+// Without them, the noise stands for the acceleration by commands, which a fast robot does not need more than a slow
+// one.
+constexpr double kLeastActivity = 1e-3, kLeastActivityAtSpeed = 0.3, kLeastFreeActivityAtSpeed = 0.02;
 
 // A robot that was not seen for longer may be anywhere. Its next sightings must agree with each other.
 constexpr double kLongestImpact_s = 0.05;
@@ -134,7 +133,7 @@ void TrackedRobot::start_drive(const RobotSighting& sighting, const DriveFilter:
   drive_.start(sighting.pose, velocity, noise_of(sighting, parameters));
   heading_known_ = true;
   surprise_ = 0.0;
-  activity_ = 1.0;
+  activity_.restore();
 }
 
 const CommandHistory* TrackedRobot::own_commands(const CommandHistory* commands) const {
@@ -158,7 +157,7 @@ void TrackedRobot::predict(Instant from, Instant to, const CommandHistory* comma
     point_.predict(seconds(to - from), point_motion(parameters.robot));
     return;
   }
-  const RobotFilterParameters p = with_activity(parameters.robot, activity_);
+  const RobotFilterParameters p = with_activity(parameters.robot, activity_.value());
   follow_commands(from, to, own_commands(commands), [&](double dt_s, const DriveInput& input) {
     drive_.predict(dt_s, input, p);
     commands_known_ = input.known;
@@ -185,13 +184,10 @@ bool TrackedRobot::fuse_pose(const RobotSighting& sighting, Instant now, const R
   drive.renew_lasting_error(sighting.pose, errors);
   const DriveFilter::Innovation innovation = drive.innovation(sighting.pose, noise);
   double distance2 = innovation.distance2;
-  // A step along the gradient of the innovation's likelihood by the logarithm of the process noise.
-  const double ratio = distance2 / 3.0, gain = kActivityGain * innovation.predicted_share;
-  const double change = distance2 > parameters.gate_pose ? ratio : 1.0 + gain * (ratio - 1.0);
   const double speed = static_cast<double>(drive.twist().v_mps);
   const double at_speed = commands_known_ ? kLeastActivityAtSpeed : kLeastFreeActivityAtSpeed;
   const double least = std::min(1.0, kLeastActivity + at_speed * speed * speed);
-  activity_ = std::clamp(change * activity_, least, 1.0);
+  activity_.follow(distance2 / 3.0, distance2 > parameters.gate_pose, innovation.predicted_share, least);
   const double newest = std::min(distance2, parameters.gate_pose) / 3.0;
   const double surprise = surprise_ + kNewestSurprise * (newest - surprise_);
   if (surprise > kSurprise) {
@@ -291,7 +287,7 @@ void TrackedRobot::shift_to(FieldPoint position) {
 }
 
 void TrackedRobot::missed(Instant now, const TrackParameters& parameters) {
-  activity_ = 1.0;
+  activity_.restore();
   life_.missed(now, limits_of(parameters));
 }
 

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 
+#include "core/track/activity.h"
 #include "core/track/command_history.h"
 #include "core/track/consecutive_outliers.h"
 #include "core/track/life_cycle.h"
@@ -68,7 +69,7 @@ class TrackedRobot {
   float confidence_ = 0.0f;    // of the last sighting
   float innovation2_ = -1.0f;  // as in RobotTrack
   double surprise_ = 0.0;      // mean of the last squared innovations per degree of freedom
-  double activity_ = 1.0;      // part of the process noise's variances that the innovations show
+  Activity activity_;
   TrackIdentity identity_;
 };
 

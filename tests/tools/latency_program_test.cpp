@@ -242,6 +242,7 @@ TEST_F(LatencyProgram, OutputsReplaceNeitherInputsNorEachOther) {
   EXPECT_EQ(latency("--compare " + path("b.json") + " " + path("a.json") + " --html " + path("a.json")), 1);
   EXPECT_TRUE(output_contains("--html " + path("a.json") + ": would overwrite")) << read("out");
   EXPECT_EQ(read("a.json"), "x");
+  EXPECT_EQ(measure("--frames 5 --out /dev/null --csv /dev/null"), 0) << read("out");
   EXPECT_EQ(measure("--frames 5 --out " + path("x") + " --html " + path("x")), 1);
   EXPECT_TRUE(output_contains("--out " + path("x") + ": would overwrite, or be added to, that of --html"))
       << read("out");

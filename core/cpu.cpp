@@ -14,11 +14,9 @@ struct Feature {
 bool has_feature(std::string_view name) {
 #if defined(__x86_64__)
   __builtin_cpu_init();
-  const Feature features[] = {
-      {"avx2", __builtin_cpu_supports("avx2") != 0},         {"avx512f", __builtin_cpu_supports("avx512f") != 0},
-      {"avx512bw", __builtin_cpu_supports("avx512bw") != 0}, {"avx512vl", __builtin_cpu_supports("avx512vl") != 0},
-      {"bmi", __builtin_cpu_supports("bmi") != 0},           {"bmi2", __builtin_cpu_supports("bmi2") != 0},
-      {"popcnt", __builtin_cpu_supports("popcnt") != 0},     {"avx512vbmi", __builtin_cpu_supports("avx512vbmi") != 0}};
+  const Feature features[] = {{"avx2", __builtin_cpu_supports("avx2") != 0},
+                              {"bmi", __builtin_cpu_supports("bmi") != 0},
+                              {"popcnt", __builtin_cpu_supports("popcnt") != 0}};
 #elif defined(__aarch64__)
   const Feature features[] = {{"neon", true}};  // every 64-bit ARM processor has it
 #else

@@ -12,14 +12,14 @@
 // same list.
 #define TOUCHLINE_PORTABLE_TARGET ""
 #define TOUCHLINE_AVX2_TARGET "avx2,bmi,popcnt"
-#define TOUCHLINE_AVX512_TARGET "avx512f,avx512bw,avx512vl,avx512vbmi,bmi,bmi2,popcnt"
 #define TOUCHLINE_NEON_TARGET "neon"
 
 // Every vector function names its target itself. If a whole file were compiled for AVX2, inline functions that it
 // shares with other files would contain AVX2 code as well, and the linker could pick them for an older processor.
 #define TOUCHLINE_AVX2 [[gnu::target(TOUCHLINE_AVX2_TARGET)]]
 #define TOUCHLINE_AVX2_INLINE [[gnu::target(TOUCHLINE_AVX2_TARGET), gnu::always_inline]] inline
-#define TOUCHLINE_AVX512 [[gnu::target(TOUCHLINE_AVX512_TARGET)]]
+// One pass over a row. If the compiler merges passes, it has too few registers for the state of their loops.
+#define TOUCHLINE_AVX2_PASS [[gnu::target(TOUCHLINE_AVX2_TARGET), gnu::noinline]] static
 
 // Expands to its argument on the processor family, else to nothing.
 #define TOUCHLINE_ON_ANY(...) __VA_ARGS__
@@ -45,8 +45,6 @@
       portable_fit_kernel)                                             \
   SET(X86, kAvx2, "avx2", TOUCHLINE_AVX2_TARGET,                       \
       avx2_span_kernel, avx2_row_mask_kernel, avx2_row_bit_kernel, avx2_fit_kernel)     \
-  SET(X86, kAvx512, "avx512", TOUCHLINE_AVX512_TARGET,                 \
-      avx512_span_kernel, avx512_row_mask_kernel, avx2_row_bit_kernel, avx2_fit_kernel) \
   SET(ARM, kNeon, "neon", TOUCHLINE_NEON_TARGET,                       \
       neon_span_kernel, neon_row_mask_kernel, portable_row_bit_kernel,                  \
       portable_fit_kernel)

@@ -42,7 +42,6 @@ using SpanKernel = OccupiedWords (*)(const SpanTables& tables, const RowPixels& 
 /// all others. A kernel is only defined on its processor family, and must only run where cpu_supports() its set.
 SpanKernel portable_span_kernel(PixelFormat format);
 SpanKernel avx2_span_kernel(PixelFormat format);
-SpanKernel avx512_span_kernel(PixelFormat format);
 SpanKernel neon_span_kernel(PixelFormat format);
 
 /// The kernel of the chosen set. `choice` becomes the set that kFastest stands for. Null: this processor lacks the set.

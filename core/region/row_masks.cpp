@@ -84,24 +84,6 @@ TOUCHLINE_AVX2 void avx2_row_mask_kernel(const ColorRow& row, const ColorRow& ab
   }
 }
 
-TOUCHLINE_AVX512 void avx512_row_mask_kernel(const ColorRow& row, const ColorRow& above, OccupiedWords occupied,
-                                             RowMasks& masks) {
-  clear(masks.occupied & ~occupied, masks);
-  masks.occupied = occupied;
-  masks.is_cut = false;
-  for (OccupiedWords words = occupied; words != 0; words &= words - 1) {
-    const auto i = static_cast<std::size_t>(std::countr_zero(words));
-    const ColorId* colors = row.pixels() + i * kPixelsOfWord;
-    const __m512i here = _mm512_loadu_si512(colors);
-    const std::uint64_t colored = _mm512_test_epi8_mask(here, here);
-    const __m512i left = _mm512_loadu_si512(colors - 1), right = _mm512_loadu_si512(colors + 1);
-    const __m512i upper = _mm512_loadu_si512(above.pixels() + i * kPixelsOfWord);
-    masks.first[i] = _mm512_mask_cmpneq_epi8_mask(colored, here, left);
-    masks.last[i] = _mm512_mask_cmpneq_epi8_mask(colored, here, right);
-    masks.like_above[i] = _mm512_mask_cmpeq_epi8_mask(colored, here, upper);
-  }
-}
-
 #elif defined(__aarch64__)
 
 struct Neon {

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "firmware/config/former_settings.h"
+
 namespace touchline::config {
 namespace {
 
@@ -129,7 +131,9 @@ bool TomlReader::take_number(const toml::node& node, const std::string& path, bo
 
 void TomlReader::refuse_word(std::string_view key, std::string_view word, std::span<const std::string_view> known) {
   std::string message = "\"" + std::string(word) + "\" is not one of " + joined(known);
-  if (const std::string_view near = nearest_word(word, known); !near.empty()) {
+  if (const std::string_view advice = former_setting(pattern_of(key), word); !advice.empty()) {
+    message.append(": ").append(advice);
+  } else if (const std::string_view near = nearest_word(word, known); !near.empty()) {
     message.append("; did you mean \"").append(near).append("\"?");
   }
   errors_.add(where(*level_.table->get(key)), path_of(key), message);
@@ -150,8 +154,10 @@ bool TomlReader::refuse_size(const toml::array& array, const std::string& path, 
 void TomlReader::finish_table() {
   for (const auto& [key, node] : *level_.table) {
     if (std::find(level_.known.begin(), level_.known.end(), key.str()) != level_.known.end()) continue;
-    errors_.add(where(key.source()), path_of(key.str()),
-                "unknown key" + suggestion(key.str(), level_.known, "keys here"));
+    const std::string_view advice = former_setting(pattern_of(key.str()));
+    errors_.add(
+        where(key.source()), path_of(key.str()),
+        advice.empty() ? "unknown key" + suggestion(key.str(), level_.known, "keys here") : std::string(advice));
   }
   const std::string here = locations_.of(level_.path);
   for (const std::string_view pattern : required_) {

@@ -5,15 +5,13 @@
 
 #include "core/pipeline.h"
 #include "hal/files/output_file.h"
-#include "tests/benchmark/clutter_step.h"
 #include "tests/benchmark/measurement.h"
-#include "tests/benchmark/mjpg_benchmark.h"
 #include "tests/benchmark/real_pictures.h"
 
 namespace touchline::testing {
 namespace {
 
-constexpr char kRealistic[] = "field 640x480 rgb24", kStep[] = "step, ten robots and ball";
+constexpr char kRealistic[] = "field 640x480 rgb24";
 
 double median_of(const BenchmarkCases& cases, const std::string& benchmark, const std::string& method) {
   for (const auto& candidate : cases) {
@@ -30,36 +28,6 @@ double rounded(double value, int digits) {
   return std::round(value * scale) / scale;
 }
 
-// The slowest picture of 640 x 480 without light map, measured with a warm cache.
-const BenchmarkCase* slowest(const BenchmarkCases& cases, const std::string& kernel, double& time_us) {
-  const BenchmarkCase* found = nullptr;
-  time_us = std::nan("");
-  for (const auto& benchmark : cases) {
-    if (benchmark->parameters.width_px != 640 || benchmark->parameters.light.columns > 0 || !benchmark->copies.empty())
-      continue;
-    const double time = median_of(cases, benchmark->name, kernel);
-    if (std::isnan(time) || (found != nullptr && time <= time_us)) continue;
-    found = benchmark.get();
-    time_us = time;
-  }
-  return found;
-}
-
-// The clutter with the slowest step, for the teams of the mock board or for the largest ones.
-const BenchmarkCase* slowest_clutter(const BenchmarkCases& cases, ClutterTeams teams) {
-  const BenchmarkCase* found = nullptr;
-  double most = 0.0;
-  for (const auto& benchmark : cases) {
-    if (!benchmark->name.starts_with("step, ") || benchmark->name == kStep) continue;
-    if (benchmark->name.ends_with(kLargestTeams) != (teams == ClutterTeams::kLargest)) continue;
-    const double time = median_of(cases, benchmark->name, "step");
-    if (time <= most) continue;
-    most = time;
-    found = benchmark.get();
-  }
-  return found;
-}
-
 }  // namespace
 
 std::vector<Goal> goals_of(const BenchmarkCases& cases) {
@@ -70,52 +38,14 @@ std::vector<Goal> goals_of(const BenchmarkCases& cases) {
   const auto time = [&](const std::string& benchmark, const std::string& method) {
     return median_of(cases, benchmark, method);
   };
-  const double realistic = time(kRealistic, "avx2"), read = time(kRealistic, "read");
-  const std::string cold = std::string(kRealistic) + ", cold";
-  add("avx2 / read, realistic RGB24", realistic / read, 4.0);
-  add("avx2 / read, realistic RGB24, cold", time(cold, "avx2") / time(cold, "read"), 4.0);
-  add("avx512 / read, realistic RGB24", time(kRealistic, "avx512") / read, 2.5);
-  add("avx512 / read, realistic RGB24, cold", time(cold, "avx512") / time(cold, "read"), 2.5);
-  add("OpenCV table / avx2", time(kRealistic, "OpenCV table") / realistic, 20.0, true);
-  add("OpenCV inRange / avx2", time(kRealistic, "OpenCV inRange") / realistic, 20.0, true);
-  add("paper / avx2", time(kRealistic, "paper") / realistic, 6.0, true);
-  add("YUYV / RGB24, avx2", time("field 640x480 yuyv", "avx2") / realistic, 1.0);
-  add("NV12 / RGB24, avx2", time("field 640x480 nv12", "avx2") / realistic, 1.0);
-  for (const std::string kernel : {"avx2", "avx512"}) {
-    const double usual = time(kRealistic, kernel);
-    double worst = 0.0;
-    const BenchmarkCase* benchmark = slowest(cases, kernel, worst);
-    const std::string which = benchmark == nullptr ? "" : " (" + benchmark->name + ")";
-    add("light map / without, " + kernel, time(std::string(kRealistic) + ", light map", kernel) / usual, 1.25);
-    add("noisy / realistic, " + kernel, time(std::string(kRealistic) + ", noisy", kernel) / usual, 2.0);
-    add("slowest of all / realistic, " + kernel + which, worst / usual, 6.0);
-    add("slowest of all, microseconds, " + kernel + which, worst, 1500.0);
-  }
-  for (const std::string size : {"field 1280x1024 rgb24", "field 1920x1080 rgb24"}) {
-    add("avx2 / read, " + size, time(size, "avx2") / time(size, "read"), 2.5);
-  }
-  for (const auto& [sampling, limit] : {std::pair{"mjpg 4:2:0", 0.7}, {"mjpg 4:2:2", 0.8}}) {
-    for (const auto& [picture, method] :
-         {std::pair{" step", "step"}, {" field 640x480", "regions"}, {" vsss-bar", "regions"}}) {
-      const std::string name = std::string(sampling) + kCameraSize + picture;
-      add(name + ", " + method + ": planar YUV / RGB",
-          time(name, std::string(method) + ", YUV") / time(name, std::string(method) + ", RGB"), limit);
-    }
-  }
+  // The kernel that the program picks on this processor.
+  const std::string kernel = std::isnan(time(kRealistic, "avx2")) ? "neon" : "avx2";
+  add("OpenCV table / scan of every row", time(kRealistic, "OpenCV table") / time(kRealistic, kernel), 30.0, true);
   for (const std::string set : kRealSets) {
     const std::string name = "real " + set;
-    const std::string kernel = std::isnan(time(name, "avx512")) ? "avx2" : "avx512";
-    add(name + ": ssl-vision's segmentation / scan of a step", time(name, "ssl-vision") / time(name, kernel), 8.0,
+    add(name + ": ssl-vision's segmentation / scan of a step", time(name, "ssl-vision") / time(name, kernel), 3.0,
         true);
-    add(name + ": whole step / scan of every row", time(name, "step") / time(name, kernel + kEveryRow), 1.6);
   }
-  for (const ClutterTeams teams : {ClutterTeams::kMock, ClutterTeams::kLargest}) {
-    const BenchmarkCase* const slowest_step = slowest_clutter(cases, teams);
-    if (slowest_step == nullptr) continue;
-    add("slowest whole step / a field's (" + slowest_step->name + ")",
-        time(slowest_step->name, "step") / time(kStep, "step"), 6.0);
-  }
-  add("whole step / scan of every row", time(kStep, "step") / time(kStep, std::string("scan") + kEveryRow), 1.4);
   add("memory of the core with the tables of a reload, MiB",
       static_cast<double>(sizeof(Pipeline) + sizeof(ScanTables)) / 1048576.0, 4.0);
   return goals;

@@ -77,8 +77,7 @@ class Stopwatch {
  public:
   Stopwatch() {
     for (const auto& [choice, name] :
-         {std::pair(KernelChoice::kAvx512, "avx512"), std::pair(KernelChoice::kAvx2, "avx2"),
-          std::pair(KernelChoice::kNeon, "neon")}) {
+         {std::pair(KernelChoice::kAvx2, "avx2"), std::pair(KernelChoice::kNeon, "neon")}) {
       Kernel kernel = {choice, name, std::make_unique<RegionScanner>()};
       if (configure(*kernel.of_field, field_, kernel)) kernels_.push_back(std::move(kernel));
     }

@@ -1,4 +1,4 @@
-// Code that is compiled for AVX2 or AVX-512 must run only on processors with these instructions. If several objects
+// Code that is compiled for AVX2 must run only on processors with these instructions. If several objects
 // define a function (inline, template), the linker takes any of them. One that is compiled for AVX2 could then run
 // everywhere.
 #include <sstream>
@@ -16,9 +16,9 @@ struct VectorFindings {
   std::vector<std::string> refused;  // mangled names
 };
 
-// True for a function that only objects for AVX2 or AVX-512 define.
+// True for a function that only objects for AVX2 define.
 bool names_its_instruction_set(const std::string& symbol) {
-  return symbol.find("avx2") != std::string::npos || symbol.find("512") != std::string::npos;
+  return symbol.find("avx2") != std::string::npos;
 }
 
 std::unordered_set<std::string> weak_functions(const std::string& archive) {

@@ -25,6 +25,14 @@ TEST_F(ConfigFiles, UnknownKeyWithoutASimilarOneListsAllKeys) {
             "low_battery_v\n");
 }
 
+TEST_F(ConfigFiles, AWordOfAnEarlierVersionSaysWhatToDo) {
+  replace("board.toml", "[radio]\n", "[scan]\nkernel = \"avx512\"\n[radio]\n");
+  EXPECT_EQ(
+      refusal(),
+      "board.toml:14: scan.kernel: \"avx512\" is not one of fastest, portable, avx2, neon: the kernels for AVX-512 "
+      "are gone, because they were no faster than those for AVX2; remove the line\n");
+}
+
 TEST_F(ConfigFiles, UnknownSectionIsReportedAsAnUnknownKey) {
   replace("venue.toml", "[picture]", "[pictures]");
   EXPECT_EQ(refusal(),

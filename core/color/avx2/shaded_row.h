@@ -1,3 +1,5 @@
+#pragma once
+
 #include "core/color/avx2/pixel_layout.h"
 
 #if defined(__x86_64__)
@@ -7,15 +9,15 @@
 
 // Rows with a light map. Every tile of 16 pixels has its own tables. A register holds a tile twice, and each half looks
 // up another group of classes.
-namespace touchline::TOUCHLINE_TARGET_NAMESPACE {
+namespace touchline::avx2 {
 
 // Layout functions that rows with a light map need:
 // - tile_planes, candidates of two tiles: see pixel_layout.h.
 // - reject_eight_tiles: returns a bit for each of eight tiles that is background. Writes background to all of them.
 template <class Layout>
 struct ShadedLayout : Layout {
-  TOUCHLINE_TARGET_INLINE static std::uint64_t reject_eight_tiles(const RowPixels& row, std::uint32_t u,
-                                                                  const TileParameters* lights, ColorId* colors) {
+  TOUCHLINE_AVX2_INLINE static std::uint64_t reject_eight_tiles(const RowPixels& row, std::uint32_t u,
+                                                                const TileParameters* lights, ColorId* colors) {
     const __m256i zero = _mm256_setzero_si256();
     store(colors + u, zero);
     store(colors + u + kBlock, zero);
@@ -30,8 +32,8 @@ struct ShadedLayout : Layout {
 };
 
 template <class Layout>
-TOUCHLINE_TARGET_INLINE Channels<OneBlock> tile_channels(const NibbleTables& nibbles, const RowPixels& row,
-                                                         std::uint32_t u, const TileParameters& light) {
+TOUCHLINE_AVX2_INLINE Channels<OneBlock> tile_channels(const NibbleTables& nibbles, const RowPixels& row,
+                                                       std::uint32_t u, const TileParameters& light) {
   const Planes planes = Layout::tile_planes(row, u);
   return {{nibbles_of(OneBlock{planes.first}), &nibbles.channel(0, light.level[0])},
           {nibbles_of(OneBlock{planes.second}), &nibbles.channel(1, light.level[1])},
@@ -40,8 +42,8 @@ TOUCHLINE_TARGET_INLINE Channels<OneBlock> tile_channels(const NibbleTables& nib
 
 // Returns the colors of the 16 pixels that begin at column u, by the classes of two groups.
 template <class Layout>
-TOUCHLINE_TARGET_INLINE __m128i tile_colors(const NibbleTables& nibbles, std::size_t group, const RowPixels& row,
-                                            std::uint32_t u, const TileParameters& light) {
+TOUCHLINE_AVX2_INLINE __m128i tile_colors(const NibbleTables& nibbles, std::size_t group, const RowPixels& row,
+                                          std::uint32_t u, const TileParameters& light) {
   const Channels<OneBlock> channels = tile_channels<Layout>(nibbles, row, u, light);
   const __m256i found = colors_in<GroupsInRegister::kTwo>(nibbles.colors(), channels, group).first;
   return first_of(_mm256_castsi256_si128(found), _mm256_extracti128_si256(found, 1));
@@ -49,8 +51,8 @@ TOUCHLINE_TARGET_INLINE __m128i tile_colors(const NibbleTables& nibbles, std::si
 
 // By the classes of all groups.
 template <class Layout>
-TOUCHLINE_TARGET_INLINE __m128i tile_colors(const NibbleTables& nibbles, const RowPixels& row, std::uint32_t u,
-                                            const TileParameters& light) {
+TOUCHLINE_AVX2_INLINE __m128i tile_colors(const NibbleTables& nibbles, const RowPixels& row, std::uint32_t u,
+                                          const TileParameters& light) {
   __m128i colors = tile_colors<Layout>(nibbles, 0, row, u, light);
   for (std::size_t group = 2; group < nibbles.groups(); group += 2) {
     colors = first_of(colors, tile_colors<Layout>(nibbles, group, row, u, light));
@@ -64,8 +66,8 @@ constexpr std::uint64_t kEveryEighth = 0x1010101010101010u;
 
 // Returns the tiles that may contain a class of the two groups, by the high nibbles alone.
 template <class Layout>
-TOUCHLINE_PASS std::uint64_t find_coarse_tiles(const SpanTables& tables, const RowPixels& row, std::uint32_t first,
-                                               std::uint64_t among, std::size_t group) {
+TOUCHLINE_AVX2_PASS std::uint64_t find_coarse_tiles(const SpanTables& tables, const RowPixels& row, std::uint32_t first,
+                                                    std::uint64_t among, std::size_t group) {
   const NibbleTables& nibbles = *tables.nibbles;
   const TileParameters* const lights = tables.tiles + first / kTile;
   const RowPixels pixels = row;
@@ -80,8 +82,8 @@ TOUCHLINE_PASS std::uint64_t find_coarse_tiles(const SpanTables& tables, const R
 
 // By the classes of all groups.
 template <class Layout>
-TOUCHLINE_TARGET_INLINE std::uint64_t find_coarse_tiles(const SpanTables& tables, const RowPixels& row,
-                                                        std::uint32_t first, std::uint64_t among) {
+TOUCHLINE_AVX2_INLINE std::uint64_t find_coarse_tiles(const SpanTables& tables, const RowPixels& row,
+                                                      std::uint32_t first, std::uint64_t among) {
   std::uint64_t near = 0;
   for (std::size_t group = 0; group < tables.nibbles->groups(); group += 2) {
     near |= find_coarse_tiles<Layout>(tables, row, first, among, group);
@@ -91,8 +93,8 @@ TOUCHLINE_TARGET_INLINE std::uint64_t find_coarse_tiles(const SpanTables& tables
 
 // Classifies those pixels of the tiles that have no color yet.
 template <class Layout>
-TOUCHLINE_PASS OccupiedWords color_tiles(const SpanTables& tables, const RowPixels& row, std::uint32_t first,
-                                         std::uint64_t among, std::size_t group, ColorId* colors) {
+TOUCHLINE_AVX2_PASS OccupiedWords color_tiles(const SpanTables& tables, const RowPixels& row, std::uint32_t first,
+                                              std::uint64_t among, std::size_t group, ColorId* colors) {
   const NibbleTables& nibbles = *tables.nibbles;
   const TileParameters* const lights = tables.tiles + first / kTile;
   const RowPixels pixels = row;
@@ -109,8 +111,8 @@ TOUCHLINE_PASS OccupiedWords color_tiles(const SpanTables& tables, const RowPixe
 
 // Returns the tiles that the background box does not reject. Writes background to all tiles.
 template <class Layout>
-TOUCHLINE_PASS std::uint64_t find_candidate_tiles(const SpanTables& tables, const RowPixels& row, std::uint32_t first,
-                                                  std::uint32_t count, ColorId* colors) {
+TOUCHLINE_AVX2_PASS std::uint64_t find_candidate_tiles(const SpanTables& tables, const RowPixels& row,
+                                                       std::uint32_t first, std::uint32_t count, ColorId* colors) {
   const TileParameters* const lights = tables.tiles + first / kTile;
   const RowPixels pixels = row;
   std::uint64_t background = 0;
@@ -129,8 +131,8 @@ TOUCHLINE_PASS std::uint64_t find_candidate_tiles(const SpanTables& tables, cons
 
 // Removes the tiles that lie in the pale range. Takes them in pairs, one in each half of a register.
 template <class Layout>
-TOUCHLINE_PASS std::uint64_t without_pale_tiles(const TileParameters& pale, const RowPixels& row, std::uint32_t first,
-                                                std::uint64_t among) {
+TOUCHLINE_AVX2_PASS std::uint64_t without_pale_tiles(const TileParameters& pale, const RowPixels& row,
+                                                     std::uint32_t first, std::uint64_t among) {
   const auto of_row = Layout::background_of_tiles(pale);
   const RowPixels pixels = row;
   std::uint64_t left = 0;
@@ -148,8 +150,8 @@ TOUCHLINE_PASS std::uint64_t without_pale_tiles(const TileParameters& pale, cons
 
 // Classifies whole tiles, if there are any.
 template <class Layout>
-TOUCHLINE_TARGET_INLINE OccupiedWords classify_shaded_tiles(const SpanTables& tables, const RowPixels& row,
-                                                            std::uint32_t begin, std::uint32_t end, ColorId* colors) {
+TOUCHLINE_AVX2_INLINE OccupiedWords classify_shaded_tiles(const SpanTables& tables, const RowPixels& row,
+                                                          std::uint32_t begin, std::uint32_t end, ColorId* colors) {
   OccupiedWords occupied = 0;
   for (std::uint32_t first = begin; first < end; first += kMaxTilesPerPass * kTile) {
     const std::uint32_t count = std::min(kMaxTilesPerPass, (end - first) / kTile);
@@ -178,8 +180,8 @@ TOUCHLINE_TARGET_INLINE OccupiedWords classify_shaded_tiles(const SpanTables& ta
 
 // Classifies the incomplete tiles at both ends of the span. The span is at least a tile wide.
 template <class Layout>
-TOUCHLINE_PASS OccupiedWords classify_ends(const SpanTables& tables, const RowPixels& row, std::uint32_t begin,
-                                           std::uint32_t end, ColorId* colors) {
+TOUCHLINE_AVX2_PASS OccupiedWords classify_ends(const SpanTables& tables, const RowPixels& row, std::uint32_t begin,
+                                                std::uint32_t end, ColorId* colors) {
   const std::uint32_t last = end - kTile;
   // Most regions of interest end on the floor.
   const TwoTiles ends = {begin, last, &tables.tile_at(begin), &tables.tile_at(end - 1)};
@@ -206,14 +208,14 @@ TOUCHLINE_PASS OccupiedWords classify_ends(const SpanTables& tables, const RowPi
 
 // The span is at least a tile wide.
 template <class Layout>
-TOUCHLINE_TARGET_INLINE OccupiedWords classify_shaded_span(const SpanTables& tables, const RowPixels& row,
-                                                           std::uint32_t begin, std::uint32_t end, ColorId* colors) {
+TOUCHLINE_AVX2_INLINE OccupiedWords classify_shaded_span(const SpanTables& tables, const RowPixels& row,
+                                                         std::uint32_t begin, std::uint32_t end, ColorId* colors) {
   OccupiedWords occupied = 0;
   if (begin % kTile != 0 || end % kTile != 0) occupied = classify_ends<Layout>(tables, row, begin, end, colors);
   const std::uint32_t first = (begin + kTile - 1) / kTile * kTile, stop = end / kTile * kTile;
   return occupied | classify_shaded_tiles<Layout>(tables, row, first, stop, colors);
 }
 
-}  // namespace touchline::TOUCHLINE_TARGET_NAMESPACE
+}  // namespace touchline::avx2
 
 #endif

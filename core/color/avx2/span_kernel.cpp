@@ -7,18 +7,9 @@
 #include <algorithm>
 #include <bit>
 
+#include "core/color/avx2/shaded_row.h"
 #include "core/color/kernel_of_format.h"
 #include "core/cpu.h"
-
-#undef TOUCHLINE_TARGET
-#undef TOUCHLINE_TARGET_NAMESPACE
-#undef TOUCHLINE_PASS
-#define TOUCHLINE_TARGET TOUCHLINE_AVX2_TARGET
-#define TOUCHLINE_TARGET_NAMESPACE avx2
-// Each pass is a separate function. If the compiler merges the passes, it has too few registers for the state of the
-// loops.
-#define TOUCHLINE_PASS [[gnu::target(TOUCHLINE_TARGET), gnu::noinline]] static
-#include "core/color/avx2/shaded_row.h"
 
 namespace touchline {
 namespace avx2 {
@@ -31,28 +22,28 @@ struct RowTables {
   std::size_t groups;
 };
 // Keeps the tables of a channel in one register. Otherwise gcc 12 keeps the address of each table, in memory.
-TOUCHLINE_TARGET_INLINE const ChannelNibbles* channel_of(const SpanTables& tables, std::size_t channel) {
+TOUCHLINE_AVX2_INLINE const ChannelNibbles* channel_of(const SpanTables& tables, std::size_t channel) {
   const ChannelNibbles* nibbles = &tables.nibbles->channel(channel, tables.tiles->level[channel]);
   asm("" : "+r"(nibbles));
   return nibbles;
 }
-TOUCHLINE_TARGET_INLINE RowTables row_tables(const SpanTables& tables) {
+TOUCHLINE_AVX2_INLINE RowTables row_tables(const SpanTables& tables) {
   return {channel_of(tables, 0), channel_of(tables, 1), channel_of(tables, 2), &tables.nibbles->colors(),
           tables.nibbles->groups()};
 }
 
-TOUCHLINE_TARGET_INLINE Channels<OneBlock> channels_of(const RowTables& tables, const Planes& planes) {
+TOUCHLINE_AVX2_INLINE Channels<OneBlock> channels_of(const RowTables& tables, const Planes& planes) {
   return {{nibbles_of(OneBlock{planes.first}), tables.first},
           {nibbles_of(OneBlock{planes.second}), tables.second},
           {nibbles_of(OneBlock{planes.third}), tables.third}};
 }
-TOUCHLINE_TARGET_INLINE Channels<TwoBlocks> channels_of(const RowTables& tables, const Planes& a, const Planes& b) {
+TOUCHLINE_AVX2_INLINE Channels<TwoBlocks> channels_of(const RowTables& tables, const Planes& a, const Planes& b) {
   return {{nibbles_of(TwoBlocks{a.first, b.first}), tables.first},
           {nibbles_of(TwoBlocks{a.second, b.second}), tables.second},
           {nibbles_of(TwoBlocks{a.third, b.third}), tables.third}};
 }
 template <class Values>
-TOUCHLINE_TARGET_INLINE Values colors_of(const RowTables& tables, const Channels<Values>& channels) {
+TOUCHLINE_AVX2_INLINE Values colors_of(const RowTables& tables, const Channels<Values>& channels) {
   Values colors = colors_in<GroupsInRegister::kOne>(*tables.colors, channels, 0);
   for (std::size_t group = 1; group < tables.groups; ++group) {
     colors = first_of(colors, colors_in<GroupsInRegister::kOne>(*tables.colors, channels, group));
@@ -74,8 +65,8 @@ struct Blocks {
 
 // Returns bytes that are all zero only if the block is background. Writes background to it.
 template <class Layout>
-TOUCHLINE_TARGET_INLINE __m256i candidates_at(const RowPixels& row, std::uint32_t u,
-                                              const typename Layout::Background& of_row, ColorId* colors) {
+TOUCHLINE_AVX2_INLINE __m256i candidates_at(const RowPixels& row, std::uint32_t u,
+                                            const typename Layout::Background& of_row, ColorId* colors) {
   const __m256i candidates = Layout::candidates(row, u, of_row);
   store(colors + u, _mm256_setzero_si256());
   return candidates;
@@ -83,8 +74,8 @@ TOUCHLINE_TARGET_INLINE __m256i candidates_at(const RowPixels& row, std::uint32_
 
 // Returns the blocks that the background box does not reject. Writes background to all blocks.
 template <class Layout>
-TOUCHLINE_TARGET_INLINE std::uint64_t find_candidates(const SpanTables& tables, const RowPixels& row, Blocks blocks,
-                                                      ColorId* colors) {
+TOUCHLINE_AVX2_INLINE std::uint64_t find_candidates(const SpanTables& tables, const RowPixels& row, Blocks blocks,
+                                                    ColorId* colors) {
   const auto of_row = Layout::background(*tables.tiles);
   const RowPixels pixels = row;
   const std::uint32_t count = blocks.count();
@@ -105,8 +96,8 @@ TOUCHLINE_TARGET_INLINE std::uint64_t find_candidates(const SpanTables& tables, 
 
 // Returns the blocks that may contain a class, by the high nibbles alone.
 template <class Layout>
-TOUCHLINE_PASS std::uint64_t find_coarse_blocks(const SpanTables& tables, const RowPixels& row, Blocks blocks,
-                                                std::uint64_t among) {
+TOUCHLINE_AVX2_PASS std::uint64_t find_coarse_blocks(const SpanTables& tables, const RowPixels& row, Blocks blocks,
+                                                     std::uint64_t among) {
   const RowTables of_row = row_tables(tables);
   const RowPixels pixels = row;
   std::uint64_t found = 0;
@@ -121,15 +112,15 @@ TOUCHLINE_PASS std::uint64_t find_coarse_blocks(const SpanTables& tables, const 
   return found;
 }
 
-TOUCHLINE_TARGET_INLINE OccupiedWords occupied_at(std::uint32_t u, __m256i colors) {
+TOUCHLINE_AVX2_INLINE OccupiedWords occupied_at(std::uint32_t u, __m256i colors) {
   const OccupiedWords is_colored = 1 - is_zero(colors);
   return is_colored << u / kOccupiedWordPixels | is_colored << (u + kTile) / kOccupiedWordPixels;
 }
 
 // Classifies the blocks.
 template <class Layout>
-TOUCHLINE_PASS OccupiedWords color_blocks(const SpanTables& tables, const RowPixels& row, Blocks blocks,
-                                          std::uint64_t left, ColorId* colors) {
+TOUCHLINE_AVX2_PASS OccupiedWords color_blocks(const SpanTables& tables, const RowPixels& row, Blocks blocks,
+                                               std::uint64_t left, ColorId* colors) {
   const RowTables of_row = row_tables(tables);
   const RowPixels pixels = row;
   OccupiedWords occupied = 0;
@@ -154,8 +145,8 @@ TOUCHLINE_PASS OccupiedWords color_blocks(const SpanTables& tables, const RowPix
 
 // The span is at least a block wide.
 template <class Layout>
-TOUCHLINE_TARGET_INLINE OccupiedWords classify_blocks(const SpanTables& tables, const RowPixels& row,
-                                                      std::uint32_t begin, std::uint32_t end, ColorId* colors) {
+TOUCHLINE_AVX2_INLINE OccupiedWords classify_blocks(const SpanTables& tables, const RowPixels& row, std::uint32_t begin,
+                                                    std::uint32_t end, ColorId* colors) {
   OccupiedWords occupied = 0;
   for (Blocks blocks = {begin, end}; blocks.first < end; blocks.first += kMaxBlocksPerPass * kBlock) {
     const std::uint64_t all = ~std::uint64_t{0} >> (kMaxBlocksPerPass - blocks.count());
@@ -176,7 +167,7 @@ constexpr std::uint32_t kTilesPerShortTest = kTilesPerTest / 2;
 // The tiles that it takes to cover a span; a pass takes up to 64 of them, one bit each. The first ones follow one
 // another from the begin on. The others follow one another up to the end, and so overlap the first ones.
 struct Tiles {
-  TOUCHLINE_TARGET_INLINE Tiles(std::uint32_t begin, std::uint32_t span_end)
+  TOUCHLINE_AVX2_INLINE Tiles(std::uint32_t begin, std::uint32_t span_end)
       : first(begin),
         end(std::min(begin + kMaxTilesPerPass * kTile, span_end)),
         count((width() + kTile - 1) / kTile),
@@ -201,7 +192,7 @@ struct Tiles {
 };
 
 // Takes the lowest tile from `left`, and returns its column.
-TOUCHLINE_TARGET_INLINE std::uint32_t take_lowest(const Tiles& tiles, std::uint64_t& left) {
+TOUCHLINE_AVX2_INLINE std::uint32_t take_lowest(const Tiles& tiles, std::uint64_t& left) {
   const auto i = static_cast<std::uint32_t>(std::countr_zero(left));
   left &= left - 1;
   return tiles.column(i);
@@ -209,8 +200,8 @@ TOUCHLINE_TARGET_INLINE std::uint32_t take_lowest(const Tiles& tiles, std::uint6
 
 // Bit i: tile i of the eight, or four, from column u on is background. Writes background to all of them.
 template <class Layout>
-TOUCHLINE_TARGET_INLINE std::uint64_t reject_eight_tiles(const RowPixels& row, std::uint32_t u,
-                                                         const typename Layout::Background& of_row, ColorId* colors) {
+TOUCHLINE_AVX2_INLINE std::uint64_t reject_eight_tiles(const RowPixels& row, std::uint32_t u,
+                                                       const typename Layout::Background& of_row, ColorId* colors) {
   const __m256i zero = _mm256_setzero_si256();
   store(colors + u, zero);
   store(colors + u + kBlock, zero);
@@ -222,8 +213,8 @@ TOUCHLINE_TARGET_INLINE std::uint64_t reject_eight_tiles(const RowPixels& row, s
                      Layout::candidates(row, u + 3 * kTile, u + 7 * kTile, of_row));
 }
 template <class Layout>
-TOUCHLINE_TARGET_INLINE std::uint64_t reject_four_tiles(const RowPixels& row, std::uint32_t u,
-                                                        const typename Layout::Background& of_row, ColorId* colors) {
+TOUCHLINE_AVX2_INLINE std::uint64_t reject_four_tiles(const RowPixels& row, std::uint32_t u,
+                                                      const typename Layout::Background& of_row, ColorId* colors) {
   const __m256i zero = _mm256_setzero_si256();
   store(colors + u, zero);
   store(colors + u + kBlock, zero);
@@ -231,16 +222,16 @@ TOUCHLINE_TARGET_INLINE std::uint64_t reject_four_tiles(const RowPixels& row, st
                      Layout::candidates(row, u + kTile, u + 3 * kTile, of_row));
 }
 template <class Layout>
-TOUCHLINE_TARGET_INLINE std::uint64_t reject_tile(const RowPixels& row, std::uint32_t u,
-                                                  const typename Layout::Background& of_row, ColorId* colors) {
+TOUCHLINE_AVX2_INLINE std::uint64_t reject_tile(const RowPixels& row, std::uint32_t u,
+                                                const typename Layout::Background& of_row, ColorId* colors) {
   store_half(colors + u, _mm_setzero_si128());
   return is_zero(Layout::candidates(row, u, u, of_row));
 }
 
 // Returns the tiles that the background box does not reject. Writes background to all tiles.
 template <class Layout>
-TOUCHLINE_PASS std::uint64_t find_candidates_among(const SpanTables& tables, const RowPixels& row, const Tiles& tiles,
-                                                   ColorId* colors) {
+TOUCHLINE_AVX2_PASS std::uint64_t find_candidates_among(const SpanTables& tables, const RowPixels& row,
+                                                        const Tiles& tiles, ColorId* colors) {
   const auto of_row = Layout::background_of_tiles(*tables.tiles);
   const RowPixels pixels = row;
   const std::uint32_t from_begin = tiles.from_begin, end = tiles.end;
@@ -267,7 +258,7 @@ TOUCHLINE_PASS std::uint64_t find_candidates_among(const SpanTables& tables, con
 }
 
 // Bits 0 and 1: the lower and the upper half contain something.
-TOUCHLINE_TARGET_INLINE std::uint32_t occupied_halves(__m256i value) {
+TOUCHLINE_AVX2_INLINE std::uint32_t occupied_halves(__m256i value) {
   const auto zero = static_cast<std::uint32_t>(_mm256_movemask_epi8(_mm256_cmpeq_epi8(value, _mm256_setzero_si256())));
   return static_cast<std::uint32_t>((zero & 0xffffu) != 0xffffu) | static_cast<std::uint32_t>(zero >> 16u != 0xffffu)
                                                                        << 1u;
@@ -275,8 +266,8 @@ TOUCHLINE_TARGET_INLINE std::uint32_t occupied_halves(__m256i value) {
 
 // Returns the tiles that may contain a class, by the high nibbles alone.
 template <class Layout>
-TOUCHLINE_PASS std::uint64_t find_coarse(const SpanTables& tables, const RowPixels& row, const Tiles& tiles,
-                                         std::uint64_t among) {
+TOUCHLINE_AVX2_PASS std::uint64_t find_coarse(const SpanTables& tables, const RowPixels& row, const Tiles& tiles,
+                                              std::uint64_t among) {
   const RowTables of_row = row_tables(tables);
   const RowPixels pixels = row;
   std::uint64_t found = 0;
@@ -296,11 +287,11 @@ TOUCHLINE_PASS std::uint64_t find_coarse(const SpanTables& tables, const RowPixe
   return found;
 }
 
-TOUCHLINE_TARGET_INLINE OccupiedWords words_of_tile(std::uint32_t u, OccupiedWords is_colored) {
+TOUCHLINE_AVX2_INLINE OccupiedWords words_of_tile(std::uint32_t u, OccupiedWords is_colored) {
   return is_colored << u / kOccupiedWordPixels | is_colored << (u + kTile - 1) / kOccupiedWordPixels;
 }
 // Writes the colors of two tiles.
-TOUCHLINE_TARGET_INLINE OccupiedWords write_tiles(std::uint32_t u, std::uint32_t v, __m256i found, ColorId* colors) {
+TOUCHLINE_AVX2_INLINE OccupiedWords write_tiles(std::uint32_t u, std::uint32_t v, __m256i found, ColorId* colors) {
   store_half(colors + u, _mm256_castsi256_si128(found));
   store_half(colors + v, _mm256_extracti128_si256(found, 1));
   const OccupiedWords halves = occupied_halves(found);
@@ -309,8 +300,8 @@ TOUCHLINE_TARGET_INLINE OccupiedWords write_tiles(std::uint32_t u, std::uint32_t
 
 // Classifies the tiles.
 template <class Layout>
-TOUCHLINE_PASS OccupiedWords color_all(const SpanTables& tables, const RowPixels& row, const Tiles& tiles,
-                                       std::uint64_t left, ColorId* colors) {
+TOUCHLINE_AVX2_PASS OccupiedWords color_all(const SpanTables& tables, const RowPixels& row, const Tiles& tiles,
+                                            std::uint64_t left, ColorId* colors) {
   const RowTables of_row = row_tables(tables);
   const RowPixels pixels = row;
   OccupiedWords occupied = 0;
@@ -330,8 +321,8 @@ TOUCHLINE_PASS OccupiedWords color_all(const SpanTables& tables, const RowPixels
 
 // The span is at least a tile wide, and all of its tiles have the same tables.
 template <class Layout>
-TOUCHLINE_TARGET_INLINE OccupiedWords classify_tiles(const SpanTables& tables, const RowPixels& row,
-                                                     std::uint32_t begin, std::uint32_t end, ColorId* colors) {
+TOUCHLINE_AVX2_INLINE OccupiedWords classify_tiles(const SpanTables& tables, const RowPixels& row, std::uint32_t begin,
+                                                   std::uint32_t end, ColorId* colors) {
   OccupiedWords occupied = 0;
   for (std::uint32_t first = begin; first < end; first += kMaxTilesPerPass * kTile) {
     const Tiles tiles(first, end);
@@ -346,16 +337,16 @@ TOUCHLINE_TARGET_INLINE OccupiedWords classify_tiles(const SpanTables& tables, c
 }
 
 template <class Layout>
-TOUCHLINE_PASS OccupiedWords classify_tile(const SpanTables& tables, const RowPixels& row, std::uint32_t u,
-                                           ColorId* colors) {
+TOUCHLINE_AVX2_PASS OccupiedWords classify_tile(const SpanTables& tables, const RowPixels& row, std::uint32_t u,
+                                                ColorId* colors) {
   const __m128i found = tile_colors<Layout>(*tables.nibbles, row, u, *tables.tiles);
   store_half(colors + u, found);
   return (1 - is_zero(found)) << u / kOccupiedWordPixels;
 }
 
 template <PixelFormat kFormat>
-TOUCHLINE_TARGET_FUNCTION OccupiedWords classify_span(const SpanTables& tables, const RowPixels& row,
-                                                      std::uint32_t begin, std::uint32_t end, ColorId* colors) {
+TOUCHLINE_AVX2 OccupiedWords classify_span(const SpanTables& tables, const RowPixels& row, std::uint32_t begin,
+                                           std::uint32_t end, ColorId* colors) {
   using Layout = LayoutOf<kFormat>;
   if (end < begin + kTile) return portable_span_kernel(kFormat)(tables, row, begin, end, colors);
   if (tables.has_one_light) return classify_tiles<Layout>(tables, row, begin, end, colors);

@@ -8,7 +8,7 @@ fail() { echo "$*" >&2; exit 1; }
 
 # tools/run and tools/bench pass --help to the program that they build.
 scripts=(tools/{console/build,deploy,estimate-arm,lint,package,publishing-cost,setup,sysroot,test,test-arm,test-board,test-package}
-         tests/kernel/run toolchain/{changed-files,debian-mirror,emulate-arm64})
+         toolchain/{changed-files,debian-mirror,emulate-arm64})
 
 EveryScriptHasHelp() {
   local script output code
@@ -36,7 +36,7 @@ without_setup() {
 EveryScriptInstallsItsPackages() {
   cd "$root"
   local found
-  found=$(without_setup tools/{bench,estimate-arm,lint,package,publishing-cost,run,test,test-arm,test-board,test-package} tests/kernel/run)
+  found=$(without_setup tools/{bench,estimate-arm,lint,package,publishing-cost,run,test,test-arm,test-board,test-package})
   [ -z "$found" ] || fail "no call of tools/setup in $found"
   printf '#!/bin/sh\ncmake --preset release\n' >"$work/planted"
   [ "$(without_setup "$work/planted")" = "$work/planted" ] || fail "a script without tools/setup was not found"

@@ -11,7 +11,6 @@
 #include "tools/programs/latency/interrupts.h"
 #include "tools/programs/latency/latency_samples.h"
 #include "tools/programs/latency/led_analysis.h"
-#include "tools/programs/latency/os_noise.h"
 #include "tools/programs/latency/rare_frames.h"
 #include "tools/programs/latency/thread_usage.h"
 #include "tools/programs/latency/timer_noise.h"
@@ -99,15 +98,12 @@ struct FrameWaits {
   Duration ready_before{}, ready_during{};
   ThreadUsage usage;      // between frame and packet
   Duration timer_late{};  // longest delay of TimerNoise since the previous frame
-  Instant begun, sent;    // when the previous packet and this one were sent, by the machine's clock
 };
 
 struct WorstFrame {
   std::uint64_t number = 0;  // from 1, after the warm-up
   SpanTimes times{};
   FrameWaits waits;
-  // What took the processor from the loop since the previous packet; empty: not traced.
-  std::optional<std::vector<NoiseSource>> noise;
 };
 
 /// A frame that was more than half a period later than usual, and the frames that were late because of it.
@@ -169,12 +165,8 @@ struct LatencyReport {
   ThreadUsage usage;                         // of the loop's thread after warm-up
   std::optional<std::uint64_t> allocations;  // likewise; empty in builds with a sanitizer
   std::optional<NoiseReport> noise;          // of a thread beside the loop; empty: not measured
-  // What took the processor from the loop, longest in total first, and events without room; or why it is not known.
-  std::optional<std::vector<NoiseSource>> os_noise;
-  std::optional<std::uint64_t> os_noise_lost;
-  std::optional<std::string> os_noise_refusal;
-  std::optional<LedReport> led;           // empty: no LED was watched
-  std::optional<ConsoleTraffic> console;  // empty: the console was not served
+  std::optional<LedReport> led;              // empty: no LED was watched
+  std::optional<ConsoleTraffic> console;     // empty: the console was not served
   SystemFacts system;
 };
 

@@ -51,10 +51,8 @@ int main(int argc, char** argv) {
          "in the mock arena with --pace")
       ->type_name("U,V[,RADIUS]")
       ->excludes(worst_frames);
-  app.add_flag(
-      "--noise", options.noise,
-      "Measure how late the timers of a thread beside the loop are: the machine's share of the delays. As root, where\n"
-      "the kernel has the tracer osnoise, also which programs and interrupts took the processor from the loop");
+  app.add_flag("--noise", options.noise,
+               "Measure how late the timers of a thread beside the loop are: the machine's share of the delays");
   app.add_option("--stop-trace-ms", options.stop_trace_ms,
                  "Stop the kernel's tracing when a frame takes longer than this from capture to packet")
       ->check(number_range(0.001, 1e6));

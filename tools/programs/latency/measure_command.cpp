@@ -24,7 +24,6 @@
 #include "tools/programs/latency/background_load.h"
 #include "tools/programs/latency/console_clients.h"
 #include "tools/programs/latency/measurement.h"
-#include "tools/programs/latency/os_noise_trace.h"
 #include "tools/programs/latency/output_checks.h"
 #include "tools/programs/latency/progress.h"
 #include "tools/programs/latency/report_content.h"
@@ -153,11 +152,6 @@ class Run {
     if (noise_) {
       noise_->stop();
       report.noise = noise_->report();
-      if (os_noise_) {
-        measurement_.add_os_noise(os_noise_->stop(), report);
-      } else {
-        report.os_noise_refusal = os_noise_refusal_;
-      }
     }
     if (trace_.stopped_at() > 0) facts.trace = "stopped at frame " + std::to_string(trace_.stopped_at());
     report.planted = options_.planted.description();
@@ -191,12 +185,6 @@ class Run {
     const config::RealtimeSettings& realtime = board_.realtime;
     noise_.emplace(realtime.cpu, realtime.priority > 0 ? realtime.priority + 1 : 0);
     measurement_.set_noise(*noise_);
-    Result<std::unique_ptr<OsNoiseTrace>> trace = OsNoiseTrace::start(realtime.cpu, ::gettid());
-    if (trace.ok()) {
-      os_noise_ = std::move(trace).value();
-    } else {
-      os_noise_refusal_ = trace.text();
-    }
   }
 
   static void add_interrupts(SystemFacts& facts, const InterruptCounts& begin, const InterruptCounts& end) {
@@ -251,8 +239,6 @@ class Run {
   Measurement measurement_;
   WorstFrameRecorder recorder_;
   std::optional<TimerNoise> noise_;
-  std::unique_ptr<OsNoiseTrace> os_noise_;
-  std::string os_noise_refusal_;
   KernelTrace trace_;
   LedBlinker* blinker_ = nullptr;
   ConsoleClients* console_clients_ = nullptr;

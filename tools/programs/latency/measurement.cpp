@@ -16,7 +16,6 @@ Measurement::Measurement(std::size_t frames, std::size_t warm_up)
 }
 
 void Measurement::begin() {
-  last_sent_ = hal::MonotonicClock::read();
   usage_begin_ = ThreadUsage::of_this_thread();
   allocations_begin_ = allocations_of_this_thread();
 }
@@ -40,21 +39,15 @@ void Measurement::on_step(void* context, const StepTrace& trace, const StepTimin
   self.add(trace.stage_time, timing, trace.overload, &self.meter_.frame());
   const Duration timer_late = self.noise_ != nullptr ? self.noise_->take_longest() : Duration::zero();
   if (self.led_ != nullptr) self.led_->add(trace.frame, timing.sent);
-  // Not timing.sent, which is simulated in an arena.
-  const Instant sent = hal::MonotonicClock::read();
   if (self.is_recording()) {
     const std::size_t number = self.seen() - self.warm_up_;
-    FrameWaits& waits = self.waits_[number - 1];
-    waits.timer_late = timer_late;
-    waits.begun = self.last_sent_;
-    waits.sent = sent;
+    self.waits_[number - 1].timer_late = timer_late;
     if (self.recorder_ != nullptr) self.recorder_->add(trace, number, timing.latency);
     if (self.trace_ != nullptr) self.trace_->check(number, timing.latency);
   }
   // The sequence restarts when the camera is reopened.
   const bool gap = self.last_sequence_ && sequence > *self.last_sequence_ + 1;
   if (gap) self.add_lost(sequence - *self.last_sequence_ - 1, trace.frame.capture_time - self.last_capture_);
-  self.last_sent_ = sent;
   self.last_sequence_ = sequence;
   self.last_capture_ = trace.frame.capture_time;
 }
@@ -157,13 +150,6 @@ std::vector<WorstFrame> Measurement::worst(std::size_t count) const {
     frame.waits = waits_[*i];
   }
   return frames;
-}
-
-void Measurement::add_os_noise(const OsNoise& noise, LatencyReport& report) const {
-  if (report.frames == 0) return;
-  for (WorstFrame& frame : report.worst) frame.noise = noise.between(frame.waits.begun, frame.waits.sent);
-  report.os_noise = noise.between(waits_.front().begun, waits_[report.frames - 1].sent);
-  report.os_noise_lost = noise.lost();
 }
 
 LatencyReport Measurement::report(const std::string& source, const ReportSettings& expected) const {

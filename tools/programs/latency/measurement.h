@@ -63,7 +63,6 @@ class Measurement {
   /// Number of steps so far, including the warm-up. May be called from any thread.
   [[nodiscard]] std::size_t seen() const { return seen_.load(std::memory_order_relaxed); }
   /// Adds to a report of this measurement what took the processor from the loop.
-  void add_os_noise(const OsNoise& noise, LatencyReport& report) const;
   /// Makes the report. Call it on the measured thread.
   [[nodiscard]] LatencyReport report(const std::string& source, const ReportSettings& expected) const;
   /// A head with the names of the spans, then a line per frame in nanoseconds.
@@ -99,7 +98,7 @@ class Measurement {
   bool ended_ = false;
   std::uint64_t overloads_ = 0, lost_ = 0;
   std::optional<std::uint32_t> last_sequence_;
-  Instant last_capture_{}, last_sent_{};
+  Instant last_capture_{};
   ThreadUsage usage_begin_, usage_end_;
   std::uint64_t allocations_begin_ = 0, allocations_end_ = 0;
 };

@@ -33,21 +33,6 @@ std::string noise_text(const NoiseReport& noise) {
          ", " + noise.thread + ")";
 }
 
-std::string os_noise_text(const LatencyReport& report) {
-  if (report.os_noise_refusal) return "not known: " + *report.os_noise_refusal;
-  if (!report.os_noise) return "";
-  constexpr std::size_t kListed = 5;
-  std::string text;
-  for (std::size_t i = 0; i < std::min(kListed, report.os_noise->size()); ++i) {
-    const NoiseSource& source = (*report.os_noise)[i];
-    text += (i > 0 ? ", " : "") + source.name + " (" + source.kind + ") " + text_of(source.total) + " in " +
-            count(source.count) + " times, longest " + text_of(source.longest);
-  }
-  if (text.empty()) text = "nothing";
-  const std::uint64_t lost = report.os_noise_lost.value_or(0);
-  return lost > 0 ? text + "; the trace lost " + count(lost) + " events" : text;
-}
-
 std::string traffic_text(const ConsoleTraffic& traffic) {
   if (traffic.elapsed_s <= 0.0) return traffic.clients > 0 ? "no result: one was disconnected" : "";
   const auto each = [&](std::uint64_t received) {
@@ -91,39 +76,6 @@ Table worst_table(const LatencyReport& report) {
   });
   if (report.noise) add_row("a timer was late by", [](const FrameWaits& w) { return milliseconds(w.timer_late); });
   add_row("page faults", [](const FrameWaits& w) { return count(w.usage.minor_faults + w.usage.major_faults); });
-  return table;
-}
-
-const NoiseSource* find_source(const std::vector<NoiseSource>& sources, const NoiseSource& wanted) {
-  const auto found = std::find_if(sources.begin(), sources.end(), [&](const NoiseSource& source) {
-    return source.name == wanted.name && source.kind == wanted.kind;
-  });
-  return found == sources.end() ? nullptr : &*found;
-}
-
-// What took the processor from the loop in the worst frames; no rows if nothing did.
-Table os_noise_table(const LatencyReport& report) {
-  constexpr std::size_t kListed = 8;
-  constexpr Duration kNoticeable = std::chrono::microseconds(1);
-  Table table{"What took the processor from the loop since the previous packet, milliseconds", {"", ""}, {}};
-  std::vector<NoiseSource> listed;  // each as in the frame in which it took most
-  for (const WorstFrame& frame : report.worst) {
-    table.head.push_back("#" + count(frame.number));
-    if (frame.noise) listed.insert(listed.end(), frame.noise->begin(), frame.noise->end());
-  }
-  std::stable_sort(listed.begin(), listed.end(),
-                   [](const NoiseSource& a, const NoiseSource& b) { return a.total > b.total; });
-  for (auto source = listed.begin(); source != listed.end(); ++source) {
-    const bool is_listed = find_source({listed.begin(), source}, *source) != nullptr;
-    if (is_listed || source->total < kNoticeable || table.rows.size() == kListed) continue;
-    auto& row = table.rows.emplace_back();
-    row.push_back({source->name});
-    row.push_back({source->kind});
-    for (const WorstFrame& frame : report.worst) {
-      const NoiseSource* const in_frame = frame.noise ? find_source(*frame.noise, *source) : nullptr;
-      row.push_back({in_frame == nullptr ? "" : milliseconds(in_frame->total)});
-    }
-  }
   return table;
 }
 
@@ -229,7 +181,7 @@ Table stall_table(const LatencyReport& report) {
 Document document_of(const LatencyReport& report) {
   Document document{
       "Frame latency: " + report.source, summary_sentence(report), {span_table(report), worst_table(report)}, {}};
-  for (Table table : {waiting_table(report), os_noise_table(report), stall_table(report), rare_table(report)}) {
+  for (Table table : {waiting_table(report), stall_table(report), rare_table(report)}) {
     if (!table.rows.empty()) document.tables.push_back(std::move(table));
   }
   if (report.led && report.led->refusal.empty()) document.tables.push_back(led_table(*report.led));
@@ -252,7 +204,6 @@ Document document_of(const LatencyReport& report) {
         smi ? count(*smi) + " interrupts" : "not readable here (Intel only, as root with the module msr)");
   }
   if (report.noise) add(facts, "timer beside the loop", noise_text(*report.noise));
-  add(facts, "took the processor", os_noise_text(report));
   if (report.console) add(facts, "console's clients", traffic_text(*report.console));
   add(facts, "kernel's trace", report.system.trace);
   add(facts, "frequency", begin_and_end(report.system.begin_mhz, report.system.end_mhz, " MHz"));

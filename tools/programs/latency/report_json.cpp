@@ -47,7 +47,6 @@ void describe_frame(Self& frame, Visitor& visit) {
   visit("ready_during_ns", frame.waits.ready_during);
   visit("usage", frame.waits.usage);
   visit("timer_late_ns", frame.waits.timer_late);
-  visit("os_noise", frame.noise);
 }
 
 template <class Self, class Visitor>
@@ -85,9 +84,6 @@ void describe_report(Self& report, Visitor& visit) {
   visit("worst_frames", report.worst);
   visit("rare_frames", report.rare_frames);
   visit("noise", report.noise);
-  visit("os_noise", report.os_noise);
-  visit("os_noise_lost", report.os_noise_lost);
-  visit("os_noise_refusal", report.os_noise_refusal);
   visit("led", report.led);
   visit("console", report.console);
   visit("system", report.system);

@@ -28,8 +28,8 @@ struct alignas(32) ChannelNibbles {
   GroupLookups to_last{};      // the low nibble is not above that of the last value
 };
 
-/// The color of the lowest of eight class bits, by their two nibbles: the entry of `low`, or the entry of `high` if
-/// that of `low` is background.
+/// The color of the lowest of eight class bits, by the two nibbles of these bits: the entry in `low`, or the entry in
+/// `high` if the one in `low` is background.
 struct alignas(32) ColorNibbles {
   GroupLookups low{}, high{};
 };

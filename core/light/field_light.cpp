@@ -29,7 +29,7 @@ constexpr std::int32_t kLeastCells = 20;
 // Fixed point of Agreement: of its share of cells, and of its deviations in parts of a step.
 constexpr std::int32_t kWhole = 1024, kParts = 16;
 
-// Largest difference of a cell's tint from that of most cells. Lamps of different colors differ less.
+// Largest deviation of a cell's tint from the median tint. Lamps of different colors differ less.
 constexpr int kMaxTint = 10 * kStepsPerLevel;
 // Changes up to this one count as none.
 constexpr int kNoChange = 3 * kStepsPerLevel / 2;

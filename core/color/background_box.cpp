@@ -8,7 +8,7 @@ namespace {
 // Weight of a channel's values as background.
 struct Expectation {
   std::uint8_t anchor;  // always in the box
-  int extent;           // distance from the anchor at which the weight is least; 0: all values have the same weight
+  int extent;           // distance from the anchor at which the weight is least; 0: equal weights
 
   [[nodiscard]] std::uint32_t weight(std::uint32_t value) const {
     const int off = static_cast<int>(value) - anchor;
@@ -85,7 +85,7 @@ void find_bounds(const ColorBoxes& boxes, std::uint8_t anchor, std::size_t chann
   make_unique(high);
 }
 
-// Calls `use` with every range that the channel can have, and the boxes that meet it.
+// Calls `use` with every range that the channel can have, and with the boxes that overlap it.
 template <class Use>
 void for_each_range(const ColorBoxes& boxes, const Expectation& expected, std::size_t channel, Use use) {
   Bounds lows, highs;
@@ -102,7 +102,7 @@ void for_each_range(const ColorBoxes& boxes, const Expectation& expected, std::s
   }
 }
 
-// The box of the greatest weight.
+// Returns the box with the greatest weight.
 BackgroundBox best_box(const ColorBoxes& boxes, const Expectations& expected) {
   BackgroundBox best;
   std::uint64_t most = 0;

@@ -14,30 +14,31 @@ namespace touchline {
 /// Typical value of the background in each channel, corrected by the light map. None: unknown.
 using TypicalBackground = std::optional<std::array<std::uint8_t, 3>>;
 
-/// A box in color space, bounds inclusive, that overlaps no color box: one cheap test shows that a pixel inside is
-/// background. The box contains the typical background, or black if that is unknown. Among all such boxes it is the one
-/// that contains the largest share of expected background values: values near the typical one if it is known, otherwise
-/// any brightness, and in YUV little chroma, because white balance gives little chroma to carpets, lines and the tops
-/// of robots.
+/// A box in color space, bounds inclusive, that overlaps no color box. One cheap test shows that a pixel inside is
+/// background. The box contains the typical background, or black if the background is unknown. Of all such boxes, it
+/// contains the largest share of expected background values. If the background is known, values near it are expected;
+/// otherwise any brightness, and in YUV little chroma, because white balance gives little chroma to carpets, lines and
+/// the tops of robots.
 struct BackgroundBox {
   std::array<std::uint8_t, 3> low{}, high{};
   bool exists = false;  // false: the value that it must contain lies in a color box
 };
 BackgroundBox find_background_box(const ColorBoxes& boxes, ColorSpace space, const TypicalBackground& background = {});
 
-/// For YUV: the box for values with the chroma of the typical background, or without chroma if that is unknown, and any
-/// brightness. It finds what surrounds a field, and lines. It contains the same value as find_background_box().
+/// For YUV: a box for any brightness with the chroma of the typical background, or with little chroma if the background
+/// is unknown. It rejects lines and the surroundings of a field. Like the background box, it contains the typical
+/// background or black.
 BackgroundBox find_pale_box(const ColorBoxes& boxes, ColorSpace space, const TypicalBackground& background = {});
 
-/// Whether no box has moved by more than `levels` from `boxes`, to which it belongs by its place in the list.
+/// Whether no box has moved by more than `levels` from its box in `boxes`, which has the same index.
 bool have_moved_within(std::uint8_t levels, const ColorBoxes& moved, const ColorBoxes& boxes);
 
 /// An interval of values, bounds inclusive. Empty: low is above high.
 struct ValueRange {
   std::uint8_t low = 0, high = 0;
 };
-/// Returns the values that correction by the light level moves into `corrected_range`. Full scale stands for all larger
-/// values as well (ColorTables).
+/// Returns the values that correction by the light level moves into `corrected_range`. Full scale also stands for all
+/// larger values (ColorTables).
 ValueRange before_correction(ValueRange corrected_range, std::uint8_t level, std::uint8_t black);
 
 /// Light level and background range of a tile of Shading. If there is a BackgroundBox, a pixel is background when
@@ -70,8 +71,8 @@ class BackgroundRanges {
   void build(PixelFormat format, const ColorBoxes& boxes, std::uint8_t box_shift_limit,
              const TypicalBackground& background = {});
   [[nodiscard]] TileParameters of(const std::array<std::uint8_t, 3>& level) const;
-  /// The values that the pale box contains at each of these light levels, as background of `pale`; its levels are
-  /// undefined. False: there are none, or the format is RGB.
+  /// Writes the values that the pale box contains at every one of these light levels, as background of `pale`; the
+  /// levels of `pale` are undefined. False: there are none, or the format is RGB.
   [[nodiscard]] bool find_pale(std::span<const TileParameters> tiles, TileParameters& pale) const;
   [[nodiscard]] bool exist() const { return exist_; }
   /// Whether all ranges begin at 0. This holds in RGB if the typical background is unknown or dark.

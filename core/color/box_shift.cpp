@@ -63,7 +63,7 @@ void BoxShift::observe(ColorId color, const std::array<float, 3>& deviation, flo
 
 ColorBoxes BoxShift::moved() const {
   HeldColors held{};
-  // Every further try holds at least one more color.
+  // Each attempt holds at least one more color, so the loop ends.
   for (std::size_t tries = 0; tries <= kMaxColors; ++tries) {
     ColorBoxes moved = moved_except(held);
     if (separate_all(moved, held)) return moved;
@@ -96,7 +96,7 @@ ColorBoxes BoxShift::moved_except(const HeldColors& held) const {
   return moved;
 }
 
-// Ends boxes of two colors that overlap halfway. False if one would become empty: both colors are to be held.
+// Ends overlapping boxes of two colors halfway. False if one would become empty; then both colors are marked as held.
 bool BoxShift::separate_all(ColorBoxes& moved, HeldColors& held) const {
   for (std::size_t a = 0; a < boxes_.size(); ++a) {
     for (std::size_t b = a + 1; b < boxes_.size(); ++b) {

@@ -26,8 +26,9 @@ OccupiedWords classify_any_span(const SpanTables& tables, const RowPixels& row, 
   return begin < end ? occupied | kKernel(tables, row, begin, end, colors) : occupied;
 }
 
-/// Decides whether a further rejection test pays off. `left` has one bit for each candidate among `count` blocks. Few
-/// candidates are classified faster than they are tested. If most blocks are candidates, most of them contain colors.
+/// Decides whether a further rejection test pays off. `left` has one bit for each candidate among `count` blocks. It
+/// does not pay off for few candidates, which are classified in less time, or if most blocks are candidates, because
+/// most of them contain colors then.
 [[gnu::always_inline]] inline bool is_second_pass_worthwhile(std::uint64_t left, std::uint32_t count) {
   const auto number = static_cast<std::uint32_t>(std::popcount(left));
   return count < 8 * number && 2 * number <= count;

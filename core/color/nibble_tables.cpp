@@ -40,8 +40,8 @@ void NibbleTables::rebuild(const ColorTables& tables, std::size_t boxes, std::si
   const ColorTables::Table& table = tables.table(channel, level);
   ChannelNibbles& nibbles = nibbles_[channel][level];
   nibbles = {};
-  // The values of a class have no gaps, because light correction never decreases when the value grows. A class without
-  // values is one into which no value is corrected.
+  // The values of a class have no gaps, because light correction is monotonic. A class is empty if no value is
+  // corrected into it.
   std::array<std::size_t, kMaxColorBoxes> first{};
   std::uint32_t open = 0;
   for (std::size_t value = 0; value <= table.size(); ++value) {

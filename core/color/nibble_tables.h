@@ -12,7 +12,7 @@ namespace touchline {
 // A byte shuffle looks up a byte for each of many pixels. Therefore classes are processed in groups of eight.
 constexpr std::size_t kClassesOfGroup = 8, kClassGroups = kMaxColorBoxes / kClassesOfGroup;
 
-/// The class bits of one group for each nibble, and such tables for all groups.
+/// Class bits of one group by nibble, and a lookup for each group.
 using NibbleLookup = std::array<std::uint8_t, 16>;
 using GroupLookups = std::array<NibbleLookup, kClassGroups>;
 static_assert(kClassGroups % 2 == 0);
@@ -21,15 +21,15 @@ static_assert(kClassGroups % 2 == 0);
 /// interval. The class contains a value if its bit is set in
 ///   within[high] & (above_first[high] | from_first[low]) & (below_last[high] | to_last[low]).
 struct alignas(32) ChannelNibbles {
-  GroupLookups within{};       // the high nibble lies between those of the interval's ends, inclusive
-  GroupLookups above_first{};  // the high nibble is above that of the first value
-  GroupLookups from_first{};   // the low nibble is not below that of the first value
-  GroupLookups below_last{};   // the high nibble is below that of the last value
-  GroupLookups to_last{};      // the low nibble is not above that of the last value
+  GroupLookups within{};       // high nibble within the high nibbles of the interval's ends
+  GroupLookups above_first{};  // high nibble above the first value's
+  GroupLookups from_first{};   // low nibble not below the first value's
+  GroupLookups below_last{};   // high nibble below the last value's
+  GroupLookups to_last{};      // low nibble not above the last value's
 };
 
-/// The color of the lowest of eight class bits, by their two nibbles: the entry of `low`, or the entry of `high` if
-/// that of `low` is background.
+/// The color of the lowest of eight class bits, by the two nibbles of these bits: the entry in `low`, or the entry in
+/// `high` if the one in `low` is background.
 struct alignas(32) ColorNibbles {
   GroupLookups low{}, high{};
 };

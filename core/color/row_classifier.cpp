@@ -4,8 +4,8 @@
 
 namespace touchline {
 
-// Levels by which boxes may move and still count as near. With much more, boxes on both sides of grey can leave nothing
-// between them.
+// Largest shift of a near box in levels. With much larger shifts, boxes on both sides of gray can leave no room between
+// them.
 static constexpr std::uint8_t kNearShift = 4;
 
 Status RowClassifier::configure(PixelFormat format, std::uint16_t width_px, std::uint16_t height_px,
@@ -60,7 +60,7 @@ void RowClassifier::apply_light_change(const LightChange& change, const FieldLig
 }
 
 void RowClassifier::rebuild_tables(const ColorBoxes& boxes, std::size_t channel, std::uint8_t level) {
-  // Not near again when they move back: tables of other levels may not have followed.
+  // Boxes that move back do not count as near again, because tables of other levels may not have been rebuilt yet.
   if (are_boxes_near_ && !have_moved_within(kNearShift, boxes, boxes_)) {
     are_boxes_near_ = false;
     const std::uint16_t rows = shading_.active() ? shading_.rows() : 1;

@@ -23,9 +23,10 @@ class RowClassifier {
                    const LightMap& light, KernelChoice kernel = KernelChoice::kFastest,
                    std::uint8_t box_shift_limit = 0, const TypicalBackground& background = {});
 
-  /// Update the light of one row of tiles to the sum of both changes (Shading::level; no effect without a light map),
-  /// and the tables of one channel and light level (ColorTables::rebuild). Call them between two frames, one part at a
-  /// time to bound the time. The first box that moves by more than a few levels updates all tiles, once.
+  /// apply_light_change() sets one row of tiles to the sum of both changes of light (no effect without a light map).
+  /// rebuild_tables() rebuilds the tables of one channel and light level (ColorTables::rebuild). Call them between two
+  /// frames, a part per frame to bound the time. When a box first moves by more than a few levels, all tiles are
+  /// updated once.
   void apply_light_change(const LightChange& change, const FieldLight& field, std::uint16_t tile_row);
   void rebuild_tables(const ColorBoxes& boxes, std::size_t channel, std::uint8_t level);
 
@@ -61,13 +62,13 @@ class RowClassifier {
   ColorTables tables_;
   NibbleTables nibbles_;
   Shading shading_;
-  // For boxes that move as far as they may, and for boxes that stay near, which leave more room to the background.
+  // For boxes at their largest shift, and for boxes near their calibration, which leave more room to the background.
   BackgroundRanges background_, near_background_;
-  bool are_boxes_near_ = false;                     // all of them stayed near since configure()
+  bool are_boxes_near_ = false;                     // all boxes stayed near since configure()
   std::array<TileParameters, kMaxTiles> tiles_{};   // without a light map, the first applies to all columns
   std::array<bool, kMaxTileRows> has_one_light_{};  // all tiles of the row are equal
   ColorBoxes boxes_;                                // as configured
-  std::array<bool, kMaxTileRows> has_pale_{};       // without a light map, the first of both applies to all rows
+  std::array<bool, kMaxTileRows> has_pale_{};       // without a light map, entry 0 applies to all rows
   std::array<TileParameters, kMaxTileRows> pale_{};
 };
 

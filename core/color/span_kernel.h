@@ -38,13 +38,15 @@ static_assert(kMaxFrameWidth / kOccupiedWordPixels < 64);
 using SpanKernel = OccupiedWords (*)(const SpanTables& tables, const RowPixels& row, std::uint32_t begin,
                                      std::uint32_t end, ColorId* colors);
 
-/// The kernel of a format for each instruction set, in the folder of that name; the portable one is the reference for
-/// all others. A kernel is only defined on its processor family, and must only run where cpu_supports() its set.
+/// The kernel of a format for each instruction set, in the folder with the set's name. The portable kernel is the
+/// reference for all others. A kernel is only defined on its processor family, and may only run where cpu_supports()
+/// its set.
 SpanKernel portable_span_kernel(PixelFormat format);
 SpanKernel avx2_span_kernel(PixelFormat format);
 SpanKernel neon_span_kernel(PixelFormat format);
 
-/// The kernel of the chosen set. `choice` becomes the set that kFastest stands for. Null: this processor lacks the set.
+/// Returns the kernel of the chosen set. Replaces kFastest in `choice` by the set that it stands for. Null: this
+/// processor lacks the set.
 SpanKernel find_span_kernel(PixelFormat format, KernelChoice& choice);
 
 }  // namespace touchline

@@ -9,8 +9,8 @@
 
 namespace touchline {
 
-/// Light at a place of the picture relative to that of the typical colors, as far as it is known without any robot: the
-/// light map, and the change of light that FieldLight measured. Refers to both, does not own them.
+/// Light at a place of the picture, relative to the light of the typical colors. It is known without any robot: the
+/// light map, plus the change that FieldLight measured. Refers to both and owns neither.
 class ExpectedGain {
  public:
   /// Unknown everywhere.
@@ -18,10 +18,10 @@ class ExpectedGain {
   ExpectedGain(const Shading& shading, const FieldLight& field) : shading_(&shading), field_(&field) {}
 
   [[nodiscard]] bool is_known() const { return field_ != nullptr && field_->active() && shading_->active(); }
-  /// In levels (32 per octave); positive: brighter. The point must be in the picture, the light map active. In YUV the
-  /// change of luma, for all channels.
+  /// Returns the light in levels (32 per octave); positive: brighter. The point must be in the picture, and the light
+  /// map active. In YUV, all channels have the change of luma.
   [[nodiscard]] float levels_at(std::size_t channel, const PixelPoint& at) const;
-  /// Factors of R, G and B, also in YUV. Only valid if is_known(). The point must be in the picture.
+  /// Returns factors of R, G and B, also in YUV. Only valid if is_known(). The point must be in the picture.
   [[nodiscard]] std::array<float, 3> at(const PixelPoint& at) const;
 
  private:
@@ -29,7 +29,7 @@ class ExpectedGain {
     std::uint16_t column = 0, row = 0;
   };
   static Tile tile_of(const PixelPoint& at);
-  // Of the light map alone.
+  // Levels of the light map alone.
   [[nodiscard]] float map_levels_at(std::size_t channel, const Tile& tile) const;
 
   const Shading* shading_ = nullptr;

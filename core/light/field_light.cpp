@@ -12,30 +12,31 @@ namespace touchline {
 namespace {
 
 constexpr int kStepsPerOctave = kStepsPerLevel * static_cast<int>(kLevelsPerOctave);
-// Changes beyond these are no light: a factor of 4.
+// Largest change of light: a factor of 4.
 constexpr int kMaxChange = 2 * kStepsPerOctave;
 
-// Sums of four pixels. Below the first, a reference's step is more than 10 %; below the second, the present one's.
+// Least usable sums of four pixels, of the reference and of the present field. The digital steps of darker cells are
+// too coarse: more than 10 % of a pixel (reference) or of the sum (present field).
 constexpr std::uint16_t kLeastReference = 40, kLeastNow = 10;
 
-// Largest difference between the change of a cell and of its place, which noise and the texture of a floor cause.
+// Largest difference between a cell's change and the known change that noise and the floor's texture cause.
 constexpr int kFit = 6 * kStepsPerLevel;
-// A step of the light: a mean difference that is this much larger than usual, or so much fewer fitting cells than
-// usual.
+// A step of the light is detected if the mean difference exceeds its usual value by kStep, or if fewer than this share
+// of the usual number of cells agree.
 constexpr int kStep = 5 * kStepsPerLevel / 2;
 constexpr std::int32_t kFewer_percent = 75;
 constexpr std::int32_t kLeastCells = 20;
-// Units of an agreement: of the share of the cells, and parts of a step.
+// Fixed point of Agreement: of its share of cells, and of its deviations in parts of a step.
 constexpr std::int32_t kWhole = 1024, kParts = 16;
 
-// Largest difference of a cell's tint from that of most cells. Lamps of different colors differ less.
+// Largest deviation of a cell's tint from the median tint. Lamps of different colors differ less.
 constexpr int kMaxTint = 10 * kStepsPerLevel;
 // Changes up to this one count as none.
 constexpr int kNoChange = 3 * kStepsPerLevel / 2;
 
 // Cells on each side. A robot covers 2 x 2 cells.
 constexpr std::size_t kWindow = 3;
-// Share of the window's weight that must have the most frequent level, and at which the known level is kept.
+// Least share of the window's weight in the mode. A known level with the second share of the mode's weight is kept.
 constexpr std::int32_t kFrequent_percent = 40, kKeep_percent = 97;
 constexpr std::int32_t kLeastWeight = 20;
 
@@ -75,11 +76,11 @@ std::uint8_t bin_of(int steps) {
 
 }  // namespace
 
-// Histogram of the brightness in a window that moves along a row of cells. Bins are counted from 1. Their neighbors 0
-// and kBins + 1 stay empty, and kNoBin has the cells that do not count.
+// Histogram of the brightness in a window that moves along a row of cells. Bins are counted from 1; bins 0 and kBins +
+// 1 stay empty. Bin kNoBin has the cells that do not count.
 class FieldLight::Window {
  public:
-  /// Of the window around a row.
+  /// `row`: the window's middle row.
   Window(const FieldLight& of, std::size_t row)
       : of_(of),
         top_(row - std::min(row, kWindow)),
@@ -105,15 +106,15 @@ class FieldLight::Window {
       weight_[bin] = static_cast<std::int16_t>(weight_[bin] - sums[0]);
     }
   }
-  // Weight of all cells, also of those that do not count.
+  // Weight of all cells, including those that do not count.
   [[nodiscard]] std::int32_t whole() const { return whole_[0]; }
   [[nodiscard]] std::int32_t around(std::size_t bin) const {
     return weight_[bin - 1] + weight_[bin] + weight_[bin + 1];
   }
   [[nodiscard]] Sums sums_around(std::size_t bin) const { return sums_[bin - 1] + sums_[bin] + sums_[bin + 1]; }
-  // The first of the bins with the largest weight around them, where the bin itself counts twice.
+  // Returns the first bin with the largest smoothed weight: twice the bin's own plus its neighbors'.
   [[nodiscard]] std::size_t most_frequent() const {
-    // At most 16 for each of 49 cells, so that eight sums of 16 bits are compared at a time.
+    // The weight is at most 16 for each of 49 cells, so sums fit into 16 bits and eight are compared at a time.
     using Sums8 [[gnu::vector_size(16)]] = std::int16_t;
     std::array<Sums8, kBins / 8> weight;
     Sums8 most{};
@@ -147,7 +148,7 @@ class FieldLight::Window {
   std::size_t top_, bottom_;
   Sums whole_{};
   std::array<Sums, kNoBin + 1> sums_{};
-  std::array<std::int16_t, kNoBin + 1> weight_{};  // the same as in sums_
+  std::array<std::int16_t, kNoBin + 1> weight_{};  // copy of the weights in sums_
 };
 
 Status FieldLight::configure(const LightReference& reference, PixelFormat format, std::uint16_t width_px,
@@ -314,8 +315,8 @@ FieldLight::Agreement FieldLight::agreement(std::size_t first_row) const {
   return out;
 }
 
-// Whether the light of these rows is another one than before. What did not agree when all rows were measured last will
-// not agree after the next time either: a floor that is covered, or full of things.
+// Whether the light of these rows has changed. Compares with the agreement after the last full measurement, because a
+// covered or crowded floor would disagree after the next one too.
 bool FieldLight::differs(const Agreement& now, const Agreement& usual) {
   if (now.cells < kLeastCells) return false;
   if (100 * now.fitting < kFewer_percent * usual.fitting) return true;

@@ -8,19 +8,19 @@
 
 namespace touchline {
 
-/// Measures the change of light (exposure, lamps, tint, shadows) from the field itself, without any recognized robot:
-/// compares a few pixels of each cell with a reference of the field in the light in which the colors were learned.
+/// Measures the change of light (exposure, lamps, tint, shadows) from the field itself, without any recognized robot.
+/// Compares a few pixels of each cell with a reference picture of the field, taken in the light in which the colors
+/// were learned.
 ///
-/// The logarithm of the ratio is a level per cell and channel. The change of light at a cell is the most frequent level
-/// in a window around it. Cells that robots or people cover have other levels than the floor beside them, and do not
-/// count unless they are the majority of the window; cells of another tint than most of the field do not count at all.
+/// The logarithm of the ratio is a level per cell and channel. The change of light at a cell is the mode of the levels
+/// in a window around it. Cells that robots or people cover differ from the floor beside them, so they do not affect
+/// the mode unless they fill most of the window. Cells of another tint than most of the field do not count at all.
 /// Where no level is frequent enough, the change is interpolated (Gortler et al. 1996, pull-push).
 ///
-/// Every frame, an eighth of the rows is measured. If more of their cells disagree with the known change than usual,
-/// the whole field is measured at once, so that a step of the light is known before the colors of the same frame are
-/// classified.
-/// A change smaller than 1.5 levels (3 %) counts as none. The work is bounded, and its result does not depend on
-/// floating point. The object is large (fixed memory).
+/// Each frame measures an eighth of the rows. If their cells disagree with the known change more than usual, the whole
+/// field is measured at once. A step of the light is therefore known before the frame's colors are classified. A change
+/// below 1.5 levels (3 %) counts as none. The work is bounded, and the arithmetic is in integers. The object is large
+/// (fixed memory).
 class FieldLight {
  public:
   /// Starts without a change. A reference without columns turns it off. kOutOfRange: an empty or too large picture.
@@ -38,15 +38,15 @@ class FieldLight {
     return active() && row_changed_[tile_row / grid_.tile_rows()];
   }
 
-  /// Change of light in a tile, in levels (32 per octave); positive: brighter than in the reference. 0 when off. In YUV
-  /// it is the change of a gray surface's luma, for all channels.
+  /// Returns the change of light in a tile, in levels (32 per octave); positive: brighter than in the reference. 0 when
+  /// off. In YUV, all channels have the change of a gray surface's luma.
   [[nodiscard]] float at(std::size_t channel, std::uint16_t tile_column, std::uint16_t tile_row) const;
   [[nodiscard]] std::array<float, 3> at(std::uint16_t tile_column, std::uint16_t tile_row) const;
-  /// The same of R, G and B, also in YUV.
+  /// Returns the change of R, G or B, also in YUV.
   [[nodiscard]] float rgb_at(std::size_t channel, std::uint16_t tile_column, std::uint16_t tile_row) const;
-  /// Mean over all cells and channels.
+  /// Mean change over all cells and channels.
   [[nodiscard]] float mean() const { return mean_; }
-  /// Mean over all cells of R, G and B, also in YUV.
+  /// Mean change of R, G and B over all cells, also in YUV.
   [[nodiscard]] const std::array<float, 3>& channel_means() const { return channel_means_; }
 
  private:
@@ -57,8 +57,8 @@ class FieldLight {
   static constexpr std::size_t kRowStep = 8;
   // How well the measured cells of some rows agree with the known change.
   struct Agreement {
-    std::int32_t cells = 0, fitting = 0;      // number; share of them that nearly agree
-    std::array<std::int32_t, 3> deviation{};  // mean of those
+    std::int32_t cells = 0, fitting = 0;      // number; share that nearly agrees
+    std::array<std::int32_t, 3> deviation{};  // mean of the agreeing ones
 
     void approach(const Agreement& now) {
       fitting += (now.fitting - fitting) / 2;
@@ -79,23 +79,24 @@ class FieldLight {
 
   ReferenceGrid grid_;
   ColorSpace space_ = ColorSpace::kRgb;
-  // Of the reference: logarithm, usable channels as bits, weight of the cell.
+  // The reference: logarithm, usable channels as bits, weight of the cell.
   std::array<Plane, 3> reference_{};
   std::array<std::uint8_t, kMaxReferenceCells> usable_{}, weight_{};
   std::size_t base_channel_ = 1;  // the channel with the most usable cells
-  // Of the present field. Rows that were not measured in this frame are older.
+  // The present field. Rows that this frame did not measure are older.
   CellColors now_;
   std::array<Plane, 3> ratio_{};
   std::array<std::uint8_t, kMaxReferenceCells> measured_{};  // channels as bits
-  // Of the brightness of the base channel, which follows from all measured ones.
+  // By cell: bin of the base channel's brightness, which all measured channels determine, and weighted sums.
   std::array<std::uint8_t, kMaxReferenceCells> bin_{};
   std::array<Sums, kMaxReferenceCells> sums_{};
-  std::array<Steps, 3> tint_{};   // of most cells, relative to the base channel
+  std::array<Steps, 3> tint_{};   // median of the cells, relative to the base channel
   std::array<Plane, 3> found_{};  // valid if known_
   std::array<bool, kMaxReferenceCells> known_{};
   std::array<Plane, 3> change_{};
   std::array<bool, kMaxReferenceRows> row_changed_{};
-  // The cells and the coarser grids of interpolate(); each has at most about a quarter of the cells of the one before.
+  // The cells, followed by the coarser grids of interpolate(). Each grid has about a quarter of the previous grid's
+  // cells.
   struct GridCell {
     std::array<Steps, 3> value{};
     bool known = false;
@@ -105,7 +106,7 @@ class FieldLight {
   std::array<float, 3> channel_means_{};
   std::size_t next_ = 0;
   bool started_ = false;
-  std::array<Agreement, kRowStep> usual_{};  // of the rows of each frame; valid if started_
+  std::array<Agreement, kRowStep> usual_{};  // by group of rows; valid if started_
 };
 
 }  // namespace touchline

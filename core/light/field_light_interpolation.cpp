@@ -1,11 +1,11 @@
-// Between the cells in which the field shows its light: FieldLight::interpolate() (Gortler et al. 1996, pull-push).
+// FieldLight::interpolate(): the change in cells where it is not measured (Gortler et al. 1996, pull-push).
 #include "core/fixed_vector.h"
 #include "core/light/field_light.h"
 #include "core/light/field_light_steps.h"
 
 namespace touchline {
 
-// Fills change_ from found_. Cells without a known change take it from coarser and coarser grids.
+// Fills change_ from found_. Cells without a known change take it from the next coarser grid that has one.
 bool FieldLight::interpolate() {
   struct Level {
     std::size_t first = 0, columns = 0, rows = 0;

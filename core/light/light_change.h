@@ -21,9 +21,9 @@ class LightChange {
   Status configure(std::uint16_t width_px, std::uint16_t height_px, float max_levels);
   void reset();
 
-  /// Adds an observation: at `where` each channel is `levels` brighter than the light map. `weight`, 0 to 1 per
-  /// channel, is the reliability of the channel (a red patch gives no information about blue light). `step`, 0 to 1, is
-  /// the share of the difference that is applied. One observation changes a value by at most kMaxStep_levels * step.
+  /// Adds an observation: at `where`, each channel is `levels` brighter than in the light map. `weight`, 0 to 1:
+  /// reliability of each channel (a red patch gives no information about blue light). `step`, 0 to 1: share of the
+  /// difference that is applied. One observation changes a value by at most kMaxStep_levels * step.
   void observe(const PixelPoint& where, const std::array<float, 3>& levels, const std::array<float, 3>& weight,
                float step);
   /// Spreads observations to the rest of the picture: each node moves by step * kSpread, step from 0 to 1, towards the
@@ -32,7 +32,7 @@ class LightChange {
 
   /// Change at a point, in levels; positive: brighter than in the light map.
   [[nodiscard]] float at(std::size_t channel, const PixelPoint& where) const;
-  /// The same of all channels.
+  /// Change of all channels at a point.
   [[nodiscard]] std::array<float, 3> at(const PixelPoint& where) const;
   /// Mean of all nodes and channels, in levels.
   [[nodiscard]] float mean() const;

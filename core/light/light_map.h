@@ -7,7 +7,7 @@
 
 namespace touchline {
 
-// 64 x 48 cells: a cell is 10 pixels wide at 640 x 480, far below the size of any lamp's cone.
+// 64 x 48 cells: a cell is 10 pixels wide at 640 x 480, far smaller than any lamp's cone.
 constexpr std::size_t kMaxLightCells = std::size_t{64} * 48;
 
 /// Illumination plane N_BCK / C of Klancar eq. (17): relative brightness per channel (R, G, B), 1 at the place where

@@ -5,7 +5,7 @@
 namespace touchline {
 namespace {
 
-// Values of a channel from this one upwards count as saturated. In YUV of limited range the luma of such a value.
+// Least saturated value of a channel. In YUV of limited range, its luma.
 constexpr std::uint8_t kSaturated = 250, kSaturatedLimitedLuma = 231;
 constexpr int kPixels = 4;
 

@@ -27,8 +27,8 @@ struct ReferenceGrid {
   }
 };
 
-/// Colors of the field's cells, R, G, B, in the unit of 1/4 pixel value: the sum of four pixels of fixed places. 0: the
-/// cell says nothing, because something covered it, or because it is too dark or saturated.
+/// Colors of the field's cells, R, G, B: sums of four pixels at fixed places, hence in units of 1/4 pixel value. 0: the
+/// cell is not usable, because it was covered, too dark or saturated.
 struct CellColors {
   std::array<std::array<std::uint16_t, kMaxReferenceCells>, 3> sum{};
 };

@@ -50,8 +50,8 @@ class Shading {
   [[nodiscard]] std::uint8_t level(std::size_t channel, std::uint16_t column, std::uint16_t row) const {
     return level_[channel][row * columns_ + column];
   }
-  /// The levels of all channels, with the change of light since the map was made, and another `brighter` levels. In YUV
-  /// the change of the first channel applies to all three.
+  /// Returns the levels of all channels, corrected for `change`, the change of light since the map was made, and for a
+  /// further change of `brighter` levels. In YUV, the change of the first channel applies to all three.
   [[nodiscard]] std::array<std::uint8_t, 3> levels(const LightChange& change, std::uint16_t column, std::uint16_t row,
                                                    const std::array<float, 3>& brighter = {}) const;
   [[nodiscard]] std::uint16_t columns() const { return static_cast<std::uint16_t>(columns_); }

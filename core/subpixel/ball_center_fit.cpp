@@ -16,61 +16,61 @@ constexpr float kMinRadiusPx = 2.0f;
 constexpr int kMaxBallIterations = 12;
 constexpr float kConvergedPx = 0.01f;
 constexpr float kSmallStepPx = 0.2f;
-// Range of the factor by which steps are too short; above 1 only for small ones.
+// Range of the factor by which steps are scaled. Only small steps are lengthened.
 constexpr float kLeastScaled = 0.4f, kMostScaled = 3.3f;
 constexpr float kMaxStepPx = 1.5f;
-// While the steps exceed kOnItsWayPx, the pixels are kept until the outline has moved by kKeptOnTheWayPx: the center
-// where the fit ends needs others anyway.
+// While steps exceed kOnItsWayPx, pixels are kept until the outline has moved by kKeptOnTheWayPx. The final center
+// needs other pixels anyway.
 constexpr float kOnItsWayPx = 0.15f, kKeptOnTheWayPx = 0.9f;
-// Error of a pixel, as a fraction of the mean of the ball's own light, at which its weight is one half.
+// Residual of a pixel, relative to the mean light of the ball, at which the pixel's weight is one half.
 constexpr float kHalfWeightError = 0.26f;
-// Number of completely covered pixels that a light without a dependence on the normal counts like: in b0, and in the
-// parts of b along the picture and along the line of sight. A ball of which little is seen has no other shading.
+// Prior of the shading: zero for b0 and b, with these weights in completely covered pixels (b0, the parts of b along
+// the picture, and b along the line of sight). It keeps the shading of a mostly hidden ball even.
 constexpr std::array<float, kShadeTerms> kEvenLight{1e-3f, 0.1f, 0.1f, 0.05f};
-// Weight of the center at which the fit begins, relative to the squared error of a pixel with the weight one half: a
-// standard deviation of 0.2 radii against errors of 0.16 of the ball's light, which neighboring pixels share.
+// Prior of the center: the start, with a standard deviation of 0.2 radii. The weight is relative to the squared
+// residual of a pixel with weight one half; it assumes residuals of 0.16 of the ball's light, correlated between
+// neighbors.
 constexpr float kStartWeight = 10.0f, kStartSigma = 0.2f;
-// Determinant of the normal matrix, relative to the squared trace without the shading, below which the shading is not
-// fitted together with the center.
+// Determinant of the normal matrix, relative to the squared trace without the shading. Below this value, shading and
+// center cannot be separated, and the shading is kept.
 constexpr float kLeastDeterminant = 1e-5f;
 // Minimum mean weight of the covered pixels. A ball that is half hidden by a robot still reaches it.
 constexpr float kMinFittingFraction = 0.4f;
-// The same of a ball that only known robots hide: all pixels that count show it.
+// Minimum if known robots are beside the ball: hidden pixels do not count, so all others must fit.
 constexpr float kMinFittingBesideTops = 0.7f;
-// The same of a fit that cannot be much better; else other centers are tried, at this distance in radii.
+// A mean weight that other starts can hardly improve. Below it, other starts are tried at this distance in radii.
 constexpr float kClearFit = 0.85f, kOtherStart = 0.3f;
-// Largest share of the ball that robots leave when other centers are tried. They are not tried for a ball so large that
-// not all of its pixels are sampled: it shows enough.
+// Other starts are tried only if less than this share of the ball is visible and the radius is below this limit. A
+// larger ball shows enough.
 constexpr float kLittleSeen = 0.6f, kLargeRadiusPx = 14.0f;
-// Largest error of a center, in radii, if no pixel fits.
+// Standard deviation of the center in radii if no pixel fits.
 constexpr float kErrorWithoutFit = 2.0f;
-// Largest correction in radii. Shading hides at most the side that the lamp does not reach.
+// Largest correction in radii. A centroid lacks at most the side that no lamp reaches.
 constexpr float kMaxCorrection = 0.6f;
 
-// Width of the outline: of one pixel with a sharp lens, and the largest one.
+// Range of the outline's width. The least is that of one pixel and a sharp lens.
 constexpr float kLeastRampPx = 1.2f, kMostRampPx = 2.8f;
-// Part of the way to the outline of a new ball by which the width that fits begin with follows: it depends on the
-// camera.
+// Gain of the exponential mean of the outline's width, with which fits start. The width depends on the camera.
 constexpr float kFollow = 0.1f;
-// Pixels this far from a robot's top may still show it.
+// Pixels at this distance from a robot's top may still show the top.
 constexpr float kHidingMarginPx = 0.3f;
-// A viewing ray that falls more steeply along a robot, in half sides, counts as vertical.
+// A viewing ray that moves less along a robot, in half sides, counts as vertical.
 constexpr float kLeastFall = 1e-3f;
-// Ratio of the variance of the center to that of a fit whose pixels have independent errors, of a ball on the bare
-// floor and of one beside something: what hides a part of the ball or is beside it gives neighboring pixels the same
-// error. Measured in the arena (tests/tools/motion_evaluation_test.cpp).
+// Variance of the center relative to a fit with independent residuals: on the bare floor, and with an object beside the
+// ball. An object beside the ball or in front of it correlates the residuals of neighboring pixels. Measured in the
+// arena (tests/tools/motion_evaluation_test.cpp).
 constexpr float kAlikeOnFloor = 0.5f, kAlikeBeside = 1.75f;
-// Something is beside a ball of which less than the first share counts, the more so down to the second one, or whose
-// surroundings are so doubtful that they take this part of the pixels' weight.
+// An object is beside the ball if the visible share is below kWholeSeen, certainly below kPartSeen, or if doubtful
+// surroundings take the share kDoubted of the pixels' weight.
 constexpr float kWholeSeen = 0.9f, kPartSeen = 0.8f, kDoubted = 0.01f;
 
-// Distance after which the correlation of the fit's errors is 1/e: on the floor, most of them are those of the outline
-// against the pixel grid; beside something, those of its light. Measured in games of the arena.
+// Distance over which the fit's errors decorrelate to 1/e. On the floor, most errors come from the outline against the
+// pixel grid; beside an object, from the object's light. Measured in games of the arena.
 constexpr float kLastsOnFloorPx = 0.5f, kLastsBesidePx = 3.0f;
-// Variance of a pixel's light on the outline relative to that of one inside: it has half the light, to which the
-// variance is proportional.
+// Noise variance of an outline pixel relative to a covered one: the variance is proportional to the light, and an
+// outline pixel has half of it.
 constexpr float kOutlineNoise = 0.5f;
-// Number of differences between neighbors from which this variance is known well enough.
+// Number of second differences from which the noise variance is known well enough.
 constexpr int kEnoughDifferences = 16;
 
 using Normal = Eigen::Matrix<float, kShadeTerms, kShadeTerms>;
@@ -129,7 +129,7 @@ class BallCenterFit::Solver {
     Outcome best = converge_from(start);
     if (!view_.tops.empty() && best.fitting < kClearFit && best.seen < kLittleSeen &&
         view_.radius_px < kLargeRadiusPx) {
-      // Where robots leave little of the ball, the first center may be far from the best one.
+      // If robots hide most of the ball, the first start may be far from the best center.
       for (const PixelPoint& axis : view_.axis) {
         for (const float way : {-kOtherStart, kOtherStart}) {
           const Outcome other = converge_from({start.u_px + way * axis.u_px, start.v_px + way * axis.v_px});
@@ -151,7 +151,7 @@ class BallCenterFit::Solver {
   [[nodiscard]] PixelPoint center() const { return view_.center; }
   // Standard deviation of the center along each axis, in radii.
   [[nodiscard]] float sigma() const { return sigma_; }
-  // Part of the center's variance that does not come from the camera's noise, 0 to 1.
+  // Share of the center's variance that the camera's noise does not explain, 0 to 1.
   [[nodiscard]] float lasting_share() const {
     return sigma_ > 0.0f ? std::max(0.0f, 1.0f - kOutlineNoise * camera_noise() * per_noise_ / (sigma_ * sigma_))
                          : 0.0f;
@@ -165,8 +165,8 @@ class BallCenterFit::Solver {
  private:
   struct Outcome {
     PixelPoint center;
-    float fitting = 0, sigma = 0;  // fitting: 0 if there is no center
-    float seen = 0;                // share of the ball that counts
+    float fitting = 0, sigma = 0;  // fitting: mean weight of covered pixels, 0: no center
+    float seen = 0;                // visible share of the ball
     float ramp_px = 0;
     float per_noise = 0, beside = 0;
   };
@@ -180,10 +180,10 @@ class BallCenterFit::Solver {
     is_sampled_ = false;
     shading_ = {};
     float step_px = kMaxStepPx;
-    // The first iteration knows no errors yet.
+    // The first iteration has no residuals yet.
     for (int iteration = 0;
          iteration < kMaxBallIterations && (iteration < 2 || step_px > kConvergedPx || !shows_center()); ++iteration) {
-      // The last iteration has the pixels of its center, whatever the steps do.
+      // The last iteration always samples the pixels of its own center.
       const bool is_last = iteration + 1 == kMaxBallIterations;
       if (!sample(is_last ? 0.0f : step_px) || !shade() || !step(step_px)) return {};
     }
@@ -219,7 +219,7 @@ class BallCenterFit::Solver {
   // Whether the collected pixels are those of the present center.
   [[nodiscard]] bool shows_center() const { return is_sampled_ && moved_px() <= kKeptSamplesPx; }
 
-  // Collects the ball's pixels, or keeps those at hand. `step_px`: size of the former step.
+  // Collects the ball's pixels, or keeps the collected ones. `step_px`: size of the former step.
   bool sample(float step_px) {
     const bool is_on_its_way = is_sampled_ && step_px > kOnItsWayPx && moved_px() <= kKeptOnTheWayPx;
     if (!shows_center() && !is_on_its_way) {
@@ -245,14 +245,14 @@ class BallCenterFit::Solver {
         sums(row, column) = sums(column, row) = found.normal[i][j];
       }
     }
-    // If one side is hidden, a direction of b is undetermined.
+    // The prior determines directions of b that a hidden side leaves open.
     sums.diagonal() += Terms::Map(kEvenLight.data());
     inverse_normal_ = sums.cast<double>().inverse().cast<float>();
     shading_.allowed = 0;
     for (std::size_t c = 0; c < kLightChannels; ++c) {
       std::array<float, kShadeTerms>& of = shading_.of[c];
       Terms::Map(of.data()) = inverse_normal_ * Terms::Map(found.right[c].data());
-      // The mean: a part that is hidden has no known light.
+      // The mean over visible pixels, because the light of hidden ones is unknown.
       const float light = light_[c] = found.right[c][0] / found.normal[0][0];
       shading_.allowed += kHalfWeightError * kHalfWeightError * light * light;
     }
@@ -264,7 +264,7 @@ class BallCenterFit::Solver {
     const float prior = kStartWeight * shading_.allowed;
     float xx = sums.edge.xx + prior, xy = sums.edge.xy, yy = sums.edge.yy + prior;
     const float scale = xx + yy;
-    // Project out the changes that different shading would explain as well.
+    // Project out the changes that a change of the shading would explain too.
     for (std::size_t c = 0; c < kLightChannels; ++c) {
       const Terms by_x = Terms::Map(sums.shared_x[c].data()), by_y = Terms::Map(sums.shared_y[c].data());
       const Terms solved_x = inverse_normal_ * by_x, solved_y = inverse_normal_ * by_y;
@@ -308,12 +308,13 @@ class BallCenterFit::Solver {
     return std::clamp(std::max(hidden, doubtful), 0.0f, 1.0f);
   }
 
-  // Variance of the light of a pixel, in the mean of the channels by their part in the fit. It shows in the second
-  // differences of neighbors' errors inside the ball, to which what the shading does not explain adds little.
+  // Returns the noise variance of a pixel's light, averaged over the channels by their weight in the fit. It is
+  // measured by second differences of neighboring residuals inside the ball. They hardly contain errors of the shading
+  // model.
   [[nodiscard]] float camera_noise() const {
     std::array<float, kLightChannels> squares{};
     int count = 0;
-    // Pixels off the outline are the last ones.
+    // Covered pixels are at the end of the list.
     for (std::size_t k = disk_.size(); k > 0 && count < kEnoughDifferences; --k) {
       const BallPixels& pixels = disk_[k - 1];
       for (std::size_t i = 1; i + 1 < kLanes; ++i) {
@@ -331,7 +332,7 @@ class BallCenterFit::Solver {
         }
       }
     }
-    // Of three independent values, the second difference has six times the variance.
+    // A second difference of three independent values has six times their variance.
     constexpr float kPerVariance = 6.0f;
     float sum = 0, power = 0;
     for (std::size_t c = 0; c < kLightChannels; ++c) {
@@ -341,8 +342,8 @@ class BallCenterFit::Solver {
     return count > 0 ? sum / (kPerVariance * static_cast<float>(count) * power) : 0.0f;
   }
 
-  // Steps of this method are too short or too long by a factor that hardly changes. It follows from how much of a step
-  // the next one finds to be missing (Barzilai and Borwein 1988).
+  // Steps of this method are wrong by a nearly constant factor. Two successive steps determine it (Barzilai and Borwein
+  // 1988).
   Step scaled(const Step& found) {
     float factor = 1.0f;
     if (const float size = taken_.squaredNorm(); size > 0.0f) {
@@ -360,14 +361,14 @@ class BallCenterFit::Solver {
   float radius_m_, first_ramp_px_;
   BallView view_;
   float fitting_ = 0, sigma_ = 0, seen_ = 0;
-  float per_noise_ = 0;                        // variance of the center, in radii, per variance of a pixel's light
-  float beside_ = 0;                           // from 0, on the bare floor, to 1, beside something
+  float per_noise_ = 0;                        // variance of the center per noise variance of a pixel
+  float beside_ = 0;                           // 0: on the bare floor; 1: an object is beside the ball
   std::array<float, kLightChannels> light_{};  // mean light of the ball
-  float doubted_ = 0;                          // part of the pixels' weight that doubtful surroundings take
+  float doubted_ = 0;                          // share of weight lost to doubtful surroundings
   PixelPoint sampled_at_;
   float sampled_ramp_px_ = 0;
   bool is_sampled_ = false;
-  Step moved_ = Step::Zero();                         // since the beginning, in radii
+  Step moved_ = Step::Zero();                         // since the start, in radii
   Step found_ = Step::Zero(), taken_ = Step::Zero();  // in radii: before and after scaling
   Normal inverse_normal_;
   BallShading shading_;  // of the previous iteration until shade() finds new ones

@@ -8,25 +8,24 @@
 
 namespace touchline {
 
-/// Finds the ball's center from its outline. The centroid of the pixels with the ball's color is biased towards the
-/// lamps, because the shaded side of the ball is too dark to have this color.
+/// Finds the ball's center from its outline. The centroid of the ball's color is biased towards the lamps, because the
+/// shaded side is too dark for this color.
 ///
-/// The ball's radius and the camera are known, and so is the shape of the outline. The light of a matt ball of one
-/// color depends on the surface normal n. Under any number of lamps it is b0 + b . n per channel (Lambert's law; Basri
-/// and Jacobs 2003 give the error on the side that a lamp does not reach). If the ball covers the fraction w of a
-/// pixel, the pixel shows
+/// The ball's radius and the camera are known, so the shape of the outline is known. The light of a matt ball depends
+/// on the surface normal n. Under any number of lamps it is b0 + b . n per channel (Lambert's law; Basri and Jacobs
+/// 2003 give the error on the side that a lamp does not reach). If the ball covers the fraction w of a pixel, the pixel
+/// shows
 ///   w (b0 + b . n) + (1 - w) O,
-/// where O is the light of the surroundings just outside the ball. For a given center, the best b is the solution of a
-/// linear problem. The center is found by Gauss-Newton with the linear part projected out (variable projection, Kaufman
-/// 1975). The width of the edge, over which w changes from 0 to 1, is fitted at the same time. Pixels that do not fit
-/// have a lower weight, and so do those on the outline where O differs from the floor around the rest of the ball: a
-/// line, a wall or a robot begins somewhere under the ball. Lines and walls are parallel to the field's axes, so an O
-/// that is the same on both sides of the ball along an axis is known between. Pixels of the robots that were seen do
-/// not count where they hide the ball. If they leave too little of it, its shading and its place are not far from the
-/// expected ones.
+/// where O is the light of the surroundings just outside the ball. For a given center, the best b solves a linear
+/// problem. Gauss-Newton finds the center, with the linear part projected out (variable projection, Kaufman 1975). The
+/// width of the edge, over which w changes from 0 to 1, is fitted too. Pixels with a large residual have a lower
+/// weight. Outline pixels also have a lower weight where O differs from the floor around the rest of the ball, because
+/// a line, a wall or a robot begins somewhere under the ball. Lines and walls are parallel to the field's axes: if O is
+/// equal on both sides of the ball along an axis, it is interpolated between them. Pixels do not count where a robot
+/// hides the ball. If little of the ball remains, priors on shading and center dominate.
 ///
-/// The covariance of the center follows from the errors that the pixels really have, without the assumption that they
-/// are equal (the sandwich estimator: White 1980), because most of them come from the surroundings and the shading.
+/// The covariance of the center follows from the residuals of the pixels (sandwich estimator, White 1980). It does not
+/// assume equal errors, because most errors come from the surroundings and the shading.
 ///
 /// If the picture does not fit this model, the ball keeps its center. The work is bounded: on a large ball, only every
 /// second, third, ... pixel and row is sampled.
@@ -37,7 +36,7 @@ class BallCenterFit {
   /// Sizes of the robots that may hide the ball, by Team; none before the first call.
   void set_robots(const std::array<RobotSize, 2>& sizes) { robots_ = sizes; }
 
-  /// Improves center, position and noise of the ball, if one was seen. The frame must be one that the scan accepted.
+  /// Improves center, position and noise of the ball, if one was seen. The scan must have accepted the frame.
   void refine(const Frame& frame, Sightings& sightings);
 
  private:

@@ -10,16 +10,16 @@ constexpr std::size_t kSegments = 8, kSegmentPixels = 64;
 constexpr std::size_t kMostBytes = 4;  // of a pixel
 // Larger differences are edges, not noise.
 constexpr int kLargestNoise = 12;
-// Old pictures are forgotten: their weight falls to one half in 11 pictures.
+// Exponential mean over pictures: a weight falls to one half in 11 pictures.
 constexpr float kKept = 0.94f;
-// Sums of second differences must differ by this factor. Bilinear interpolation leaves a factor of 1.6 to 3 on floors
-// whose noise is one 8-bit step, and more on others. Without a pattern, the factor of 512 pixels is within 1 +- 0.1
-// (standard deviation), and both colors must agree.
+// Least ratio of two sums of second differences that shows a pattern. With bilinear interpolation, the ratio is 1.6 to
+// 3 on floors with a noise of one 8-bit step, and larger on others. Without a pattern, the ratio of 512 pixels is 1
+// with a standard deviation of 0.1, and a pattern needs the agreement of both colors.
 constexpr float kLeastFactor = 1.3f;
-// Sums below this many steps per pixel are those of rounding, or of a picture without noise.
+// Smaller sums come from rounding, or from a picture without noise. In 8-bit steps.
 constexpr float kLeastSum = 0.05f * static_cast<float>(kSegments * kSegmentPixels);
 
-// Eight values at a time: sums of the differences of all segments, which do not overflow.
+// Eight values at a time. The sums over all segments do not overflow.
 constexpr std::size_t kTogether = 8;
 using Values [[gnu::vector_size(2 * kTogether)]] = std::int16_t;
 static_assert(kSegments * kSegmentPixels / kTogether * kLargestNoise <= 32767);
@@ -31,10 +31,11 @@ Values values_at(const std::uint8_t* pixels) {
   return __builtin_convertvector(bytes, Values);
 }
 
-// Sums of all bytes of segments: byte k is in sum k modulo all sums.
+// Sums over the bytes of all segments. Byte k of a segment is added to lane k, modulo the number of lanes.
 using Sums = std::array<Values, kMostBytes>;
 
-// Adds the second differences of a segment's bytes from those `apart` bytes before and after them; 0 at an edge.
+// Adds the second differences of a segment's bytes, with neighbors `apart` bytes before and after. Differences at edges
+// count as 0.
 void add_differences(const std::uint8_t* at, std::size_t pixel_bytes, std::size_t apart, Sums& sums) {
   for (std::size_t k = 0; k < kSegmentPixels / kTogether; ++k) {
     for (std::size_t byte = 0; byte < pixel_bytes; ++byte, at += kTogether) {
@@ -45,7 +46,7 @@ void add_differences(const std::uint8_t* at, std::size_t pixel_bytes, std::size_
   }
 }
 
-// The sum of one channel, in even and odd columns.
+// Returns the sums of one channel in even and in odd columns.
 std::array<float, 2> by_column(const Sums& sums, std::size_t pixel_bytes, std::size_t channel) {
   std::array<float, 2> sum{};
   for (std::size_t k = channel; k < pixel_bytes * kTogether; k += pixel_bytes) {
@@ -55,7 +56,7 @@ std::array<float, 2> by_column(const Sums& sums, std::size_t pixel_bytes, std::s
   return sum;
 }
 
-// The first byte of a segment, in different parts of the picture; even columns begin it.
+// The first byte of a segment. Segments are spread over the picture and begin at even columns.
 struct Start {
   std::size_t row, byte;
 };
@@ -66,7 +67,7 @@ Start start_of(std::size_t segment, std::size_t picture, const Frame& frame, std
   return {row, (2 + part * (width - kSegmentPixels - 4) / (kSegments - 1) / 2 * 2) * pixel_bytes};
 }
 
-// Which columns measure red: 0 for even ones, 1 for odd ones; -1 if there is no pattern.
+// Returns which columns measure red: 0: even ones, 1: odd ones, -1: there is no pattern.
 template <class Differences>
 int red_column(const Differences& differences) {
   const auto measured = [&](std::size_t color, std::size_t odd) {
@@ -77,7 +78,8 @@ int red_column(const Differences& differences) {
   return measured(0, 1) && measured(1, 0) ? 1 : -1;
 }
 
-// The same for the rows of a pattern: red and blue together decide which of them is which. -1 if they leave doubt.
+// Returns which rows of a pattern measure red, by the differences of red and blue together. 0: even ones, 1: odd ones,
+// -1: doubtful.
 template <class Differences>
 int red_row(const Differences& differences) {
   const float even = differences[0][0] * differences[1][1], odd = differences[0][1] * differences[1][0];
@@ -101,7 +103,7 @@ void BayerDetector::examine(const Frame& frame) {
   const std::size_t picture = pictures_++;
   add_rows(frame, picture);
   const int column = red_column(along_rows_);
-  // Few cameras have a pattern, so columns are examined only after the rows showed one.
+  // Few pictures have a pattern, so differences along columns are examined only after those along rows showed one.
   if (column < 0) return;
   add_columns(frame, picture);
   const int row = red_row(along_columns_);

@@ -10,10 +10,10 @@ namespace touchline {
 namespace {
 
 constexpr float kPiSquare = std::numbers::pi_v<float> * std::numbers::pi_v<float>;
-// Variance of an edge's place for edges along the pixel grid and along its diagonals, pixels^2. A fit of measured
-// pixels whose edges have the width of the picture's leaves little of these errors. With larger values, colors count in
-// which a patch hardly differs from the top. RMS heading in games of the arena with a blur of 0.45 pixels: 0.57, 0.41,
-// 0.33 and 0.29 degrees with 0.03, 0.01, 0.003 and 0.001; with 0, headings on the reference scenes are a tenth worse.
+// Variance of an edge's position, in pixels^2, for edges along the pixel grid and along its diagonals. It is small if
+// the fit uses the picture's edge width. Larger values give weight to colors with little contrast between patch and
+// top. RMS error of the heading in games of the arena with a blur of 0.45 pixels: 0.57, 0.41, 0.33 and 0.29 degrees
+// with 0.03, 0.01, 0.003 and 0.001; with 0, headings on the reference scenes are a tenth worse.
 constexpr float kOnGrid = 0.001f, kOnDiagonal = 0.0002f;
 
 struct Edge {
@@ -39,7 +39,7 @@ Edges edges_of(const BlurredOutline& outline) {
   return edges;
 }
 
-// sinc^2, without its zeros: the length of an edge is not that exact.
+// Returns sinc^2 without its zeros, because an edge's length is not exact enough for them.
 float smooth_sinc2(float x) {
   const float square = x * x;
   return 1.0f / (1.0f + kPiSquare * square * (1.0f + 6.0f * square) / (3.0f + 3.0f * square));
@@ -50,8 +50,8 @@ float smooth_sinc2(float x) {
 BayerSampling bayer_sampling(const BlurredOutline& outline, PixelPoint direction, float scale_px_per_m) {
   BayerSampling sum;
   if (outline.outline() == PatchOutline::kCircle) {
-    // Method of stationary phase: only arcs of length sqrt(r / g) at two opposite points count, of a circle whose
-    // derivatives have a sum of squares of pi r.
+    // Method of stationary phase: only two opposite arcs of length sqrt(r / g) contribute. The squared derivatives of
+    // the whole circle sum to pi r.
     const float radius_px = scale_px_per_m * std::min(outline.half_length_m(), outline.half_width_m());
     const float grid = 2.0f * kOnGrid * 2.0f / (kPiSquare * radius_px);
     const float diagonal = 2.0f * kOnDiagonal * std::numbers::sqrt2_v<float> / (kPiSquare * radius_px);
@@ -74,7 +74,7 @@ BayerSampling bayer_sampling(const BlurredOutline& outline, PixelPoint direction
     steep_x += length_px * edge.nx * edge.nx;
     steep_y += length_px * edge.ny * edge.ny;
   }
-  // Least squares over all edges: their errors count in proportion to their lengths.
+  // Least squares over all edges: an edge's error counts in proportion to its length.
   sum.grid.x /= steep_x * steep_x;
   sum.diagonal.x /= steep_x * steep_x;
   sum.grid.y /= steep_y * steep_y;

@@ -7,20 +7,22 @@
 
 namespace touchline {
 
-/// Errors of a patch's fitted center that come from a camera's color filters, and how much each color should count.
+/// The bias of a fitted patch center that a camera's color filters cause, and the weights of the colors that keep it
+/// small.
 ///
-/// Behind a Bayer pattern, red and blue are measured at every second pixel and column, green at every second pixel of
-/// a row; what is missing is interpolated and tells nothing new. Sampling adds copies of the picture's spectrum at the
-/// reciprocal lattice's vectors g (Bracewell, "The Fourier Transform and Its Applications", chapter 10); measured along
-/// the edge's normal n, the copy at g moves an edge of length L by up to
+/// Behind a Bayer pattern, red and blue are measured at every second pixel of every second row, green at every second
+/// pixel of each row. Interpolated values add no information. Sampling adds copies of the picture's spectrum at the
+/// vectors g of the reciprocal lattice (Bracewell, "The Fourier Transform and Its Applications", chapter 10). Along the
+/// edge's normal n, the copy at g moves an edge of length L by up to
 ///   H(g n) sinc(L g t) / (pi g n),
-/// where H is the difference between the blur of picture and fit, t the edge's direction and sinc(x) = sin(pi x) /
-/// (pi x). The error depends on where the edge lies between the filters. Along the pixel grid (g t = 0) it is the same
-/// on the whole edge, and in every picture of a standing robot; on a slanted edge it averages out.
+/// where H is the difference between the blur of picture and fit, t is the edge's direction, and sinc(x) = sin(pi x) /
+/// (pi x). The error depends on the edge's position between the filters. On an edge along the pixel grid (g t = 0), it
+/// is a bias: constant along the edge, and constant over the pictures of a standing robot. On a slanted edge it
+/// averages out.
 ///
-/// Red's lattice has g = (1/2, 0), (0, 1/2) and (1/2, +-1/2). Blue's is moved by one pixel and one column: its errors
-/// have the opposite sign at the first two, and the same sign at the others. Green has only the others, with the
-/// opposite sign. With the weights w of the colors, the sum of which is 1, the errors therefore have the factors
+/// Red's lattice has g = (1/2, 0), (0, 1/2) and (1/2, +-1/2). Blue's lattice is displaced by one row and one column:
+/// its errors have the opposite sign at the first two g, and equal sign at the diagonal g. Green has only the diagonal
+/// g, with the opposite sign. If the weights w of the colors sum to 1, the errors therefore have the factors
 ///   w_red - w_blue at (1/2, 0) and (0, 1/2), and w_red - w_green + w_blue at (1/2, +-1/2).
 /// (This is why the brightness of a gray edge has no such error: 1/4, 1/2, 1/4.)
 struct BayerSampling {
@@ -32,14 +34,14 @@ struct BayerSampling {
   Axes diagonal;  // at (1/2, +-1/2)
 };
 
-/// `direction`: the outline's x axis in the picture, any length; the y axis is taken as perpendicular to it.
+/// `direction`: the outline's x axis in the picture, of any length. The y axis is assumed to be perpendicular.
 BayerSampling bayer_sampling(const BlurredOutline& outline, PixelPoint direction, float scale_px_per_m);
 
-/// Weights of red, green and blue with the sum 1 that give the least variance of the center. `noise_px2`: its variance
-/// from each color's other errors alone, above 0.
+/// Returns the weights of red, green and blue, with the sum 1, that minimize the variance of the center. `noise_px2`:
+/// variance of the center from each color's other errors alone, above 0.
 std::array<float, 3> channel_weights(const BayerSampling& sampling, const std::array<float, 3>& noise_px2);
 
-/// The variance that sampling causes with these weights, in pixels^2.
+/// Returns the variance that sampling causes with these weights, in pixels^2.
 BayerSampling::Axes sampling_variance(const BayerSampling& sampling, const std::array<float, 3>& weights);
 
 }  // namespace touchline

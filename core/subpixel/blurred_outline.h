@@ -5,10 +5,10 @@
 
 namespace touchline {
 
-/// A patch's outline as the picture shows it. Its edges are ramps instead of steps because a pixel has an area, the
-/// lens blurs, and two of three colors of a Bayer pixel are interpolated from its neighbors. A ramp with the right
-/// middle and any width gives the right center, because the errors on opposite sides cancel.
-/// core/subpixel/simd/outline_coverage.h computes the fraction of a pixel that it covers.
+/// A patch's outline as the picture shows it. Its edges are ramps, not steps: a pixel has an area, the lens blurs, and
+/// two of three colors of a Bayer pixel are interpolated. A ramp of wrong width causes no bias of the center if its
+/// middle is right, because errors on opposite sides cancel. core/subpixel/simd/outline_coverage.h computes the
+/// fraction of a pixel that the outline covers.
 class BlurredOutline {
  public:
   BlurredOutline() = default;
@@ -22,12 +22,12 @@ class BlurredOutline {
   /// Cosine and sine of the angle from the robot's axes to the outline's axes.
   [[nodiscard]] float cos() const { return cos_; }
   [[nodiscard]] float sin() const { return sin_; }
-  /// Half size of a box along the outline's axes. Beyond it the coverage is zero; at a triangle's corners at most 0.1.
-  /// `ramp_m` is the width of an edge's ramp.
+  /// Half size of a box along the outline's axes. Beyond the box the coverage is zero (at a triangle's corners at most
+  /// 0.1). `ramp_m` is the width of an edge's ramp.
   [[nodiscard]] FieldPoint half_box(float ramp_m) const;
   /// Half size of a box within which the coverage is 1. Not positive if there is none.
   [[nodiscard]] FieldPoint inner_box(float ramp_m) const;
-  /// Smallest width. With a wider ramp, no point would be covered completely.
+  /// Smallest width of the outline. A wider ramp would cover no point completely.
   [[nodiscard]] float width_m() const { return width_m_; }
 
  private:

@@ -6,9 +6,9 @@
 namespace touchline {
 namespace {
 
-// Sharp pixels, and a lens that is far out of focus.
+// Range of the width: sharp pixels, and a lens that is far out of focus.
 constexpr float kSharpestPx = 1.3f, kBlurriestPx = 4.0f;
-// Old pictures are forgotten: their weight falls to one half in 11 pictures.
+// Exponential mean over pictures: a weight falls to one half in 11 pictures.
 constexpr float kKeptWeight = 0.94f;
 constexpr float kLargestStep = 0.1f;
 

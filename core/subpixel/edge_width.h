@@ -7,19 +7,19 @@ struct EdgeWidening {
   float power = 0, pull = 0;  // sums of w d d and w r d
 };
 
-/// Width of the edges in a camera's pictures, over which a pixel's covered fraction changes from 0 to 1. It depends on
-/// the lens, its focus and color filters. Edges on opposite sides of a patch need no exact width. Where one side is
-/// hidden or lies against a white line, and where colors are measured at every second pixel, a wrong one moves the
-/// center.
+/// Estimates the width of edges in a camera's pictures, in pixels: the distance over which a pixel's covered fraction
+/// changes from 0 to 1. It depends on the lens, its focus and the color filters. A wrong width causes no bias if both
+/// of two opposite edges are clear. It biases the center if one edge is hidden or lies against a white line, and behind
+/// a Bayer pattern.
 class EdgeWidth {
  public:
   [[nodiscard]] float px() const { return px_; }
-  /// Follows what the patches of a picture show with the present width.
+  /// Updates the width from the normal equation of all patches of a picture, found with the present width.
   void follow(const EdgeWidening& picture);
   void reset() { *this = EdgeWidth(); }
 
  private:
-  // At first the width of one pixel and a Gaussian blur of 0.4 pixels, which counts like that of one robot.
+  // Prior: the width of one pixel with a Gaussian blur of 0.4 pixels, with the weight of one robot.
   float px_ = 2.25f, known_ = 3.0f;
 };
 

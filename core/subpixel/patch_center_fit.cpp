@@ -11,69 +11,69 @@
 namespace touchline {
 namespace {
 
-// In narrower patches, too few pixels are completely covered.
+// A narrower patch covers too few pixels completely.
 constexpr float kMinWidthPx = 3.0f;
-// Width of edges where pixels share chroma: their place in the colors depends on which pixels share one, and a wide
-// ramp takes the mean over more of them. At most half of a patch, of which something must be completely covered.
+// Edge width where pixels share chroma. Shared samples displace a color's edge by their grid; a wide ramp averages over
+// more of them. At most half of the patch's width, so that some pixels stay completely covered.
 constexpr float kSharedChromaPx = 4.0f;
 constexpr float kMinInsidePixels = 4, kMinTopPixels = 4;
-// Minimum difference of light between patch and top; smaller differences are noise.
+// Least contrast between patch and top, in linear light. A smaller one is noise.
 constexpr float kMinContrast = 0.01f;
-// Noise of a picture's light, of which a few completely covered pixels show too little: that of rounding to 8 bits
-// where it is dark. It counts like this many pixels.
+// Prior of the noise: standard deviation of the light from rounding to 8 bits in dark areas, and its weight in pixels.
+// A few covered pixels alone would underestimate the noise.
 constexpr float kLeastNoise = 0.001f, kPriorPixels = 4.0f;
-// Integral of a ramp's squared slope times its width, and the variance of a pixel's light on an edge relative to that
-// of one that the patch covers completely: it has half the light, to which the variance is proportional.
+// The ramp's width times the integral of its squared slope. Then the noise variance of an edge pixel relative to a
+// covered one: the variance is proportional to the light, and an edge pixel has half of it.
 constexpr float kSquaredSlope = 1.2f, kEdgeNoise = 0.5f;
-// Behind a Bayer pattern, one of so many pixels measures red, green and blue.
+// Behind a Bayer pattern: pixels per measured sample of red, green and blue.
 constexpr std::array<float, 3> kPixelsPerMeasured{4.0f, 2.0f, 4.0f};
-// Part of a color's squared light that is an error because of the other colors, relative to the light of all: where
-// pixels share chroma (YUV, JPEG), a color that a patch hardly changes shows the edges of the others. A picture in
-// which a Bayer pattern is found shares none.
+// Crosstalk: squared error that the other colors cause in one color, relative to their squared light. Where pixels
+// share chroma (YUV, JPEG), a color with little contrast shows the edges of the others. The second value holds if a
+// Bayer pattern was found, because that picture shares no chroma.
 constexpr float kSharedLeak = 0.01f, kMeasuredLeak = 0.0002f;
-// Variance of what is left of the light of the surroundings, relative to its square.
+// Variance of the surroundings' light after subtraction, relative to its square.
 constexpr float kSurroundingsError = 0.1f;
 constexpr float kNegligible = 1e-8f;  // squared light
-// Light of the surroundings in a pixel, relative to that of the patch, at which the pixel's weight is one half. Lines,
-// walls and the sides of robots make this light no better known than it is large; other errors are 0.1 of the patch's
-// light.
+// Light of the surroundings in a pixel, relative to the patch's light, at which the pixel's weight is one half. Beside
+// lines, walls and the sides of robots, the error of this light is as large as the light itself. All other errors are
+// 0.1 of the patch's light.
 constexpr float kHalfWeightSurroundings = 0.1f;
-// Standard deviation of a center, each axis, where most pixels on the edges are doubted because of their surroundings:
-// where a line begins beside the robot is known less exactly than that. Measured with robots beside the arena's goals.
+// Standard deviation of a center along each axis if the surroundings make most edge pixels doubtful: the fit does not
+// know exactly where a line beside the robot begins. Measured with robots beside the arena's goals.
 constexpr float kDoubtedPx = 0.03f;
 // A region's centroid rarely has an error of one pixel. A larger correction means that something else was fitted.
 constexpr float kMaxCorrectionPx = 2.0f;
-// A centroid farther from where the layout says is not that of a whole patch: something hides a part of it.
+// A centroid farther from its place in the layout belongs to a patch that is partly hidden.
 constexpr float kMaxBeginPx = 0.5f;
-// RMS error of the covered fraction of edge pixels. Up to the first value the fit is used, beyond the second it is not.
-// (Sharp edges under the ramp, noise and shared chroma leave 0.1; patches that are not quite where the layout says, or
-// rounded and under glare, leave up to 0.4, and their fitted centers are still far steadier than centroids.)
-// In between, the result is a weighted mean, so a robot at the limit does not jump between two centers.
+// RMS error of the covered fraction of edge pixels. The fit has full weight up to the first value and none beyond the
+// second. In between, the result is a weighted mean of fit and centroid, so the center does not jump. (Sharp edges,
+// noise and shared chroma leave 0.1. Displaced, rounded or glossy patches leave up to 0.4, and their fitted centers
+// still scatter far less than centroids.)
 constexpr float kGoodCoverage = 0.22f, kWorstCoverage = 0.45f;
-// The same for the variation of a patch's light within itself, relative to its light: something may cover a part.
+// Limits for the variation of light within a patch, relative to its light, with weights as above. A large variation
+// means that something covers a part.
 constexpr float kGoodUnevenness = 0.22f, kWorstUnevenness = 0.325f;
-// Part of the variance of a pixel's covered fraction that moves the center: most of it is the blur's shape, whose
-// errors on opposite edges cancel. Measured in the arena (tests/tools/motion_evaluation_test.cpp).
+// Part of the residual variance that moves the center. Most of the variance comes from the blur's shape, whose errors
+// cancel on opposite edges. Measured in the arena (tests/tools/motion_evaluation_test.cpp).
 constexpr float kMovingPart = 0.18f;
-// Distance after which the correlation of the fit's errors is 1/e: those of edges against the pixel grid are others
-// half a pixel further, but most of the error depends on the edges' angles. Measured in games of the arena.
+// Distance over which the fit's errors decorrelate to 1/e. Errors of edges against the pixel grid decorrelate within
+// half a pixel, but most of the error depends on the edges' angles. Measured in games of the arena.
 constexpr float kLastsPx = 8.0f;
-// Distance from the robot's edge at which its surroundings are sampled a second time: a line beside it may be narrow
-// and seen only there.
+// Distance from the robot's edge of the second sample of the surroundings. A narrow line may appear only there.
 constexpr float kBesidePx = 1.0f;
-// The first iteration leaves at most a tenth of its step as error. After a short step the rest is below the noise.
+// An iteration leaves at most a tenth of its step as error. After a short step, this error is below the noise.
 constexpr int kMaxPatchIterations = 2;
 constexpr float kShortStepPx = 0.05f;
-// After a longer step the edges cross other pixels, so they are sampled again. The pixels that a wide ramp gains or
-// loses by half a pixel lie on its flat ends, where they tell a fiftieth of what all tell.
+// After a longer step, edges cross other pixels and are sampled again. With shared chroma the ramp is wide: a step of
+// half a pixel only exchanges pixels on its flat ends, which carry a fiftieth of the information.
 constexpr float kSameEdgePx = 0.2f, kSameSharedEdgePx = 0.5f;
 
 float dot(const std::array<float, 3>& a, const std::array<float, 3>& b) {
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-// Of the mean of two poses with the weights 1 - weight and weight. Their errors have the same causes, so standard
-// deviations add.
+// Returns the covariance of (1 - weight) * first pose + weight * second pose. Both errors have common causes, so they
+// are fully correlated and standard deviations add.
 PoseCovariance of_mean(const PoseCovariance& a, float weight, const PoseCovariance& b) {
   const float ratio = std::sqrt(b.tt / a.tt), rest = 1 - weight;
   const float by_a = rest * (rest + weight * ratio), by_b = weight * (weight + rest / ratio);
@@ -117,7 +117,7 @@ class PatchCenterFit::Solver {
     view_.bayer = bayer;
     view_.middle = {0.5f * (front.u_px + back.u_px), 0.5f * (front.v_px + back.v_px)};
     for (const PatchPlace& place : layout_.patches) targets_.push_back({.pixel = seen_at(place.x_m, place.y_m)});
-    // The patches of real robots are not quite where the layout says, so each begins at its own centroid.
+    // Patches of real robots deviate a little from the layout, so each fit starts at the patch's centroid.
     for (const PatchSighting& patch : robot.patches) begin_at(patch.center, patch.patch);
   }
 
@@ -134,12 +134,12 @@ class PatchCenterFit::Solver {
     return {targets_[k].pixel.u_px + view_.u_by_x * by.x_m + view_.u_by_y * by.y_m,
             targets_[k].pixel.v_px + view_.v_by_x * by.x_m + view_.v_by_y * by.y_m};
   }
-  // In the robot's frame of the former pose.
+  // Center of patch k in the robot's frame of the former pose.
   [[nodiscard]] FieldPoint seen(std::size_t k) const {
     const FieldPoint by = moved(k);
     return {layout_.patches[k].x_m + by.x_m, layout_.patches[k].y_m + by.y_m};
   }
-  // Covariance of seen(k), from the error that the fit leaves in the covered fractions.
+  // Covariance of seen(k), from the residuals of the covered fractions.
   [[nodiscard]] PointCovariance noise(std::size_t k) const {
     const PointCovariance& along = targets_[k].noise;
     const float c = outlines_[k].cos(), s = outlines_[k].sin();
@@ -147,12 +147,12 @@ class PatchCenterFit::Solver {
             c * s * (along.xx - along.yy) + (c * c - s * s) * along.xy,
             s * s * along.xx + 2 * c * s * along.xy + c * c * along.yy};
   }
-  // Part of these variances that does not come from the camera's noise, 0 to 1.
+  // Share of the centers' variance that the camera's noise does not explain, 0 to 1.
   [[nodiscard]] float lasting_share() const {
     return error_ > 0.0f ? std::max(0.0f, 1.0f - camera_noise_ / error_) : 0.0f;
   }
   [[nodiscard]] float scale_px_per_m() const { return view_.scale_px_per_m; }
-  // What the edges show of their width.
+  // Normal equation for the width of the edges.
   [[nodiscard]] EdgeWidening widening() const { return widening_; }
 
  private:
@@ -164,14 +164,14 @@ class PatchCenterFit::Solver {
     std::array<float, 3> along{};    // as in EdgeFitTask
     std::array<float, 3> weight{};   // as in EdgeFitTask
     std::array<float, 3> doubted{};  // as in EdgeFitTask
-    BayerSampling::Axes sampling{};  // variance of `at` from sampling, the colors' noise and the surroundings
-    float repeated = 1;              // variance of `at` relative to that of pixels that have the same weight
-    float camera_noise = 0;          // variance of `at`, each axis, from the noise of its light
+    BayerSampling::Axes sampling{};  // variance of `at`: sampling, noise, surroundings
+    float repeated = 1;              // variance of `at` relative to equally weighted pixels
+    float camera_noise = 0;          // variance of `at`, each axis, from camera noise
     PointCovariance noise{};         // of `at`
   };
   using Targets = FixedVector<Target, kMaxPatches>;
 
-  // Moves patch k to its centroid, unless that is too far away.
+  // Starts patch k at its centroid, unless the centroid is too far away.
   void begin_at(PixelPoint seen, std::size_t k) {
     const float u = seen.u_px - targets_[k].pixel.u_px, v = seen.v_px - targets_[k].pixel.v_px;
     if (!(u * u + v * v < kMaxBeginPx * kMaxBeginPx)) return;
@@ -207,7 +207,7 @@ class PatchCenterFit::Solver {
     return true;
   }
 
-  // Samples the pixels of patch k where it is now.
+  // Samples the pixels of patch k at its current center.
   bool sample(std::size_t k) {
     ColorSums inside;
     return kernel_.sample_patch(frame_, view_, {k, center(k), targets_[k].at}, inside, edges_[k]) &&
@@ -235,14 +235,14 @@ class PatchCenterFit::Solver {
     std::array<float, 3> variance;
     float sum = 0;
     for (std::size_t c = 0; c < 3; ++c) {
-      const float count = std::max(inside.count[c], 1.0f);  // a small patch may have no pixel of a color
+      const float count = std::max(inside.count[c], 1.0f);  // a small patch may lack pixels of a color
       target.excess[c] = inside.light[c] / count;
       variance[c] = std::max(0.0f, inside.squares[c] / count - target.excess[c] * target.excess[c]);
       sum += variance[c];
     }
     const float power = dot(target.excess, target.excess);
     if (!(power > kMinContrast * kMinContrast)) return false;
-    // A patch that does not have one color is covered by something.
+    // A patch with more than one color is covered by something.
     unevenness_ = std::max(unevenness_, std::sqrt(sum / power));
     weigh_channels(k, inside, variance, power);
     return true;
@@ -260,7 +260,7 @@ class PatchCenterFit::Solver {
       sampling = bayer_sampling(outline, {c * view_.u_by_x + s * view_.u_by_y, c * view_.v_by_x + s * view_.v_by_y},
                                 view_.scale_px_per_m);
     }
-    std::array<float, 3> noise_px2, all_px2;  // of the center: of each color, and with errors that colors share
+    std::array<float, 3> noise_px2, all_px2;  // of the center by color: noise alone; with crosstalk and surroundings
     std::array<float, 3> foreign;             // mean squared light of the surroundings, relative to the patch's
     for (std::size_t i = 0; i < 3; ++i) {
       const float light = target.excess[i] * target.excess[i] + kNegligible;
@@ -320,7 +320,7 @@ class PatchCenterFit::Solver {
     }
   }
 
-  // One Gauss-Newton step for the center of patch k; the other patches stay at their former centers.
+  // Does one Gauss-Newton step for the center of patch k. The other patches stay at their former centers.
   bool step(std::size_t k, bool first, const Targets& before) {
     Target& target = targets_[k];
     EdgeFitTask task;
@@ -339,7 +339,7 @@ class PatchCenterFit::Solver {
     if (!(determinant > 0.01f * sums.xx * sums.yy)) return false;
     const float x = (sums.yy * sums.rx - sums.xy * sums.ry) / determinant;
     const float y = (sums.xx * sums.ry - sums.xy * sums.rx) / determinant;
-    // After a short first step, the predicted remaining error equals the error of a second iteration.
+    // After the first step, the residual of the next iteration is predicted, because there may be none.
     const float left = first ? std::max(0.0f, sums.squares - sums.rx * x - sums.ry * y) : sums.squares;
     worst_coverage_ = std::max(worst_coverage_, std::sqrt(left / sums.weights));
     const float variance = kMovingPart * target.repeated * left / sums.weights / determinant;
@@ -371,8 +371,8 @@ class PatchCenterFit::Solver {
   MarkerView view_;
   float unevenness_at_start_ = 0;  // of the first samples, at the centers of the regions
   float unevenness_ = 0;           // largest relative color variation within a patch
-  float worst_coverage_ = 0;       // largest RMS error of the covered fraction in the current iteration
-  // Sums over the patches: variances of the center, and the part of the camera's noise.
+  float worst_coverage_ = 0;       // largest RMS error of covered fractions, this iteration
+  // Sums over all patches: variance of the center, and the camera's part of it.
   float error_ = 0, camera_noise_ = 0;
   EdgeWidening widening_;
   Targets targets_;

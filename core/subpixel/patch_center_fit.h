@@ -12,23 +12,21 @@
 
 namespace touchline {
 
-/// Refines the patch centers of a recognized robot to a fraction of a pixel. Each pixel is weighted by the fraction of
-/// it that the patch covers, whereas the region's centroid (Klancar, section 4.2) counts a pixel completely or not at
-/// all.
+/// Refines the patch centers of a recognized robot to a fraction of a pixel. A pixel counts by the fraction of it that
+/// the patch covers. In a region's centroid (Klancar, section 4.2), a pixel counts completely or not at all.
 ///
 /// The model of the picture has patches of known outline (patch k covers the fraction w_k of a pixel) on a top of one
 /// color T. Beyond the robot's edge (the robot covers the fraction r) there are surroundings O. Light is additive, so a
 /// pixel shows
 ///   r T + (1 - r) O + sum of w_k (P_k - T).
-/// The patch color P_k is the mean of the completely covered pixels, T is the mean of the free parts of the top, and O
-/// is the light just beyond the robot's edge. A patch's center minimizes the squared error of this model on the pixels
-/// of its edges (Gauss-Newton), in a weighted mean of the colors. Behind a Bayer pattern, only the color that a pixel
-/// measured counts, with the weights of bayer_sampling.h. A half-covered pixel determines where the edge is, and a
-/// neighboring patch does not leak in. Pixels have a lower weight if they depend on an O that
-/// differs much from T (a line, a wall, another robot's patch).
+/// P_k is the mean of the completely covered pixels, T the mean of the free parts of the top, and O the light just
+/// beyond the robot's edge. A patch's center minimizes the squared error of this model on the patch's edge pixels
+/// (Gauss-Newton), in a weighted mean of the colors. Behind a Bayer pattern, a pixel counts only in the color that it
+/// measured, with the weights of bayer_sampling.h. Neighboring patches are part of the model, so they cause no bias. A
+/// pixel has a lower weight if it depends on an O that differs much from T (a line, a wall, another robot's patch).
 ///
-/// A robot keeps its centers if the picture does not fit this model: no free top, patches of a few pixels, large
-/// errors. The light map is not needed because the light is uniform over one robot. The work per robot is bounded: on
+/// A robot keeps its centroids if the picture does not fit this model: no free top, patches of a few pixels, large
+/// residuals. The light is uniform over one robot, so the light map is not needed. The work per robot is bounded: on
 /// large patches, only every second, third, ... pixel and row is sampled.
 class PatchCenterFit {
  public:
@@ -39,8 +37,8 @@ class PatchCenterFit {
   /// Changes the heights of the markers, by Team, between two frames.
   void set_heights(const std::array<float, 2>& height_m);
 
-  /// Improves centers, pose, residual and noise of the robots that have a heading and of which all patches were seen.
-  /// The frame must be one that the scan accepted.
+  /// Improves centers, pose, residual and noise of each robot with a heading whose patches were all seen. The scan must
+  /// have accepted the frame.
   void refine(const Frame& frame, Sightings& sightings);
 
  private:

@@ -164,8 +164,8 @@ TOUCHLINE_AVX2_INLINE OccupiedWords classify_blocks(const SpanTables& tables, co
 // Tiles are tested in groups of eight, or of four where there are no more.
 constexpr std::uint32_t kTilesPerShortTest = kTilesPerTest / 2;
 
-// The tiles that it takes to cover a span; a pass takes up to 64 of them, one bit each. The first ones follow one
-// another from the begin on. The others follow one another up to the end, and so overlap the first ones.
+// The tiles that cover a span. A pass takes up to 64 tiles, one bit each. The first tiles are aligned to the span's
+// begin, the last ones to its end, so the two groups may overlap.
 struct Tiles {
   TOUCHLINE_AVX2_INLINE Tiles(std::uint32_t begin, std::uint32_t span_end)
       : first(begin),
@@ -183,8 +183,8 @@ struct Tiles {
   std::uint32_t begin_up_to_end;  // where all tiles would begin if they followed one another up to the end
 
  private:
-  // As many as fill tests of eight tiles, or a test of four if the span is too narrow. In a still narrower one, all but
-  // the last.
+  // Number of first tiles: a multiple of eight, for tests of eight tiles. In a narrow span, four; in a still narrower
+  // one, all but the last.
   [[nodiscard]] std::uint32_t count_from_begin() const {
     if (width() >= kTilesPerTest * kTile) return width() / (kTilesPerTest * kTile) * kTilesPerTest;
     return width() >= kTilesPerShortTest * kTile ? kTilesPerShortTest : count - 1;
@@ -245,7 +245,7 @@ TOUCHLINE_AVX2_PASS std::uint64_t find_candidates_among(const SpanTables& tables
     background |= reject_eight_tiles<Layout>(pixels, u, of_row, colors) << i;
   }
   if (i < from_begin) background |= reject_four_tiles<Layout>(pixels, u, of_row, colors) << i;
-  // The other tiles are the last ones of a test that ends where the span does.
+  // The other tiles are the last tiles of a test that ends at the span's end.
   const std::uint32_t others = tiles.count - from_begin;
   if (others > kTilesPerShortTest) {
     background |= reject_eight_tiles<Layout>(pixels, end - kTilesPerTest * kTile, of_row, colors) >>

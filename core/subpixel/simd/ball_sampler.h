@@ -3,25 +3,25 @@
 namespace touchline {
 namespace TOUCHLINE_SIMD {
 
-// Distance beyond the ramp at which the surroundings are sampled: the nearest pixel shows nothing of the ball.
+// Distance beyond the ramp at which the surroundings are sampled, so that the nearest pixel shows nothing of the ball.
 constexpr float kBeyondRampPx = 1.0f;
 // Up to this radius, all pixels of the ball are sampled; of a larger ball every second, third, ...
 constexpr float kFullBallReachPx = 18.0f;
-// From this light upwards a channel counts as saturated: the surface is at least as bright.
+// Least light of a saturated channel. It is a lower bound of the surface's light.
 constexpr float kSaturation = 0.98f;
 // Surface normals are limited to this radius, because their derivative diverges at the outline.
 constexpr float kMaxNormalRadius = 0.98f;
 
-// Squared distance from the most frequent surroundings, as a part of the largest one, at which others count half.
+// Squared difference from the candidate surroundings, relative to the largest one, at which a sample counts half.
 constexpr float kOtherSurroundings = 0.02f;
-// Squared distance from the most frequent surroundings below which others are the same.
+// Surroundings with a smaller squared difference from the most frequent ones count as equal to them.
 constexpr float kSameSurroundings = 0.004f;
-// Weight of the error that wrong surroundings may cause against an error that is seen; errors below the one
-// at which the weight is one half count less.
+// Weight of a squared error that wrong surroundings may cause, relative to a squared residual. The error counts less
+// below kNegligibleDoubt times the squared residual at which the weight is one half.
 constexpr float kDoubtWeight = 64.0f, kNegligibleDoubt = 1.0f;
 
-// The pixels whose viewing ray meets a robot above the ball: the slab test of Kay and Kajiya (1986) between its top and
-// the height of the ball.
+// Returns the pixels whose viewing ray meets a robot above the ball: slab test of Kay and Kajiya (1986) between the
+// robot's top and the height of the ball.
 inline Integer8 hidden_by(const BallView& ball, Float8 u, Float8 v) {
   Integer8 hidden = broadcast_integer(0);
   for (const HidingTop& top : ball.tops) {
@@ -47,7 +47,8 @@ inline float sampled_radius(const BallView& ball) {
   return 1.0f + (0.5f * ball.ramp_px + kBeyondRampPx) / ball.radius_px;
 }
 
-// Subtracts the surroundings' light from eight pixels on the outline, and finds the error if it is wrong.
+// Subtracts the surroundings' light from eight outline pixels. Also finds the error of the result from the error of
+// this light.
 inline void subtract_surroundings_of_ball(BallPixels& pixels) {
   const Float8 part = broadcast(1.0f) - load(pixels.coverage);
   TOUCHLINE_UNROLL for (std::size_t c = 0; c < kLightChannels; ++c) {
@@ -56,7 +57,7 @@ inline void subtract_surroundings_of_ball(BallPixels& pixels) {
   store(part * part * load(pixels.apart2), pixels.doubt);
 }
 
-// What follows from the ball's center for eight pixels whose light is known.
+// Computes the values of eight sampled pixels that depend on the ball's center.
 [[gnu::always_inline]] inline void cover(const BallView& ball, BallPixels& pixels) {
   const Float8 zero = broadcast(0.0f), one = broadcast(1.0f);
   const std::array<float, 4>& inverse = ball.inverse;
@@ -84,7 +85,7 @@ inline void subtract_surroundings_of_ball(BallPixels& pixels) {
   subtract_surroundings_of_ball(pixels);
 }
 
-// Squared distance of each pixel's surroundings from a light.
+// Returns the squared difference of each pixel's surroundings from a light.
 inline Float8 surroundings_distance2(const BallPixels& pixels, const std::array<float, kLightChannels>& light) {
   Float8 sum = broadcast(0.0f);
   TOUCHLINE_UNROLL for (std::size_t c = 0; c < kLightChannels; ++c) {
@@ -99,12 +100,12 @@ inline Integer8 is_on_outline(const BallPixels& pixels) {
   return x * x + y * y > broadcast(0.5f);
 }
 
-// Finds the light of most of the surroundings, which is near that of the darkest or the brightest place around the
-// ball. False if the ball has no outline.
+// Finds the most frequent light of the surroundings, which is assumed to be near the darkest or the brightest sample
+// around the ball. False if the ball has no outline.
 inline bool find_most_frequent(const BallDisk& disk, std::array<float, kLightChannels>& most) {
   const Float8 zero = broadcast(0.0f);
   using Light = std::array<float, kLightChannels>;
-  // The darkest and the brightest one of each lane, then of all lanes.
+  // The darkest and the brightest sample of each lane, then of all lanes.
   std::array<Float8, 2> sums{broadcast(1e9f), broadcast(-1.0f)};
   std::array<LinearRgb8, 2> lights{};
   for (const BallPixels& pixels : disk) {
@@ -157,10 +158,10 @@ inline bool find_most_frequent(const BallDisk& disk, std::array<float, kLightCha
   return true;
 }
 
-// Improves the light of the surroundings under the outline's pixels, and tells how doubtful it is. Where the light just
-// outside of a pixel differs from that of most places around the ball, a line, a wall or a robot begins anywhere under
-// the pixel. Lines and walls are parallel to the field's axes: where the light is the same on both sides of the ball
-// along one of them, it is also that of the pixels between.
+// Improves the light of the surroundings under outline pixels, and estimates its error. Where the light just outside of
+// a pixel differs from the most frequent one, a line, a wall or a robot begins somewhere under the pixel. Lines and
+// walls are parallel to the field's axes. If the light is equal on both sides of the ball along one axis, the light
+// between is interpolated.
 inline void follow_lines(const LinearRgbImage& picture, const BallView& ball, BallDisk& disk) {
   std::array<float, kLightChannels> most{};
   if (!find_most_frequent(disk, most)) return;
@@ -245,7 +246,7 @@ inline bool sample_ball(const Frame& frame, const BallView& ball, BallDisk& disk
     const Float8 x = broadcast(inverse[0]) * from_u + broadcast(inverse[1]) * from_v;
     const Float8 y = broadcast(inverse[2]) * from_u + broadcast(inverse[3]) * from_v;
     const Float8 r = sqrt(x * x + y * y);
-    // Completely covered pixels with 1 or more, and others up to 0, by more than the ball may move.
+    // 1 or more: completely covered. 0 or more: on the outline. Both have a margin for the motion of the ball.
     const Float8 depth = broadcast(0.5f) - (r - one) * broadcast(ball.radius_px / ball.ramp_px);
     const float may_move = kKeptSamplesPx / ball.ramp_px;
     counts = counts & (depth > broadcast(-may_move));
@@ -298,7 +299,7 @@ struct ShadedPixels {
   std::array<Float8, kShadeTerms> terms;  // w and w n
   LinearRgb8 model, error;                // error: measured light minus the model
   LinearRgb8 rest;
-  Float8 weight, fitting;  // fitting: the weight that follows from the error alone
+  Float8 weight, fitting;  // fitting: the weight by the error alone
 
   ShadedPixels(const BallPixels& pixels, const BallShading& shading)
       : terms{load(pixels.coverage), load(pixels.slopes[0]), load(pixels.slopes[1]), load(pixels.slopes[2])} {
@@ -307,7 +308,7 @@ struct ShadedPixels {
       const std::array<float, kShadeTerms>& of = shading.of[c];
       model[c] = (broadcast(of[0]) * terms[0] + broadcast(of[1]) * terms[1]) +
                  (broadcast(of[2]) * terms[2] + broadcast(of[3]) * terms[3]);
-      // A saturated channel may have had more light.
+      // A saturated channel has no negative error: its true light may be as large as the model's.
       rest[c] = max(load(pixels.rest[c]), min(model[c], load(pixels.up_to[c])));
       error[c] = rest[c] - model[c];
       square += error[c] * error[c];

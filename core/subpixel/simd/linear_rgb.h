@@ -12,15 +12,15 @@ inline Float8 linear_light(Float8 t) {
               t * (broadcast(0.7355875f) + t * (broadcast(0.3826977f) + t * broadcast(-0.1025990f))));
 }
 
-/// The same for values from 0 to 255.
+/// As above, for values from 0 to 255.
 inline Float8 linear_light(Integer8 value) { return linear_light(to_floats(value) * broadcast(1.0f / 255.0f)); }
 
-/// Reads a frame's pixels as linear light. A pixel that two surfaces share shows the mean of their light, but the
-/// camera delivers this mean after gamma encoding (2.2 here, within 0.1 of ITU-R BT.709, BT.601 and sRGB). With gamma,
-/// a pixel that a bright patch covers by half looks three quarters covered. YUV is BT.601.
+/// Reads a frame's pixels as linear light. A pixel that two surfaces share shows the weighted mean of their light, but
+/// cameras apply a gamma curve to this mean (2.2 here, within 0.1 of ITU-R BT.709, BT.601 and sRGB). Without
+/// linearization, a pixel that a bright patch covers by half would look three quarters covered. YUV is BT.601.
 class LinearRgbImage {
  public:
-  /// `frame` must be one that the scan accepted, wider than one pixel, and must outlive this object.
+  /// The scan must have accepted `frame`. It must be wider than one pixel and outlive this object.
   explicit LinearRgbImage(const Frame& frame)
       : frame_(frame),
         width_(frame.width_px),

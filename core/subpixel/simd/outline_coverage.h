@@ -3,16 +3,16 @@
 namespace touchline {
 namespace TOUCHLINE_SIMD {
 
-/// Fraction of eight blurred pixels that an outline covers, and its derivatives by the position of the outline.
+/// Fraction of eight blurred pixels that an outline covers, and the fraction's derivatives by the outline's position.
 struct Coverage {
   Float8 value;           // 0 to 1
   Float8 by_x_m, by_y_m;  // derivatives by the outline's center; zero where the coverage is 0 or 1
   Float8 by_width;        // derivative by the logarithm of the ramp's width
 };
 
-/// Coverage by a half plane with a blurred edge: 3 t^2 - 2 t^3, which is close to the edge that a pixel's area and a
-/// Gaussian blur leave. A linear ramp is not: at its ends it errs by a tenth, and where a color is measured at every
-/// second pixel, these errors do not cancel.
+/// Coverage by a half plane with a blurred edge: 3 t^2 - 2 t^3. This is close to an edge after a Gaussian blur and
+/// integration over a pixel. A linear ramp would err by a tenth at its ends; where a color is measured at every second
+/// pixel, these errors would not cancel.
 struct EdgeRamp {
   Float8 value, slope;  // slope: derivative along the inward direction, not negative
   Float8 by_width;      // derivative by the logarithm of the ramp's width
@@ -53,7 +53,7 @@ struct Ellipse {
   }
 };
 
-// With its tip forward and the origin in its centroid.
+// A triangle with its tip forward and the origin in its centroid.
 struct Triangle {
   float third_m;  // distance from the centroid to the base; the tip is twice as far
   float nx, ny;   // outward normal of the left edge

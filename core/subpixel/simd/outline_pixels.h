@@ -8,7 +8,7 @@ struct ColumnRange {
   Float8 low, high;
 };
 
-/// List of pixels, row after row without gaps, so that groups of eight have few unused lanes.
+/// List of pixels, row after row without gaps. Groups of eight therefore have few unused lanes.
 class PixelList {
  public:
   void clear() { count_ = 0; }
@@ -95,7 +95,7 @@ class OutlinePixels {
     return true;
   }
 
-  /// The pixels on the edge, of which a few may be completely covered or not touched, and those that are covered.
+  /// The edge pixels, a few of which may be covered or untouched, and the covered pixels.
   [[nodiscard]] PixelList& edge() { return edge_; }
   [[nodiscard]] PixelList& inside() { return inside_; }
 

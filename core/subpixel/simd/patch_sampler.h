@@ -5,7 +5,7 @@ namespace TOUCHLINE_SIMD {
 
 // Number of rows and columns of the grid of sample points on a robot's top.
 constexpr int kTopGridSize = 8;
-// Distance beyond the robot's edge at which its surroundings are sampled: outside the ramp.
+// Distance beyond the robot's edge at which its surroundings are sampled. It lies outside the ramp.
 constexpr float kBeyondRobotPx = 2.0f;
 // Up to this half size, all pixels of a patch are sampled; of larger ones every second, third, ...
 constexpr float kFullPatchReachPx = 16.0f;
@@ -128,14 +128,14 @@ class PatchSampler {
     });
   }
 
-  // Light of eight pixels, minus that of the robot's top.
+  // Returns the light of eight pixels minus the light of the robot's top.
   [[nodiscard, gnu::always_inline]] LinearRgb8 without_top(Integer8 u, Integer8 v) const {
     LinearRgb8 light = picture_.at(u, v);
     TOUCHLINE_UNROLL for (std::size_t c = 0; c < 3; ++c) light[c] -= top_[c];
     return light;
   }
 
-  // Adds pixels that the patch covers completely. `measured`: masks of those that measured each color.
+  // Adds pixels that the patch covers completely. `measured`: for each color, a mask of the pixels that measured it.
   [[gnu::always_inline]] void add_covered(Integer8 whole, const LinearRgb8& light,
                                           const std::array<Integer8, 3>& measured) {
     TOUCHLINE_UNROLL for (std::size_t c = 0; c < 3; ++c) {
@@ -147,8 +147,8 @@ class PatchSampler {
     }
   }
 
-  // Eight pixels: places along the outline's axes, light without that of the top, and masks of those that measured each
-  // color.
+  // Eight pixels: positions along the outline's axes, light minus the top's light, and for each color a mask of the
+  // pixels that measured it.
   struct Pixels {
     Float8 x, y;
     LinearRgb8 light;
@@ -163,7 +163,7 @@ class PatchSampler {
     return {~(other_column | other_row), other_column ^ other_row, other_column & other_row};
   }
 
-  // Finds out whether pixels of the patch can show surroundings beyond the robot's edge.
+  // Determines whether pixels of the patch can show surroundings beyond the robot's edge.
   void check_robot_edge(FieldPoint box) {
     const float c = outline_.cos(), s = outline_.sin();
     const float x = place_.x_m + c * patch_.at.x_m - s * patch_.at.y_m;
@@ -201,8 +201,9 @@ class PatchSampler {
     Integer8 counts;
   };
 
-  // Subtracts the light of the surroundings from the part of each pixel beyond the robot's edge. A pixel is doubted for
-  // the brighter one of two places: between them, a line may begin or end.
+  // Subtracts the light of the surroundings from the part of each pixel beyond the robot's edge. The surroundings are
+  // sampled at two distances, because a line may begin or end between them. The larger of both lights determines the
+  // doubt.
   [[gnu::always_inline]] void subtract_surroundings(Float8 from_x, Float8 from_y, LinearRgb8& light,
                                                     Surroundings& around) {
     const Float8 c = broadcast(outline_.cos()), s = broadcast(outline_.sin()), half = broadcast(robot_.half_m);
@@ -226,8 +227,8 @@ class PatchSampler {
     around.doubt += max(of_beside, of_beyond);
   }
 
-  // Light that the surroundings `apart_px` from the robot's edge add to points that lie beyond it by `part`. Points
-  // whose surroundings are outside of the picture do not count any more.
+  // Returns the light that the surroundings add to points whose part `part` lies beyond the robot's edge. Samples the
+  // surroundings at a distance of `apart_px` from the edge. Excludes points whose sample is outside the picture.
   [[gnu::always_inline]] LinearRgb8 foreign_light(Float8 x, Float8 y, float apart_px, Float8 part,
                                                   Surroundings& around) const {
     const Float8 half = broadcast(robot_.half_m), clear = half + broadcast(apart_px / robot_.scale_px_per_m);
@@ -268,7 +269,7 @@ inline CenterEquations accumulate_edge(const EdgeFitTask& task) {
   const Float8 zero = broadcast(0.0f), one = broadcast(1.0f);
   Float8 xx = zero, xy = zero, yy = zero, rx = zero, ry = zero, squares = zero, weights = zero;
   Float8 widening = zero, wider = zero;
-  // The value of the color that a pixel measured.
+  // Selects the value of the color that each pixel measured.
   const auto of_color = [&](const std::array<float, 3>& value, Float8 measured) {
     if (!task.is_bayer) return broadcast(value[0]);
     return select(measured == one, broadcast(value[0])) + select(measured == broadcast(2.0f), broadcast(value[1])) +
@@ -292,7 +293,7 @@ inline CenterEquations accumulate_edge(const EdgeFitTask& task) {
         const Float8 covered = coverage_at(*other.outline, its_x, its_y, task.ramp_m).value;
         const Float8 light = of_color(other.light, measured);
         error -= light * covered;
-        // Like that of the patch itself, a ramp's error is largest in its middle.
+        // The error of the neighbor's ramp is largest in the ramp's middle.
         const Float8 ramp = broadcast(4.0f) * light * covered * (one - covered);
         doubt += ramp * ramp;
       }

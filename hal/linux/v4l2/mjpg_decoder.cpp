@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <csetjmp>
 #include <cstddef>
 #include <cstdio>
@@ -14,16 +13,6 @@
 #include <jpeglib.h>
 
 #include <jerror.h>
-
-#include "core/fixed_vector.h"
-#include "hal/linux/v4l2/huffman_scan.h"
-
-// Where the library's package lacks this header of internal declarations, the library reads the scan, too.
-#if __has_include(<jpegint.h>)
-extern "C" {
-#include <jpegint.h>
-}
-#endif
 
 namespace touchline::hal {
 namespace {
@@ -39,17 +28,6 @@ constexpr std::size_t rounded_up(std::size_t bytes) { return (bytes + kAlignment
 constexpr std::size_t kMaxRowsAtOnce = std::size_t{MAX_SAMP_FACTOR} * DCTSIZE;
 constexpr std::uint8_t kNoChroma = 128;
 constexpr PixelFormat kDecodedFormat = PixelFormat::kYuvj422p;
-
-#if __has_include(<jpegint.h>)
-constexpr std::uint64_t kOneInEachByte = 0x0101010101010101u;
-
-// The value of a flat block, all coefficients of which are 0 except the first: an eighth of the coefficient, rounded as
-// by the exact inverse DCT.
-std::uint8_t value_of_flat(int coefficient) {
-  constexpr int kMiddle = 128;
-  return static_cast<std::uint8_t>(std::clamp(((coefficient + 4) >> 3) + kMiddle, 0, MAXJSAMPLE));
-}
-#endif
 
 }  // namespace
 
@@ -94,20 +72,6 @@ struct MjpgDecoder::Library {
   std::vector<std::byte> block;
   std::byte* begin = nullptr;
   std::size_t size = 0, front = 0, back = 0;
-  /// A block of the smallest coded unit (MCU).
-  struct BlockOfUnit {
-    jpeg_component_info* info;
-    std::size_t component;
-    const HuffmanCode *first, *others;
-    std::size_t row;                   // of those that are decoded at a time
-    JDIMENSION column, columns_apart;  // in the first unit, and from each to the next
-  };
-  FixedVector<BlockOfUnit, D_MAX_BLOCKS_IN_MCU> blocks_of_unit;
-  // The picture's Huffman codes by their numbers, and the state of read_blocks().
-  std::array<HuffmanCode, NUM_HUFF_TBLS> first_code, others_code;
-  HuffmanScan scan;
-  std::array<std::uint32_t, kMaxPlanes> first_value{};  // by component
-  unsigned until_restart = 0;
   bool has_ended = false;  // the data ended before the EOI marker
   std::array<Component, kMaxPlanes> component;
   // Rows of U and V that are resampled, and one for what is decoded below the last row of the picture.
@@ -161,19 +125,13 @@ struct MjpgDecoder::Library {
   }
   void read_header(std::span<const std::uint8_t> bytes);
   void describe_components(const PictureLayout& layout, std::uint8_t* picture);
-  bool begin_scan();
-  bool read_blocks(JSAMPIMAGE rows);
-  /// Calls read(rows) for all rows of blocks. False if one of the calls returns false.
-  template <class Read>
-  bool decode_rows(std::size_t components, Read read);
+  void decode_rows();
 };
 
 MjpgDecoder::Library::Library(std::uint16_t width, std::uint16_t height) : width_px(width), height_px(height) {
   size = back = kLibraryBytes;
   block.resize(size + kAlignment);
   begin = block.data() + kAlignment - reinterpret_cast<std::uintptr_t>(block.data()) % kAlignment;
-  // Pictures of the best quality may need more; the library reads those.
-  scan.open(std::size_t{width} * height + kLibraryBytes);
   spare_rows.resize((1 + 2 * kMaxRowsAtOnce) * row_bytes_of_library());
   jpeg.err = jpeg_std_error(&errors);
   jpeg.client_data = this;
@@ -231,69 +189,6 @@ void MjpgDecoder::Library::install_memory_manager() {
                                   JDIMENSION) -> jvirt_barray_ptr { of(any).fail("needs the whole picture at once"); };
 }
 
-#if __has_include(<jpegint.h>)
-/// Prepares read_blocks(). False if the library has to read the picture.
-bool MjpgDecoder::Library::begin_scan() {
-  if (jpeg.num_components != 3 || jpeg.comps_in_scan != 3 || jpeg.arith_code != FALSE) return false;
-  blocks_of_unit.clear();
-  for (std::size_t i = 0; i < kMaxPlanes; ++i) {
-    jpeg_component_info& info = *jpeg.cur_comp_info[i];
-    const auto set = [](HuffmanCode::Kind kind, const JHUFF_TBL* table, HuffmanCode& code) {
-      return table != nullptr && code.set(kind, table->bits, table->huffval);
-    };
-    const auto first = static_cast<std::size_t>(info.dc_tbl_no), others = static_cast<std::size_t>(info.ac_tbl_no);
-    if (!set(HuffmanCode::Kind::kFirst, jpeg.dc_huff_tbl_ptrs[first], first_code[first])) return false;
-    if (!set(HuffmanCode::Kind::kOthers, jpeg.ac_huff_tbl_ptrs[others], others_code[others])) return false;
-    const auto c = static_cast<std::size_t>(info.component_index);
-    const auto samples = static_cast<JDIMENSION>(info.MCU_width * DCTSIZE);
-    if (std::size_t{samples} * jpeg.MCUs_per_row >
-        (component[c].is_resampled ? row_bytes_of_library() : component[c].stride_bytes)) {
-      return false;
-    }
-    for (std::size_t row = 0; row < component[c].rows; row += DCTSIZE) {
-      for (JDIMENSION column = 0; column < samples; column += DCTSIZE) {
-        if (blocks_of_unit.full()) return false;
-        blocks_of_unit.push_back({&info, c, &first_code[first], &others_code[others], row, column, samples});
-      }
-    }
-  }
-  first_value = {};
-  until_restart = jpeg.restart_interval;
-  return scan.begin({jpeg.src->next_input_byte, jpeg.src->bytes_in_buffer});
-}
-
-/// Does what jpeg_read_raw_data() does, in less time: most blocks in the pictures of cameras are flat, and the library
-/// takes as long for them as for others. False if the library has to read the whole picture, for example to say what is
-/// wrong.
-bool MjpgDecoder::Library::read_blocks(JSAMPIMAGE rows) {
-  alignas(kAlignment) HuffmanScan::Block coefficients{};
-  for (JDIMENSION unit = 0; unit < jpeg.MCUs_per_row; ++unit) {
-    if (jpeg.restart_interval > 0 && until_restart-- == 0) {
-      if (!scan.restart()) return false;
-      first_value = {};
-      until_restart = jpeg.restart_interval - 1;
-    }
-    for (const BlockOfUnit& block_of : blocks_of_unit) {
-      const std::size_t c = block_of.component;
-      JSAMPARRAY const to = rows[c] + block_of.row;
-      const JDIMENSION column = block_of.column + unit * block_of.columns_apart;
-      const int last = scan.read_block(*block_of.first, *block_of.others, first_value[c], coefficients);
-      if (last < 0) return false;
-      if (last > 0) {
-        jpeg.idct->inverse_DCT[c](&jpeg, block_of.info, coefficients.data(), to, column);
-        coefficients = {};
-        continue;
-      }
-      const std::uint64_t values =
-          kOneInEachByte * value_of_flat(coefficients[0] * block_of.info->quant_table->quantval[0]);
-#pragma GCC unroll 8
-      for (std::size_t v = 0; v < DCTSIZE; ++v) std::memcpy(to[v] + column, &values, sizeof(values));
-    }
-  }
-  return true;
-}
-#endif
-
 void MjpgDecoder::Library::read_header(std::span<const std::uint8_t> bytes) {
   reset_tables();
   has_ended = false;
@@ -333,8 +228,8 @@ void MjpgDecoder::Library::describe_components(const PictureLayout& layout, std:
   }
 }
 
-template <class Read>
-bool MjpgDecoder::Library::decode_rows(std::size_t components, Read read) {
+void MjpgDecoder::Library::decode_rows() {
+  const auto components = static_cast<std::size_t>(jpeg.num_components);
   std::array<std::array<JSAMPROW, kMaxRowsAtOnce>, kMaxPlanes> pointers{};
   std::array<JSAMPARRAY, kMaxPlanes> of_component{};
   for (std::size_t c = 0; c < components; ++c) of_component[c] = pointers[c].data();
@@ -346,7 +241,7 @@ bool MjpgDecoder::Library::decode_rows(std::size_t components, Read read) {
         pointers[c][i] = v >= height_px ? unused_row() : out.is_resampled ? chroma_row(c, i) : out.row(v);
       }
     }
-    if (!read(of_component.data())) return false;
+    jpeg_read_raw_data(&jpeg, of_component.data(), static_cast<JDIMENSION>(component[0].rows));
     for (std::size_t c = 1; c < components; ++c) {
       const Component& out = component[c];
       for (std::size_t i = 0; i < out.rows; ++i) {
@@ -361,7 +256,6 @@ bool MjpgDecoder::Library::decode_rows(std::size_t components, Read read) {
   for (std::size_t c = components; c < component.size(); ++c) {
     std::memset(component[c].plane, kNoChroma, height_px * component[c].stride_bytes);
   }
-  return true;
 }
 
 MjpgDecoder::MjpgDecoder() = default;
@@ -387,19 +281,7 @@ Result<void> MjpgDecoder::decode(std::span<const std::uint8_t> bytes, std::uint8
   jpeg.dct_method = JDCT_ISLOW;  // the exact DCT; as fast as the others with vector instructions
   jpeg.do_fancy_upsampling = FALSE;
   jpeg_start_decompress(&jpeg);
-  const auto components = static_cast<std::size_t>(jpeg.num_components);
-#if __has_include(<jpegint.h>)
-  if (library.begin_scan() &&
-      library.decode_rows(components, [&](JSAMPIMAGE rows) { return library.read_blocks(rows); }) &&
-      library.scan.is_complete()) {
-    jpeg_abort_decompress(&jpeg);  // finishing would read the scan
-    return {};
-  }
-#endif
-  library.decode_rows(components, [&](JSAMPIMAGE rows) {
-    jpeg_read_raw_data(&jpeg, rows, static_cast<JDIMENSION>(library.component[0].rows));
-    return true;
-  });
+  library.decode_rows();
   jpeg_finish_decompress(&jpeg);
   return {};
 }

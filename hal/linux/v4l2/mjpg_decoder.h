@@ -9,8 +9,7 @@
 
 namespace touchline::hal {
 
-/// Decodes the JPEG pictures of a camera to planar YUV (yuvj422p) with libjpeg-turbo. Huffman codes are read by
-/// HuffmanScan, which takes less time; the library reads the pictures that are refused there.
+/// Decodes the JPEG pictures of a camera to planar YUV (yuvj422p) with libjpeg-turbo.
 ///
 /// The samples of the JPEG are not converted: pictures with 4:2:2 are decoded into the planes. Other pictures get a
 /// chroma sample for each pair of pixels in a row by repeating samples (4:2:0, 4:1:1) or by averaging two (4:4:4,

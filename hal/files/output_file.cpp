@@ -114,6 +114,7 @@ Result<void> OutputFile::open_temporary(const OutputOptions& options) {
     if (const int error = follow_links(target); error != 0) return error_of("cannot be written", error);
   }
   name_ = name_of(target);
+  target_ = target;
   folder_ = ::open(folder_of(target).c_str(), O_PATH | O_DIRECTORY | O_CLOEXEC);
   if (folder_ < 0) return error_of("cannot be created", errno);
   struct stat former {};
@@ -196,6 +197,17 @@ Result<void> OutputFile::commit() {
   return synced;
 }
 
+Result<PreparedFile> OutputFile::prepare() {
+  if (!replaces_file()) return failure(ErrorCode::kUnsupported, "%s: is not a file", path_.c_str());
+  TOUCHLINE_TRY(sync());
+  if (::close(std::exchange(file_, -1)) != 0) return error_of("cannot be written", errno);
+  const std::string folder = folder_of(target_);
+  PreparedFile prepared{target_, (folder == "/" ? "/" : folder + "/") + temporary_};
+  temporary_.clear();
+  close();
+  return prepared;
+}
+
 Result<void> OutputFile::sync_folder() {
   const int folder = ::openat(folder_, ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
   // A folder may permit writing without reading. Some file systems cannot sync a folder: EINVAL.
@@ -205,6 +217,16 @@ Result<void> OutputFile::sync_folder() {
   if (folder >= 0) ::close(folder);
   if (synced) return {};
   return error_of("is replaced, but a power failure may restore the former file: its folder cannot be synced", error);
+}
+
+Result<void> sync_folder(const std::string& folder) {
+  const int file = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (file < 0 && errno == EACCES) return {};
+  const bool synced = file >= 0 && (::fsync(file) == 0 || errno == EINVAL);
+  const int error = errno;
+  if (file >= 0) ::close(file);
+  if (synced) return {};
+  return failure(code_of(error), "%s: cannot be synced: %s", folder.c_str(), std::strerror(error));
 }
 
 Result<void> write_file(const std::string& path, std::string_view bytes, const OutputOptions& options) {

@@ -21,6 +21,11 @@ struct OutputOptions {
   std::optional<mode_t> mode = std::nullopt;
 };
 
+/// A complete file under its temporary name, and the name that it is to get. Symbolic links are followed already.
+struct PreparedFile {
+  std::string path, temporary;
+};
+
 /// A file that is written completely or not at all. The bytes go to a temporary file in the same folder; commit()
 /// renames it to its name. If the process ends before, the former file stays as it was.
 /// - The temporary file is NAME.RANDOM.part, created with O_EXCL and O_NOFOLLOW: an existing file or link is never
@@ -50,6 +55,9 @@ class OutputFile {
   /// Syncs the file, gives it its name, and syncs the folder. If only the last step fails, the error says that the file
   /// is replaced.
   Result<void> commit();
+  /// In place of commit(), for several files that change together: syncs the file, closes it and leaves it to the
+  /// caller, who renames or removes it. kUnsupported unless replaces_file().
+  Result<PreparedFile> prepare();
 
  private:
   [[nodiscard]] Error error_of(const char* what, int error) const;
@@ -61,12 +69,17 @@ class OutputFile {
   void close();
 
   std::string path_;       // as given, for messages
+  std::string target_;     // the same without symbolic links
   std::string name_;       // of the file in the folder
   std::string temporary_;  // name in the folder; empty: written in place
   std::string buffer_;
   int file_ = -1, folder_ = -1;
   bool sync_ = true;
 };
+
+/// Makes the renames in a folder last over a power failure. True also where the folder can only be written, or the file
+/// system cannot sync folders. kIo; kNotFound: no such folder.
+Result<void> sync_folder(const std::string& folder);
 
 /// Writes a whole file as OutputFile does.
 Result<void> write_file(const std::string& path, std::string_view bytes, const OutputOptions& options = {});

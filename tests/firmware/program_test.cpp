@@ -1,7 +1,13 @@
 // The program touchline as a person or a script calls it: exit codes and output.
+#include <fcntl.h>
 #include <sys/stat.h>
+#include <sys/wait.h>
+#include <termios.h>
 #include <unistd.h>
+#include <array>
 #include <chrono>
+#include <csignal>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <regex>
@@ -274,6 +280,65 @@ TEST_F(Program, TerminationStopsTheRobotsAndSucceeds) {
   const std::size_t stops = outcome.text.find(" of them stop packets");
   ASSERT_NE(stops, std::string::npos);
   EXPECT_GE(std::stoi(outcome.text.substr(outcome.text.rfind(' ', stops - 1))), 5) << outcome.text;
+}
+
+class BlockedTerminal : public Program {
+ protected:
+  // Runs the program with this terminal, sends SIGTERM when robots are driven, and expects that it stops them and ends.
+  void expect_termination(int terminal) const {
+    std::filesystem::create_directories(folder_ / "run");
+    const std::string run_folder = (folder_ / "run").string(), board_file = (folder_ / "board.toml").string();
+    const pid_t process = ::fork();
+    if (process == 0) {
+      ::setenv("RUNTIME_DIRECTORY", run_folder.c_str(), 1);
+      for (const int stream : {STDOUT_FILENO, STDERR_FILENO}) ::dup2(terminal, stream);
+      ::execl(TOUCHLINE_PROGRAM, "touchline", "run", "--headless", "--status-interval", "0.05", "--board",
+              board_file.c_str(), "--set", "camera.rate_hz=1.0", nullptr);
+      ::_exit(127);
+    }
+    const std::filesystem::path marker = folder_ / "run/driving-robots";
+    constexpr useconds_t kPause_us = 10'000;
+    for (int i = 0; i < 3000 && !std::filesystem::exists(marker); ++i) ::usleep(kPause_us);
+    ::usleep(10 * kPause_us);  // a status line or two
+    ::kill(process, SIGTERM);
+    int status = 0;
+    bool ended = false;
+    for (int i = 0; i < 2000 && !ended; ++i) {
+      ended = ::waitpid(process, &status, WNOHANG) == process;
+      if (!ended) ::usleep(kPause_us);
+    }
+    EXPECT_TRUE(ended) << "SIGTERM must end the program";
+    if (!ended) {
+      ::kill(process, SIGKILL);
+      ::waitpid(process, &status, 0);
+    }
+    EXPECT_EQ(status, 0);
+    EXPECT_FALSE(std::filesystem::exists(marker)) << "the loop must end as it does after its stop packets";
+  }
+};
+
+TEST_F(BlockedTerminal, APipeThatNobodyReadsDoesNotHoldUpTheEnd) {
+  std::array<int, 2> ends{};
+  ASSERT_EQ(::pipe2(ends.data(), O_CLOEXEC), 0);
+  ASSERT_EQ(::fcntl(ends[1], F_SETFL, O_NONBLOCK), 0);
+  while (::write(ends[1], "full", 4) > 0) {
+  }
+  ASSERT_EQ(::fcntl(ends[1], F_SETFL, 0), 0);
+  expect_termination(ends[1]);
+  for (const int end : ends) ::close(end);
+}
+
+// As Ctrl-S does.
+TEST_F(BlockedTerminal, AStoppedTerminalDoesNotHoldUpTheEnd) {
+  const int master = ::posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC);
+  ASSERT_EQ(::grantpt(master), 0);
+  ASSERT_EQ(::unlockpt(master), 0);
+  const int terminal = ::open(::ptsname(master), O_RDWR | O_NOCTTY | O_CLOEXEC);
+  ASSERT_GE(terminal, 0);
+  ASSERT_EQ(::tcflow(terminal, TCOOFF), 0);
+  expect_termination(terminal);
+  ::close(terminal);
+  ::close(master);
 }
 
 // Robots must not drive by themselves after a crash and an automatic restart.

@@ -16,6 +16,7 @@
 #include "firmware/service_notifier.h"
 #include "firmware/session_switch.h"
 #include "firmware/signals.h"
+#include "hal/files/interruption.h"
 
 namespace touchline {
 namespace {
@@ -260,6 +261,7 @@ int run_command(const CommandLine& command_line) {
   std::vector<std::string> refused = lock_memory(board.realtime);
   crash_stop::install_handlers();
   const std::atomic<bool>& stop = handle_stop_signals();
+  hal::set_interruption(&stop);  // of a recording that comes through a FIFO
   AdaptationRequests& adaptation = handle_adaptation_signals();
   const std::atomic<std::uint32_t>& reload_requests = handle_reload_signal();
   const RunMarker marker = RunMarker::of_service();

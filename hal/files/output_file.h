@@ -32,7 +32,8 @@ struct PreparedFile {
 ///   opened. The destructor removes it; after a SIGKILL or a power cut it stays in the folder.
 /// - A symbolic link stays a link: its target is replaced, or created.
 /// - The former file's permissions are kept, and its owner if the system allows it. Its hard links keep the old data.
-/// - A character device or FIFO is written in place. Opening a FIFO waits for a reader.
+/// - A character device, FIFO or pipe is written in place. Waiting for its reader ends when the process is to end
+///   (hal/files/interruption.h).
 /// - "-" is standard output.
 ///
 /// Errors of all functions: kNotFound (no such folder), kPermission, kIo. The message names the file and the cause.
@@ -61,7 +62,7 @@ class OutputFile {
 
  private:
   [[nodiscard]] Error error_of(const char* what, int error) const;
-  Result<void> open_in_place(const OutputOptions& options);
+  Result<void> open_in_place(const OutputOptions& options, bool is_fifo);
   Result<void> open_temporary(const OutputOptions& options);
   Result<void> flush();
   Result<void> write_all(std::string_view bytes);
@@ -75,6 +76,7 @@ class OutputFile {
   std::string buffer_;
   int file_ = -1, folder_ = -1;
   bool sync_ = true;
+  bool has_reader_ = false;  // writing may have to wait for somebody who reads
 };
 
 /// Makes the renames in a folder last over a power failure. True also where the folder can only be written, or the file

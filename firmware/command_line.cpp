@@ -8,6 +8,7 @@
 #include <string>
 
 #include "firmware/config/standard_layouts.h"
+#include "firmware/parse_arguments.h"
 
 namespace touchline {
 namespace {
@@ -136,12 +137,7 @@ std::optional<int> parse_command_line(int argc, char** argv, CommandLine& out) {
   bool prints_token = false;  // the only thing that it does so far
   console_command->add_flag("--token", prints_token, "Print the token, and make it if there is none")->required();
 
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    // Help and version are "errors" of code 0.
-    return app.exit(error) == 0 ? kExitOk : kExitBadCommandLine;
-  }
+  if (const std::optional<int> exit_code = parse_arguments(app, argc, argv)) return exit_code;
   out.command = init->parsed()              ? Command::kInit
                 : check->parsed()           ? Command::kCheck
                 : keys->parsed()            ? Command::kKeys

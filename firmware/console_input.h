@@ -22,6 +22,7 @@ struct ConsoleInput {
   bool stop = false;          // all robots stand until it is false again
   ExternalCommands commands;  // of robots that a client drives; `received` is of CLOCK_MONOTONIC
   SetupWish setup = SetupWish::kNone;
+  bool setup_ended = false;  // `stop` is set because the setup was saved or left: nobody has pressed Stop
 };
 
 }  // namespace touchline

@@ -81,7 +81,7 @@ std::uint16_t ExternalInput::halt(Instant now, Duration timeout) const {
   const bool is_awaited = settings_.awaits_referee && counts_.referee_messages == 0;
   if (is_silent || is_awaited) reasons |= kHaltSilence;
   if (!is_assigned_) reasons |= kHaltTeams;
-  if (console_.stop) reasons |= kHaltConsole;
+  if (console_.stop) reasons |= console_.setup_ended ? kHaltConsole | kHaltSetupEnded : kHaltConsole;
   if (is_held_by_setup()) reasons |= kHaltSetup;
   return reasons;
 }

@@ -3,6 +3,7 @@
 
 #include "firmware/command_line.h"
 #include "firmware/config/key_reference.h"
+#include "firmware/config/uncalibrated.h"
 #include "firmware/console_command.h"
 #include "firmware/init_command.h"
 #include "firmware/layout_drawing.h"
@@ -30,28 +31,46 @@ int init_command(const InitOptions& options) {
   return steps.ok() ? print(steps.value()) : fail(steps.text());
 }
 
+std::string calibration_steps(const config::Configuration& configuration) {
+  const std::string venue = configuration.venue_where.file();
+  return venue + " is not calibrated yet. Next steps: touchline-calibrate field --venue " + venue +
+         " ..., then touchline-calibrate colors --venue " + venue + " --team " + configuration.team_where.file() +
+         " ...\n";
+}
+
+// What was asked for is the picture, which needs the team file only. The rest of the setup may still be missing.
+int draw_command(const CommandLine& command_line) {
+  Session session;
+  Result<void> loaded = session.load(command_line.session);
+  const bool is_calibrated = loaded.ok();
+  if (!is_calibrated && config::lacks_calibration(session.configuration())) {
+    loaded = session.load_uncalibrated(command_line.session);
+  }
+  if (!loaded.ok()) return fail("nothing was drawn:\n" + loaded.text());
+  const Result<void> drawn = draw_layouts(session.configuration(), command_line.drawing);
+  if (!drawn.ok()) return fail(drawn.text());
+  return print("the robots' tops of " + session.configuration().team_where.file() + " are drawn in " +
+               command_line.drawing + "\n" + (is_calibrated ? "" : calibration_steps(session.configuration())));
+}
+
 int check_command(const CommandLine& command_line) {
+  if (!command_line.drawing.empty()) {
+    if (const int code = draw_command(command_line); code != kExitOk) return code;
+  }
   Session session;
   const Result<void> loaded = session.load(command_line.session);
   const config::Configuration& configuration = session.configuration();
   // The other values are useful even if one is wrong.
   int code = kExitOk;
   if (command_line.dump && loaded.code() != ErrorCode::kNotFound) code = print(config::dump(configuration));
-  // So are the tops of the robots, before the colors are calibrated.
-  if (!command_line.drawing.empty() && loaded.code() != ErrorCode::kNotFound) {
-    const Result<void> drawn = draw_layouts(configuration, command_line.drawing);
-    if (!drawn.ok()) return fail(drawn.text());
-  }
+  // A drawing was made before the calibration, as `touchline init` advises.
+  if (!command_line.drawing.empty() && !loaded.ok()) return code;
   const Result<network::NetworkPlan> plan =
       loaded.ok() ? network::plan_network(configuration, command_line.network) : loaded.error();
   if (!plan.ok()) {
     std::fprintf(stderr, "%s\n", plan.error().text.c_str());
     if (!configuration.venue_where.file().empty() && configuration.venue.color.empty()) {
-      std::fprintf(stderr,
-                   "%s is not calibrated yet. Next steps: touchline-calibrate field --venue %s ..., then "
-                   "touchline-calibrate colors --venue %s --team %s ...\n",
-                   configuration.venue_where.file().c_str(), configuration.venue_where.file().c_str(),
-                   configuration.venue_where.file().c_str(), configuration.team_where.file().c_str());
+      std::fputs(calibration_steps(configuration).c_str(), stderr);
     }
     return kExitBadFile;
   }

@@ -8,8 +8,8 @@ namespace touchline {
 // Fast enough for a reader, and the loop needs no system call to wake this thread.
 constexpr auto kPrintPeriod = std::chrono::milliseconds(20);
 
-ReportPrinter::ReportPrinter(ReportRing& ring, const ReportPrinterSettings& settings, std::FILE* out, std::FILE* err)
-    : ring_(ring), settings_(settings), out_(out), err_(err) {
+ReportPrinter::ReportPrinter(ReportRing& ring, const ReportPrinterSettings& settings, hal::TextOutput& output)
+    : ring_(ring), settings_(settings), output_(output) {
   thread_ = std::thread([this] { work(); });
 }
 
@@ -25,8 +25,8 @@ void ReportPrinter::work() {
   }
   print_all();
   if (const auto dropped = ring_.dropped(); dropped > 0) {
-    std::fprintf(err_, "%llu reports were dropped because they came faster than they could be printed\n",
-                 static_cast<unsigned long long>(dropped));
+    output_.print_error(std::to_string(dropped) +
+                        " reports were dropped because they came faster than they could be printed\n");
   }
 }
 
@@ -68,9 +68,8 @@ void ReportPrinter::print(const Report& report) {
       if (settings_.map_columns > 0) {
         print_map(report.status);
       } else if (settings_.status_lines) {
-        std::fprintf(out_, "%s\n", line_of(report.status).c_str());
+        output_.print(line_of(report.status) + "\n");
       }
-      std::fflush(out_);
       return;
     case Report::Kind::kFault:
       return print_event("error", fault_line(report.fault));
@@ -83,7 +82,7 @@ void ReportPrinter::print(const Report& report) {
 }
 
 void ReportPrinter::print_event(const char* level, const std::string& line) {
-  std::fprintf(err_, "%s\n", line.c_str());
+  output_.print_error(line + "\n");
   if (settings_.on_event) settings_.on_event(level, line);
   map_lines_ = 0;  // the next map is drawn below this line
 }
@@ -96,8 +95,9 @@ void ReportPrinter::print_map(const StatusReport& status) {
     if (const std::size_t cut = line.find(piece); cut != std::string::npos) line.replace(cut, 2, "\x1b[K\n");
   }
   text += line;
-  if (map_lines_ > 0) std::fprintf(out_, "\x1b[%dA", map_lines_);  // moves the cursor up to draw over the last map
-  std::fprintf(out_, "\x1b[?7l%s\x1b[K\n\x1b[?7h", text.c_str());  // line wrapping is off meanwhile
+  // Moves the cursor up to draw over the last map.
+  const std::string up = map_lines_ > 0 ? "\x1b[" + std::to_string(map_lines_) + "A" : std::string();
+  output_.print(up + "\x1b[?7l" + text + "\x1b[K\n\x1b[?7h");  // line wrapping is off meanwhile
   map_lines_ = static_cast<int>(std::count(text.begin(), text.end(), '\n')) + 1;
 }
 

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <atomic>
-#include <cstdio>
 #include <functional>
 #include <mutex>
 #include <string>
@@ -10,6 +9,7 @@
 #include "firmware/loop_report.h"
 #include "firmware/service_notifier.h"
 #include "firmware/status_text.h"
+#include "hal/files/text_output.h"
 
 namespace touchline {
 
@@ -25,14 +25,16 @@ struct ReportPrinterSettings {
   std::function<void(std::uint16_t halt)> on_halt;     // and for a halt that has begun, changed or ended
 };
 
-/// Takes the loop's reports from the ring on its own thread and prints them: the status to `out`, events to `err`.
-/// A blocked terminal blocks only this thread.
+/// Takes the loop's reports from the ring on its own thread and prints them: the status to standard output, events to
+/// standard error. Never waits for the terminal, so that service manager and console get every report, and the end of
+/// the program waits for nobody.
 class ReportPrinter {
  public:
-  ReportPrinter(ReportRing& ring, const ReportPrinterSettings& settings, std::FILE* out, std::FILE* err);
+  ReportPrinter(ReportRing& ring, const ReportPrinterSettings& settings, hal::TextOutput& output);
   /// Prints the remaining reports.
   ~ReportPrinter();
-  /// Prints a line, given without its end, to `err`. Callable from any thread but the loop's, because it locks.
+  /// Prints a line, given without its end, to standard error. Callable from any thread but the loop's, because it
+  /// locks.
   void print_line(const std::string& line);
   ReportPrinter(const ReportPrinter&) = delete;
   ReportPrinter& operator=(const ReportPrinter&) = delete;
@@ -48,8 +50,7 @@ class ReportPrinter {
 
   ReportRing& ring_;
   const ReportPrinterSettings settings_;
-  std::FILE* out_;
-  std::FILE* err_;
+  hal::TextOutput& output_;
   int map_lines_ = 0;  // lines of the map above the cursor
   Report report_;
   std::mutex lines_mutex_;

@@ -1,7 +1,6 @@
 #include "firmware/run_command.h"
 
 #include <unistd.h>
-#include <cstdio>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -17,6 +16,7 @@
 #include "firmware/service_notifier.h"
 #include "firmware/session_switch.h"
 #include "firmware/signals.h"
+#include "hal/files/interruption.h"
 
 namespace touchline {
 namespace {
@@ -35,30 +35,29 @@ bool is_served(const console::ConsolePlan& plan, const config::BoardFile& board,
 }
 
 void print_start(const Session& session, const network::Connections& connections, const console::Console& console,
-                 const std::vector<std::string>& refused) {
+                 const std::vector<std::string>& refused, hal::TextOutput& output) {
   const config::Configuration& configuration = session.configuration();
-  std::printf("board %s, venue %s, team %s\n", configuration.board_where.file().c_str(),
-              configuration.venue_where.file().c_str(), configuration.team_where.file().c_str());
-  std::printf("colors: %s kernel\n", std::string(config::kernel_word(configuration.board)).c_str());
-  const auto print_device = [](const char* device, const std::string& text) {
-    if (!text.empty()) std::printf("%s: %s\n", device, text.c_str());
+  std::string text = "board " + configuration.board_where.file() + ", venue " + configuration.venue_where.file() +
+                     ", team " + configuration.team_where.file() +
+                     "\ncolors: " + std::string(config::kernel_word(configuration.board)) + " kernel\n";
+  const auto add_device = [&text](const std::string& device, const std::string& description) {
+    if (!description.empty()) text += device + ": " + description + "\n";
   };
-  print_device("camera", session.camera_info().description);
-  print_device("camera", session.camera_info().negotiated);
-  print_device("radio", session.radio_description());
-  print_device("gpio", session.gpio_description());
-  std::fputs(connections.start_text().c_str(), stdout);
-  std::fputs(console.start_text().c_str(), stdout);
-  std::fflush(stdout);
-  for (const std::string& refusal : refused) std::fprintf(stderr, "real time: %s\n", refusal.c_str());
+  add_device("camera", session.camera_info().description);
+  add_device("camera", session.camera_info().negotiated);
+  add_device("radio", session.radio_description());
+  add_device("gpio", session.gpio_description());
+  output.print(text + connections.start_text() + console.start_text());
+  for (const std::string& refusal : refused) output.print_error("real time: " + refusal + "\n");
 }
 
 bool is_failure(LoopEnd end) { return end == LoopEnd::kDeviceLost || end == LoopEnd::kFault; }
 
-void print_hold(const hal::GpioSettings& gpio) {
-  std::fprintf(stderr, "the previous run ended unexpectedly: robots are stopped until %s\n",
-               gpio.start_line != hal::kNoLine ? "the start button is pressed"
-                                               : "the service is restarted (systemctl restart touchline)");
+std::string hold_text(const hal::GpioSettings& gpio) {
+  return std::string("the previous run ended unexpectedly: robots are stopped until ") +
+         (gpio.start_line != hal::kNoLine ? "the start button is pressed"
+                                          : "the service is restarted (systemctl restart touchline)") +
+         "\n";
 }
 
 /// What all sessions of a run share.
@@ -72,10 +71,11 @@ struct RunContext {
   const std::atomic<std::uint32_t>& reload_requests;
   const std::atomic<bool>& stop;
   std::vector<std::string>& refused;  // by the system, of the real-time settings
+  hal::TextOutput& output;
 
   SessionSwitch next{};
   SharedReloader reloader{};
-  LinePrinter lines{};
+  LinePrinter lines{output};
   std::optional<ServiceNotifier> service{};
   std::optional<console::ConsoleThread> console_thread{};
 };
@@ -84,7 +84,7 @@ struct RunContext {
 /// takes the place of one whose venue is not calibrated yet. A venue that --venue names must exist: a mistyped path
 /// must not leave a calibrated field without recognition.
 Result<std::unique_ptr<Session>> load_session(const SessionOptions& saved, const config::FilePaths& draft,
-                                              bool may_lack_calibration) {
+                                              bool may_lack_calibration, hal::TextOutput& output) {
   SessionOptions options = saved;
   const bool is_draft = !draft.board.empty();
   if (is_draft) {
@@ -101,8 +101,8 @@ Result<std::unique_ptr<Session>> load_session(const SessionOptions& saved, const
   if (!loaded.ok() && may_lack_calibration && !is_mistyped) {
     session = std::make_unique<Session>();
     if (session->load_uncalibrated(options).ok()) {
-      std::fprintf(stderr, "%s\nnot calibrated: robots stay stopped; set the board up in the console\n",
-                   loaded.text().c_str());
+      output.print_error(std::string(loaded.text()) +
+                         "\nnot calibrated: robots stay stopped; set the board up in the console\n");
       loaded = {};
     }
   }
@@ -113,7 +113,7 @@ Result<std::unique_ptr<Session>> load_session(const SessionOptions& saved, const
 
 /// For the console's thread.
 Result<console::FilesUse> use_files(RunContext& run, const config::FilePaths& draft) {
-  Result<std::unique_ptr<Session>> next = load_session(run.command_line.session, draft, true);
+  Result<std::unique_ptr<Session>> next = load_session(run.command_line.session, draft, true, run.output);
   if (!next.ok()) return next.error();
   const Session& session = *next.value();
   if (session.is_draft() && run.reloader.adjust_camera_only(session.files(), session.configuration())) {
@@ -165,7 +165,7 @@ LoopEnd run_session(Session& session, RunContext& run, const std::string& error)
   LoopEnd end = LoopEnd::kRequested;
   {
     // These threads are started before this thread gets its real-time priority, which they would inherit.
-    ReportPrinter printer(session.reports(), reporting_of(session, run), stdout, stderr);
+    ReportPrinter printer(session.reports(), reporting_of(session, run), run.output);
     run.lines.set(&printer);
     const auto print_line = [&run](const std::string& line) { run.lines.print(line); };
     const ReloadThread reload([&](const std::atomic<bool>& cancelled) { return run.reloader.reload(cancelled); },
@@ -181,7 +181,7 @@ LoopEnd run_session(Session& session, RunContext& run, const std::string& error)
     for (std::string& hint : realtime_hints(realtime, is_realtime())) refused.push_back(std::move(hint));
     if (is_first) {
       run.refused.insert(run.refused.end(), refused.begin(), refused.end());
-      print_start(session, run.connections, run.console, run.refused);
+      print_start(session, run.connections, run.console, run.refused, run.output);
     }
     end = touchline::run(session.loop(), *run.service, run.stop);
     normal.restore();
@@ -215,7 +215,7 @@ Result<std::unique_ptr<Session>> begin_next(std::unique_ptr<Session> former, Run
   if (opened.ok()) return next;
   error = opened.text();
   next.reset();
-  Result<std::unique_ptr<Session>> saved = load_session(run.command_line.session, {}, true);
+  Result<std::unique_ptr<Session>> saved = load_session(run.command_line.session, {}, true, run.output);
   if (!saved.ok()) return saved;
   TOUCHLINE_TRY(open(*saved.value()));
   return saved;
@@ -232,11 +232,13 @@ bool wants_console(const CommandLine& command_line) {
 }  // namespace
 
 int run_command(const CommandLine& command_line) {
-  Result<std::unique_ptr<Session>> loaded = load_session(command_line.session, {}, wants_console(command_line));
+  // From here on nothing else is printed to: whoever holds up the terminal holds up no thread that stops robots.
+  hal::TextOutput output;
+  Result<std::unique_ptr<Session>> loaded = load_session(command_line.session, {}, wants_console(command_line), output);
   Result<network::NetworkPlan> plan =
       loaded.ok() ? network::plan_network(loaded.value()->configuration(), command_line.network) : loaded.error();
   if (!plan.ok()) {
-    std::fprintf(stderr, "%s\n", plan.error().text.c_str());
+    output.print_error(plan.text() + "\n");
     return kExitBadFile;
   }
   std::unique_ptr<Session> session = std::move(loaded).value();
@@ -245,7 +247,7 @@ int run_command(const CommandLine& command_line) {
   Result<console::ConsolePlan> console_plan =
       console::plan_console(board.console, configuration->board_where, command_line.console);
   if (!console_plan.ok()) {
-    std::fprintf(stderr, "%s\n", console_plan.error().text.c_str());
+    output.print_error(console_plan.text() + "\n");
     return kExitBadFile;
   }
   network::Connections connections(std::move(plan).value());
@@ -253,26 +255,27 @@ int run_command(const CommandLine& command_line) {
   const bool paced = is_paced(command_line, connections.plan());
   const bool serves_console = is_served(console->plan(), board, paced);
   if (!session->is_calibrated() && !serves_console) {
-    std::fprintf(stderr, "without the console nothing can be set up: --pace real, or --console\n");
+    output.print_error("without the console nothing can be set up: --pace real, or --console\n");
     return kExitBadFile;
   }
   std::vector<std::string> refused = lock_memory(board.realtime);
   crash_stop::install_handlers();
   const std::atomic<bool>& stop = handle_stop_signals();
+  hal::set_interruption(&stop);  // of a recording that comes through a FIFO
   AdaptationRequests& adaptation = handle_adaptation_signals();
   const std::atomic<std::uint32_t>& reload_requests = handle_reload_signal();
   const RunMarker marker = RunMarker::of_service();
   session->hold_after_crash(marker.exists());
   RunContext run{command_line, connections,     *console, serves_console, paced,
-                 adaptation,   reload_requests, stop,     refused};
+                 adaptation,   reload_requests, stop,     refused,        output};
   console->set_use_files([&run](const config::FilePaths& draft) { return use_files(run, draft); });
   if (const Result<void> opened = open_session(*session, run); !opened.ok()) {
-    std::fprintf(stderr, "%s\n", opened.error().text.c_str());
+    output.print_error(opened.text() + "\n");
     return kExitDeviceFailure;
   }
-  if (marker.exists()) print_hold(board.gpio);
+  if (marker.exists()) output.print_error(hold_text(board.gpio));
   if (const Result<void> marked = marker.create(); !marked.ok()) {
-    std::fprintf(stderr, "%s\n", marked.error().text.c_str());
+    output.print_error(marked.text() + "\n");
   }
   const CpuLatencyRequest cpu_latency_request(board.realtime);
   refused.insert(refused.end(), cpu_latency_request.refused().begin(), cpu_latency_request.refused().end());
@@ -281,17 +284,17 @@ int run_command(const CommandLine& command_line) {
     std::string error;
     Result<std::unique_ptr<Session>> next = begin_next(std::move(session), run, error);
     if (!next.ok()) {
-      std::fprintf(stderr, "%s\n%s\n", error.c_str(), next.error().text.c_str());
+      output.print_error(error + "\n" + next.text() + "\n");
       return kExitDeviceFailure;
     }
     session = std::move(next).value();
     end = run_session(*session, run, error);
   }
   if (!is_failure(end)) marker.remove();
-  std::printf("\n%s%s%s", summary(session->loop().statistics(), end).c_str(), connections.summary().c_str(),
-              session->devices().summary().c_str());
+  output.print("\n" + summary(session->loop().statistics(), end) + connections.summary() +
+               session->devices().summary());
   if (!is_failure(end)) return kExitOk;
-  std::fprintf(stderr, "%s\n", fault_line(session->loop().last_fault()).c_str());
+  output.print_error(fault_line(session->loop().last_fault()) + "\n");
   return kExitDeviceFailure;
 }
 

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <atomic>
-#include <cstdio>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -39,6 +38,8 @@ class SessionSwitch {
 /// Prints the lines of threads that live longer than the printer of a session.
 class LinePrinter {
  public:
+  /// `output`: for the lines between two sessions.
+  explicit LinePrinter(hal::TextOutput& output) : output_(output) {}
   /// Null: there is none at the moment.
   void set(ReportPrinter* printer) {
     const std::scoped_lock lock(mutex_);
@@ -49,11 +50,12 @@ class LinePrinter {
     if (printer_ != nullptr) {
       printer_->print_line(line);
     } else {
-      std::fprintf(stderr, "%s\n", line.c_str());
+      output_.print_error(line + "\n");
     }
   }
 
  private:
+  hal::TextOutput& output_;
   std::mutex mutex_;
   ReportPrinter* printer_ = nullptr;
 };

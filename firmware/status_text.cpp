@@ -36,7 +36,8 @@ std::string halt_reasons(std::uint16_t halt) {
   add(kHaltStart, "waiting for the start button");
   add(kHaltReferee, "the referee stopped the game");
   add(kHaltSilence, "no message of the referee");
-  add(kHaltConsole, "stopped from the console");
+  if ((halt & kHaltSetupEnded) == 0) add(kHaltConsole, "stopped from the console");
+  add(kHaltSetupEnded, "the setup was saved or left, press Start on the page");
   add(kHaltSetup, "the board is being set up (page Set up of the console)");
   add(kHaltTeams, "the referee's team colors or heights do not fit the team file");
   add(kHaltCrash, (halt & kHaltStart) != 0

@@ -21,9 +21,11 @@ enum Halt : std::uint16_t {
   kHaltSilence = 128,       // a requested referee was never heard, or one that repeats its messages is silent
   kHaltConsole = 256,       // a client of the console stopped the robots
   kHaltSetup = 512,         // the board is being set up: it is not calibrated, or a draft of its files is in use
+  kHaltSetupEnded = 4096,   // explains kHaltConsole: nobody stopped the robots, the setup was saved or left
 };
 
-constexpr std::uint16_t kExternalHalts = kHaltReferee | kHaltTeams | kHaltSilence | kHaltConsole | kHaltSetup;
+constexpr std::uint16_t kExternalHalts =
+    kHaltReferee | kHaltTeams | kHaltSilence | kHaltConsole | kHaltSetup | kHaltSetupEnded;
 
 struct StopRuleSettings {
   Duration stop_after{};               // robots stop when the last good frame is older

@@ -104,11 +104,12 @@ struct CameraSettings {
          .help = "Requested frame rate; replay: 0 or absent means the time stamps of a video, 30 for pictures"});
     // Three are needed to lose no frame: one is filled, one waits, the loop holds one. V4L2 allows at most 32.
     visit.number(self.buffers, {.name = "buffers", .range = {3, 32}, .help = "Number of frame buffers"});
-    visit.number(self.exposure_us, {.name = "exposure_us",
-                                    .range = {0, 1000000},
-                                    .unit = "us",
-                                    .reload = Reload::kCamera,
-                                    .help = "Exposure time; 0: not set"});
+    visit.number(self.exposure_us,
+                 {.name = "exposure_us",
+                  .range = {0, 1000000},
+                  .unit = "us",
+                  .reload = Reload::kCamera,
+                  .help = "Exposure time, at most the time of a picture; 0: not set, else at least 10"});
     visit.number(self.exposure_steps, {.name = "exposure_steps",
                                        .range = {kExposureStepsUnset, 65535},
                                        .reload = Reload::kCamera,
@@ -122,7 +123,7 @@ struct CameraSettings {
                                         .range = {0, 20000},
                                         .unit = "K",
                                         .reload = Reload::kCamera,
-                                        .help = "White balance; 0: not set"});
+                                        .help = "White balance; 0: not set, else at least 1000"});
     visit.number(self.focus,
                  {.name = "focus",
                   .range = {kFocusUnset, 65535},

@@ -59,6 +59,37 @@ void check_rate(Configuration& configuration, ErrorList& errors) {
   }
 }
 
+// No sensor exposes shorter than one row, which the fastest take 9 us for (OV9281); V4L2 counts in 100 us. Lamps of
+// less than 1000 K do not shine. Smaller numbers are meant in other units.
+constexpr int kShortestExposure_us = 10, kLowestWhiteBalance_k = 1000;
+
+// What no camera can do. What this one cannot, it says when it is opened.
+void check_exposure(const Configuration& configuration, ErrorList& errors) {
+  const hal::CameraSettings& camera = configuration.board.camera;
+  const auto add = [&](const char* key, const std::string& message) {
+    errors.add(configuration.board_where.of(key), key, message);
+  };
+  if (camera.exposure_us != 0 && camera.exposure_us < kShortestExposure_us) {
+    add("camera.exposure_us", number_text(static_cast<long long>(camera.exposure_us)) +
+                                  " us is shorter than any camera exposes; it is 0 (not set) or at least " +
+                                  number_text(static_cast<long long>(kShortestExposure_us)) + " us: 1 ms is 1000 us");
+  }
+  if (camera.white_balance_k != 0 && camera.white_balance_k < kLowestWhiteBalance_k) {
+    add("camera.white_balance_k",
+        number_text(static_cast<long long>(camera.white_balance_k)) + " K is no light; it is 0 (not set) or at least " +
+            number_text(static_cast<long long>(kLowestWhiteBalance_k)) + " K: daylight has 5600");
+  }
+  const bool is_camera =
+      camera.backend == hal::CameraBackend::kV4l2 || camera.backend == hal::CameraBackend::kLibcamera;
+  const bool is_timed = is_camera && camera.exposure_steps == hal::kExposureStepsUnset && camera.rate_hz >= 1.0;
+  const double period_us = is_timed ? 1e6 / camera.rate_hz : 1e9;
+  if (camera.exposure_us > period_us) {
+    add("camera.exposure_us", number_text(static_cast<long long>(camera.exposure_us)) +
+                                  " us is longer than a picture at rate_hz = " + number_text(camera.rate_hz) +
+                                  " takes, " + number_text(static_cast<long long>(period_us)) + " us");
+  }
+}
+
 // Overrides by file.
 struct SortedOverrides {
   std::vector<Override> board, venue, team;
@@ -114,6 +145,7 @@ Result<void> read_board(const std::string& path, const std::vector<Override>& ov
   if (!read.ok()) return read;
   ErrorList errors;
   check_rate(out, errors);
+  check_exposure(out, errors);
   out.pipeline.scan.kernel = out.board.scan.kernel;
   out.pipeline.low_battery_v = static_cast<float>(out.board.radio.low_battery_v);
   const auto add = [&](const std::string& key, std::string_view message) {

@@ -8,16 +8,27 @@
 #include "hal/files/output_file.h"
 
 namespace touchline::config {
+namespace {
 
-Result<std::optional<std::string>> read_text(const std::string& path) {
-  Result<std::string> text = hal::read_file(path, hal::kMaxTextFileBytes);
+Result<std::optional<std::string>> read_if_present(const std::string& path, std::size_t limit_bytes) {
+  Result<std::string> text = hal::read_file(path, limit_bytes);
   if (text.ok()) return std::optional(std::move(text).value());
   if (text.code() == ErrorCode::kNotFound) return std::optional<std::string>();
   return std::move(text).error();
 }
 
+}  // namespace
+
+Result<std::optional<std::string>> read_text(const std::string& path) {
+  return read_if_present(path, hal::kMaxTextFileBytes);
+}
+
+Result<std::optional<std::string>> read_data(const std::string& path) {
+  return read_if_present(path, hal::kMaxDataFileBytes);
+}
+
 Result<void> back_up(const std::string& path) {
-  TOUCHLINE_TRY_ASSIGN(const std::optional<std::string> text, read_text(path));
+  TOUCHLINE_TRY_ASSIGN(const std::optional<std::string> text, read_data(path));
   struct stat former {};
   if (!text.has_value() || ::stat(path.c_str(), &former) != 0) return {};
   std::error_code error;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <span>
 #include <string>
 #include <string_view>
@@ -12,10 +13,11 @@ namespace touchline::config {
 
 /// Description of one key, for the key reference and for finding keys by name.
 struct KeyInfo {
-  std::string path;     // "camera.exposure_us"; elements of lists as "color[].name"
-  std::string type;     // "integer", "number", "text", "true or false", "one of a, b", "list of ..."
-  std::string limits;   // range and unit, or the unit alone
-  std::string initial;  // default value in TOML; empty for sections
+  std::string path;          // "camera.exposure_us"; elements of lists as "color[].name"
+  std::string type;          // "integer", "number", "text", "true or false", "one of a, b", "list of ..."
+  std::string limits;        // range and unit, or the unit alone
+  std::string initial;       // default value in TOML; empty for sections
+  bool is_required = false;  // the key must be present if the section around it is; the default is of no use then
   Reload reload = Reload::kRestart;
   std::string help;
 };
@@ -23,6 +25,18 @@ struct KeyInfo {
 /// Visitor of core/parameter.h that lists all keys of a struct with their defaults.
 class KeyLister {
  public:
+  /// All keys of a file, and which of them it requires.
+  template <class File>
+  static std::vector<KeyInfo> keys_of_file() {
+    std::vector<KeyInfo> keys = keys_of<File>();
+    for (KeyInfo& key : keys) {
+      std::string pattern = key.path;  // without the marks of lists
+      for (std::size_t at = 0; (at = pattern.find("[]")) != std::string::npos;) pattern.erase(at, 2);
+      key.is_required = pattern == "version" ||  // read_toml() asks for it before anything else
+                        std::find(File::kRequired.begin(), File::kRequired.end(), pattern) != File::kRequired.end();
+    }
+    return keys;
+  }
   template <class Struct>
   static std::vector<KeyInfo> keys_of() {
     KeyLister lister;
@@ -71,7 +85,7 @@ class KeyLister {
     reload_ = outer_reload;
   }
   void add(const Key& key, std::string_view type, std::string_view initial) {
-    keys_.push_back({prefix_ + std::string(key.name), std::string(type), limits_text(key), std::string(initial),
+    keys_.push_back({prefix_ + std::string(key.name), std::string(type), limits_text(key), std::string(initial), false,
                      inherited(key.reload, reload_), std::string(key.help)});
   }
 

@@ -18,9 +18,9 @@ struct FileKeys {
 };
 
 std::vector<FileKeys> all_files() {
-  return {{"board.toml", KeyLister::keys_of<BoardFile>()},
-          {"venue.toml", KeyLister::keys_of<VenueFile>()},
-          {"team.toml", KeyLister::keys_of<TeamFile>()}};
+  return {{"board.toml", KeyLister::keys_of_file<BoardFile>()},
+          {"venue.toml", KeyLister::keys_of_file<VenueFile>()},
+          {"team.toml", KeyLister::keys_of_file<TeamFile>()}};
 }
 
 // One word for the column "Reload"; empty: the key needs a restart.
@@ -65,7 +65,7 @@ void append_table(const std::vector<KeyInfo>& keys, const std::string& prefix, s
     const bool inside = key.path.starts_with(prefix) && key.path.find('.', prefix.size()) == std::string::npos;
     if (!inside || is_section(key)) continue;
     rows.append("| `").append(key.path.substr(prefix.size())).append("` | ").append(cell(key.type)).append(" | ");
-    rows.append(key.initial.empty() ? "" : "`" + cell(key.initial) + "`").append(" | ").append(key.limits);
+    rows.append(key.is_required ? "required" : "`" + cell(key.initial) + "`").append(" | ").append(key.limits);
     rows.append(" | ").append(reload_word(key.reload)).append(" | ").append(cell(key.help)).append(" |\n");
   }
   if (!rows.empty()) page.append("\n| key | type | default | range | reload | meaning |\n|---|---|---|---|---|---|\n");
@@ -81,7 +81,11 @@ std::string key_reference_text() {
     for (const KeyInfo& key : keys) {
       text.append("  ").append(key.path).append(": ").append(key.type);
       if (!key.limits.empty()) text.append(", ").append(key.limits);
-      if (!key.initial.empty()) text.append(", default ").append(key.initial);
+      if (key.is_required) {
+        text.append(", required");
+      } else if (!key.initial.empty()) {
+        text.append(", default ").append(key.initial);
+      }
       if (const std::string_view word = reload_word(key.reload); !word.empty() && !is_section(key)) {
         text.append(", reload: ").append(word);
       }
@@ -102,7 +106,11 @@ std::string key_reference_markdown() {
     append_table(keys, "", page);
     for (const KeyInfo& key : keys) {
       if (!is_section(key)) continue;
-      page.append("\n#### ").append(header_of(key)).append("\n\n").append(key.help).append(".\n");
+      page.append("\n#### ")
+          .append(header_of(key))
+          .append("\n\n")
+          .append(key.help)
+          .append(key.is_required ? ". Required.\n" : ".\n");
       append_table(keys, key.path + (key.type == "section" ? "." : "[]."), page);
     }
   }

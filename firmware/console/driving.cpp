@@ -10,10 +10,17 @@ Result<void> Driving::require_driver(ClientNumber client) const {
 }
 
 void Driving::set_stopped(bool stopped) {
-  changed_ = changed_ || input_.stop != stopped;
+  changed_ = changed_ || input_.stop != stopped || input_.setup_ended;
   input_.stop = stopped;
+  input_.setup_ended = false;
   // A command from before the stop must not move a robot after it.
   for (ExternalCommand& command : input_.commands) command.twist = {};
+}
+
+void Driving::stop_after_setup() {
+  const bool was_stopped = input_.stop && !input_.setup_ended;
+  set_stopped(true);
+  input_.setup_ended = !was_stopped;
 }
 
 void Driving::clear_commands() {

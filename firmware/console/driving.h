@@ -26,6 +26,8 @@ class Driving {
   explicit Driving(std::vector<RobotId> robots) : robots_(std::move(robots)) {}
 
   void stop() { set_stopped(true); }
+  /// After a setup, robots stand until a person says so.
+  void stop_after_setup();
   /// Other files describe other robots: nobody is driven any more.
   void set_robots(std::vector<RobotId> robots) {
     robots_ = std::move(robots);

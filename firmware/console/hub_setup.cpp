@@ -61,7 +61,7 @@ void Hub::begin_session(Scene scene, const std::string& error) {
   end_try("the loop has started anew");
   const bool is_saved = !scene_.is_draft && scene_.is_calibrated && error.empty();
   // Robots that stood because of a draft start when a person says so.
-  if (is_saved && std::exchange(is_held_, false)) driving_.stop();
+  if (is_saved && std::exchange(is_held_, false)) driving_.stop_after_setup();
   is_held_ = is_held_ || scene_.is_draft || !scene_.is_calibrated;
   for (Client& client : clients_) client.wants_hello = true;
   setup_.set_hello(setup_hello_text(scene_));

@@ -24,7 +24,7 @@ struct HaltWord {
   Halt bit;
   std::string_view word;
 };
-constexpr std::array<HaltWord, 10> kHaltWords{{{kHaltNoFrames, "no_frames"},
+constexpr std::array<HaltWord, 11> kHaltWords{{{kHaltNoFrames, "no_frames"},
                                                {kHaltEmergency, "emergency"},
                                                {kHaltUnreadableLine, "unreadable_line"},
                                                {kHaltStart, "start"},
@@ -33,7 +33,8 @@ constexpr std::array<HaltWord, 10> kHaltWords{{{kHaltNoFrames, "no_frames"},
                                                {kHaltTeams, "teams"},
                                                {kHaltSilence, "silence"},
                                                {kHaltConsole, "console"},
-                                               {kHaltSetup, "setup"}}};
+                                               {kHaltSetup, "setup"},
+                                               {kHaltSetupEnded, "setup_ended"}}};
 
 std::string_view word_of_phase(GamePhase phase) {
   constexpr std::array<std::string_view, 5> kWords{"no referee", "halt", "stop", "prepare", "running"};

@@ -5,12 +5,16 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <climits>
 #include <cstdio>
 #include <cstring>
+#include <thread>
 #include <utility>
+
+#include "hal/files/interruption.h"
 
 namespace touchline::hal {
 namespace {
@@ -72,6 +76,7 @@ void OutputFile::close() {
   file_ = folder_ = -1;
   temporary_.clear();
   buffer_.clear();
+  has_reader_ = false;
 }
 
 Error OutputFile::error_of(const char* what, int error) const {
@@ -85,6 +90,8 @@ Result<void> OutputFile::open(const std::string& path, const OutputOptions& opti
   if (path == "-" || path == "/dev/stdout") {
     path_ = "standard output";
     file_ = STDOUT_FILENO;
+    struct stat redirected {};
+    has_reader_ = ::fstat(file_, &redirected) == 0 && !S_ISREG(redirected.st_mode);
     return {};
   }
   struct stat status {};
@@ -94,14 +101,23 @@ Result<void> OutputFile::open(const std::string& path, const OutputOptions& opti
   if (path.empty() || path.back() == '/' || (exists && S_ISDIR(status.st_mode))) {
     return failure(ErrorCode::kIo, "%s: is a folder, not a file to write", path_.c_str());
   }
-  if (exists && !S_ISREG(status.st_mode) && !S_ISLNK(status.st_mode)) return open_in_place(options);
+  if (exists && !S_ISREG(status.st_mode) && !S_ISLNK(status.st_mode)) {
+    return open_in_place(options, S_ISFIFO(status.st_mode));
+  }
   return open_temporary(options);
 }
 
-Result<void> OutputFile::open_in_place(const OutputOptions& options) {
+Result<void> OutputFile::open_in_place(const OutputOptions& options, bool is_fifo) {
   const int no_follow = options.follow_links ? 0 : O_NOFOLLOW;
-  file_ = ::open(path_.c_str(), O_WRONLY | O_CLOEXEC | O_NOCTTY | no_follow);
-  if (file_ < 0) return error_of("cannot be written", errno);
+  const auto open = [&] { return ::open(path_.c_str(), O_WRONLY | O_NONBLOCK | O_CLOEXEC | O_NOCTTY | no_follow); };
+  file_ = open();
+  // A FIFO without a reader.
+  while (is_fifo && file_ < 0 && errno == ENXIO && !is_interrupted()) {
+    std::this_thread::sleep_for(kInterruptionDelay);
+    file_ = open();
+  }
+  if (file_ < 0) return error_of("cannot be written", is_interrupted() ? EINTR : errno);
+  has_reader_ = true;
   struct stat status {};
   if (::fstat(file_, &status) == 0 && !S_ISREG(status.st_mode)) return {};
   close();
@@ -114,6 +130,7 @@ Result<void> OutputFile::open_temporary(const OutputOptions& options) {
     if (const int error = follow_links(target); error != 0) return error_of("cannot be written", error);
   }
   name_ = name_of(target);
+  target_ = target;
   folder_ = ::open(folder_of(target).c_str(), O_PATH | O_DIRECTORY | O_CLOEXEC);
   if (folder_ < 0) return error_of("cannot be created", errno);
   struct stat former {};
@@ -158,9 +175,12 @@ Result<void> OutputFile::flush() {
 }
 
 Result<void> OutputFile::write_all(std::string_view bytes) {
+  // A pipe that is ready takes this much without waiting.
+  const std::size_t most = has_reader_ ? PIPE_BUF : bytes.size();
   while (!bytes.empty()) {
-    const ssize_t count = ::write(file_, bytes.data(), bytes.size());
-    if (count < 0 && errno == EINTR) continue;
+    if (has_reader_ && !wait_until_ready(file_, Ready::kWrite)) return error_of("cannot be written", EINTR);
+    const ssize_t count = ::write(file_, bytes.data(), std::min(most, bytes.size()));
+    if (count < 0 && (errno == EINTR || errno == EAGAIN)) continue;
     if (count < 0) return error_of("cannot be written", errno);
     bytes.remove_prefix(static_cast<std::size_t>(count));
   }
@@ -196,6 +216,17 @@ Result<void> OutputFile::commit() {
   return synced;
 }
 
+Result<PreparedFile> OutputFile::prepare() {
+  if (!replaces_file()) return failure(ErrorCode::kUnsupported, "%s: is not a file", path_.c_str());
+  TOUCHLINE_TRY(sync());
+  if (::close(std::exchange(file_, -1)) != 0) return error_of("cannot be written", errno);
+  const std::string folder = folder_of(target_);
+  PreparedFile prepared{target_, (folder == "/" ? "/" : folder + "/") + temporary_};
+  temporary_.clear();
+  close();
+  return prepared;
+}
+
 Result<void> OutputFile::sync_folder() {
   const int folder = ::openat(folder_, ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
   // A folder may permit writing without reading. Some file systems cannot sync a folder: EINVAL.
@@ -205,6 +236,16 @@ Result<void> OutputFile::sync_folder() {
   if (folder >= 0) ::close(folder);
   if (synced) return {};
   return error_of("is replaced, but a power failure may restore the former file: its folder cannot be synced", error);
+}
+
+Result<void> sync_folder(const std::string& folder) {
+  const int file = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (file < 0 && errno == EACCES) return {};
+  const bool synced = file >= 0 && (::fsync(file) == 0 || errno == EINVAL);
+  const int error = errno;
+  if (file >= 0) ::close(file);
+  if (synced) return {};
+  return failure(code_of(error), "%s: cannot be synced: %s", folder.c_str(), std::strerror(error));
 }
 
 Result<void> write_file(const std::string& path, std::string_view bytes, const OutputOptions& options) {

@@ -21,13 +21,19 @@ struct OutputOptions {
   std::optional<mode_t> mode = std::nullopt;
 };
 
+/// A complete file under its temporary name, and the name that it is to get. Symbolic links are followed already.
+struct PreparedFile {
+  std::string path, temporary;
+};
+
 /// A file that is written completely or not at all. The bytes go to a temporary file in the same folder; commit()
 /// renames it to its name. If the process ends before, the former file stays as it was.
 /// - The temporary file is NAME.RANDOM.part, created with O_EXCL and O_NOFOLLOW: an existing file or link is never
 ///   opened. The destructor removes it; after a SIGKILL or a power cut it stays in the folder.
 /// - A symbolic link stays a link: its target is replaced, or created.
 /// - The former file's permissions are kept, and its owner if the system allows it. Its hard links keep the old data.
-/// - A character device or FIFO is written in place. Opening a FIFO waits for a reader.
+/// - A character device, FIFO or pipe is written in place. Waiting for its reader ends when the process is to end
+///   (hal/files/interruption.h).
 /// - "-" is standard output.
 ///
 /// Errors of all functions: kNotFound (no such folder), kPermission, kIo. The message names the file and the cause.
@@ -50,10 +56,13 @@ class OutputFile {
   /// Syncs the file, gives it its name, and syncs the folder. If only the last step fails, the error says that the file
   /// is replaced.
   Result<void> commit();
+  /// In place of commit(), for several files that change together: syncs the file, closes it and leaves it to the
+  /// caller, who renames or removes it. kUnsupported unless replaces_file().
+  Result<PreparedFile> prepare();
 
  private:
   [[nodiscard]] Error error_of(const char* what, int error) const;
-  Result<void> open_in_place(const OutputOptions& options);
+  Result<void> open_in_place(const OutputOptions& options, bool is_fifo);
   Result<void> open_temporary(const OutputOptions& options);
   Result<void> flush();
   Result<void> write_all(std::string_view bytes);
@@ -61,12 +70,18 @@ class OutputFile {
   void close();
 
   std::string path_;       // as given, for messages
+  std::string target_;     // the same without symbolic links
   std::string name_;       // of the file in the folder
   std::string temporary_;  // name in the folder; empty: written in place
   std::string buffer_;
   int file_ = -1, folder_ = -1;
   bool sync_ = true;
+  bool has_reader_ = false;  // writing may have to wait for somebody who reads
 };
+
+/// Makes the renames in a folder last over a power failure. True also where the folder can only be written, or the file
+/// system cannot sync folders. kIo; kNotFound: no such folder.
+Result<void> sync_folder(const std::string& folder);
 
 /// Writes a whole file as OutputFile does.
 Result<void> write_file(const std::string& path, std::string_view bytes, const OutputOptions& options = {});

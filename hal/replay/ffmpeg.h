@@ -22,6 +22,14 @@ struct Deleter {
 };
 using FramePtr = std::unique_ptr<AVFrame, Deleter<av_frame_free>>;
 using PacketPtr = std::unique_ptr<AVPacket, Deleter<av_packet_free>>;
+/// A stream of our own: FFmpeg does not free it with the file.
+struct IoDeleter {
+  void operator()(AVIOContext* context) const {
+    av_freep(&context->buffer);
+    avio_context_free(&context);
+  }
+};
+using IoPtr = std::unique_ptr<AVIOContext, IoDeleter>;
 using CodecPtr = std::unique_ptr<AVCodecContext, Deleter<avcodec_free_context>>;
 using InputPtr = std::unique_ptr<AVFormatContext, Deleter<avformat_close_input>>;
 

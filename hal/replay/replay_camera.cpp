@@ -56,6 +56,17 @@ Result<void> ReplayCamera::fetch() {
   return {};
 }
 
+// As fetch(), with the gaps that damaged pictures leave in the numbers, as a driver does.
+Result<void> ReplayCamera::fetch_undamaged() {
+  for (;;) {
+    Result<void> fetched = fetch();
+    if (fetched.code() != ErrorCode::kCorruptFrame) return fetched;
+    ++sequence_;
+    if (!parameters_.skip_damaged) return fetched;
+    ++damaged_;
+  }
+}
+
 Result<void> ReplayCamera::do_open() {
   do_close();
   std::error_code error;
@@ -73,9 +84,12 @@ Result<void> ReplayCamera::do_open() {
   }
   Result<void> opened = input_->source->open();
   // The first frame contains the size and shows whether the input can be decoded.
-  if (opened.ok()) opened = fetch();
+  if (opened.ok()) opened = fetch_undamaged();
   if (!opened.ok()) {
     input_.reset();
+    if (opened.code() == ErrorCode::kEndOfStream && damaged_ > 0) {
+      return failed(ErrorCode::kCorruptFrame, "none of its " + std::to_string(damaged_) + " pictures can be decoded");
+    }
     return opened;
   }
   first_file_ = file_;
@@ -103,10 +117,7 @@ Result<FrameLease> ReplayCamera::do_wait(Instant deadline) {
     return failed(ErrorCode::kBusy, "all buffers are held");
   }
   if (!input_->pending) {
-    if (Result<void> fetched = fetch(); !fetched.ok()) {
-      if (fetched.code() == ErrorCode::kCorruptFrame) ++sequence_;  // leaves a gap in the numbers, as a driver does
-      return std::move(fetched).error();
-    }
+    TOUCHLINE_TRY(fetch_undamaged());
   }
   const Instant stamp = begin_ + input_->decoded.stamp;
   if (pace_ != nullptr && pace_->now() < stamp) {
@@ -139,6 +150,7 @@ void ReplayCamera::do_close() {
   input_.reset();
   info_ = {};
   sequence_ = 0;
+  damaged_ = 0;
   latest_ = {};
 }
 

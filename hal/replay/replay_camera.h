@@ -14,6 +14,7 @@ struct ReplayParameters {
   std::string path;                          // a folder of pictures, one picture, or a video
   PixelFormat format = PixelFormat::kRgb24;  // frames are converted to it; see hal/replay/frame_converter.h
   double rate_hz = 0.0;                      // 0: the time stamps of a video; 30 Hz for pictures
+  bool skip_damaged = false;                 // open() and wait() pass over pictures that cannot be decoded
 };
 
 /// The format in which files are replayed for colors of this space. The YUV formats keep the samples of 4:2:2 files of
@@ -47,6 +48,8 @@ class ReplayCamera final : public Camera {
   [[nodiscard]] const std::string& file() const { return file_; }
   /// Number of frames of the input; 0: unknown.
   [[nodiscard]] std::uint64_t frame_count() const;
+  /// Pictures that `skip_damaged` has passed over.
+  [[nodiscard]] std::uint64_t damaged() const { return damaged_; }
   /// Stamp of the last frame that wait() returned.
   [[nodiscard]] Instant latest() const { return latest_; }
 
@@ -60,6 +63,7 @@ class ReplayCamera final : public Camera {
   void do_stop() override;
   void do_close() override;
   Result<void> fetch();
+  Result<void> fetch_undamaged();
   [[nodiscard]] Error failed(ErrorCode code, const std::string& cause) const;
 
   ReplayParameters parameters_;
@@ -70,6 +74,7 @@ class ReplayCamera final : public Camera {
   bool running_ = false;
   Instant begin_{}, latest_{};
   std::uint32_t sequence_ = 0;
+  std::uint64_t damaged_ = 0;
 };
 
 /// The clock of a replay without real-time clock: the time of the last frame.

@@ -57,20 +57,29 @@ Result<void> PictureSource::open() {
     files_.push_back(path_);
     return {};
   }
+  const auto is_before = [](const std::filesystem::path& a, const std::filesystem::path& b) {
+    return natural_less(a.filename().string(), b.filename().string());
+  };
+  std::filesystem::path other;  // the first file of another format
   std::filesystem::directory_iterator entry(path_, error);
   for (; !error && entry != std::filesystem::directory_iterator(); entry.increment(error)) {
-    if (is_picture_name(entry->path()) && !entry->is_directory()) files_.push_back(entry->path());
+    if (entry->is_directory()) continue;
+    if (is_picture_name(entry->path())) {
+      files_.push_back(entry->path());
+    } else if (other.empty() || is_before(entry->path(), other)) {
+      other = entry->path();
+    }
   }
   if (error) {
     return failure(error == std::errc::permission_denied ? ErrorCode::kPermission : ErrorCode::kIo, "%s: %s",
                    path_.c_str(), error.message().c_str());
   }
   if (files_.empty()) {
-    return failure(ErrorCode::kNotFound, "%s: the folder holds no picture (png, ppm, pgm, jpg, jpeg)", path_.c_str());
+    return failure(ErrorCode::kNotFound, "%s: the folder has no picture of a format that is read (%s)%s%s%s",
+                   path_.c_str(), "png, ppm, pgm, jpg, jpeg", other.empty() ? "; it has no file at all" : "; ",
+                   other.filename().c_str(), other.empty() ? "" : " is of another one: convert it");
   }
-  std::sort(files_.begin(), files_.end(), [](const std::filesystem::path& a, const std::filesystem::path& b) {
-    return natural_less(a.filename().string(), b.filename().string());
-  });
+  std::sort(files_.begin(), files_.end(), is_before);
   return {};
 }
 

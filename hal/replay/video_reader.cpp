@@ -1,10 +1,17 @@
 #include "hal/replay/video_reader.h"
 
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
 #include <cmath>
 #include <cstring>
 #include <filesystem>
+#include <utility>
 
 #include "core/types.h"
+#include "hal/files/interruption.h"
 
 namespace touchline::hal::ffmpeg {
 namespace {
@@ -19,7 +26,40 @@ ErrorCode code_of(int error) {
   return ErrorCode::kIo;
 }
 
+// FFmpeg's callback: reads from a FIFO or device until this process is to end.
+int read_bytes(void* opaque, std::uint8_t* bytes, int size) {
+  const int file = *static_cast<const int*>(opaque);
+  for (;;) {
+    if (!wait_until_ready(file, Ready::kRead)) return AVERROR_EXIT;
+    const ssize_t count = ::read(file, bytes, static_cast<std::size_t>(size));
+    if (count > 0) return static_cast<int>(count);
+    if (count == 0) return AVERROR_EOF;
+    if (errno != EINTR && errno != EAGAIN) return AVERROR(errno);
+  }
+}
+
+constexpr int kStreamInBytes = 65536;
+
 }  // namespace
+
+VideoReader::~VideoReader() {
+  input_.reset();  // reads from the stream until it is closed
+  if (file_ >= 0) ::close(file_);
+}
+
+// A regular file is FFmpeg's business. It would wait for the writer of a FIFO for ever.
+Result<void> VideoReader::open_stream() {
+  input_.reset();
+  stream_in_.reset();
+  if (file_ >= 0) ::close(std::exchange(file_, -1));
+  struct stat status {};
+  if (::stat(path_.c_str(), &status) != 0 || S_ISREG(status.st_mode)) return {};
+  file_ = ::open(path_.c_str(), O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC);
+  if (file_ < 0) return fail(code_of(AVERROR(errno)), error_text(AVERROR(errno)));
+  auto* const buffer = static_cast<unsigned char*>(av_malloc(kStreamInBytes));
+  stream_in_.reset(avio_alloc_context(buffer, kStreamInBytes, 0, &file_, read_bytes, nullptr, nullptr));
+  return {};
+}
 
 Error VideoReader::fail(ErrorCode code, const std::string& cause) const {
   return failure(code, "%s: %s", path_.c_str(), cause.c_str());
@@ -31,8 +71,12 @@ Result<void> VideoReader::open() {
   first_pts_ = AV_NOPTS_VALUE;
   last_stamp_ = {};
   codec_.reset();
-  input_.reset();
+  TOUCHLINE_TRY(open_stream());
   AVFormatContext* input = nullptr;
+  if (stream_in_ != nullptr) {
+    input = avformat_alloc_context();
+    input->pb = stream_in_.get();
+  }
   // Without "file:", FFmpeg would take the part before a colon in the name for a protocol.
   int result = avformat_open_input(&input, ("file:" + path_).c_str(), nullptr, nullptr);
   if (result < 0) return fail(code_of(result), result == AVERROR_INVALIDDATA ? "is not a video" : error_text(result));

@@ -10,6 +10,9 @@ class VideoReader final : public ReplaySource {
  public:
   /// A `rate_hz` above 0 replaces the stream's time stamps: frame n is at n / rate_hz.
   VideoReader(std::string path, double rate_hz) : path_(std::move(path)), forced_rate_hz_(rate_hz) {}
+  ~VideoReader() override;
+  VideoReader(const VideoReader&) = delete;
+  VideoReader& operator=(const VideoReader&) = delete;
   Result<void> open() override;
   Result<void> next(SourceFrame& out) override;
   [[nodiscard]] std::uint64_t frame_count() const override { return frame_count_; }
@@ -20,8 +23,13 @@ class VideoReader final : public ReplaySource {
   Result<void> feed_decoder();
   Duration stamp_of(const AVFrame& frame);
 
+  Result<void> open_stream();
+
   std::string path_;
   double forced_rate_hz_;
+  // For a FIFO or device. Declared before `input_`, which reads from it until it is closed.
+  int file_ = -1;
+  IoPtr stream_in_;
   InputPtr input_;
   CodecPtr codec_;
   PacketPtr packet_;

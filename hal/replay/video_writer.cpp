@@ -20,12 +20,6 @@ constexpr AVRational kTick{1, 90000};  // the clock of MPEG, fine enough for any
 struct MuxerDeleter {
   void operator()(AVFormatContext* context) const { avformat_free_context(context); }
 };
-struct StreamDeleter {
-  void operator()(AVIOContext* context) const {
-    av_freep(&context->buffer);
-    avio_context_free(&context);
-  }
-};
 
 // The file, and the error of a callback, of which FFmpeg passes on only a number.
 struct Stream {
@@ -59,7 +53,7 @@ constexpr int kStreamBytes = 65536;
 
 struct VideoWriter::Output {
   Stream bytes;
-  std::unique_ptr<AVIOContext, StreamDeleter> stream_out;
+  IoPtr stream_out;
   std::unique_ptr<AVFormatContext, MuxerDeleter> file;
   CodecPtr codec;
   FramePtr frame;

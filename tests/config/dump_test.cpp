@@ -26,7 +26,8 @@ TEST_F(ConfigFiles, DumpContainsUnitRangeAndMeaning) {
   ASSERT_TRUE(load().ok()) << errors();
   const std::string text = dump(*configuration_);
   EXPECT_NE(text.find("\n[camera]\n"), std::string::npos);
-  EXPECT_NE(text.find("exposure_us = 5000                  # Exposure time; 0: not set (0 to 1000000 us)\n"),
+  EXPECT_NE(text.find("exposure_us = 5000                  # Exposure time, at most the time of a picture; 0: not set, "
+                      "else at least 10 (0 to 1000000 us)\n"),
             std::string::npos)
       << text;
   EXPECT_NE(text.find("\n[[own.robot]]\nid = 1"), std::string::npos) << text;

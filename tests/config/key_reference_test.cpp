@@ -6,6 +6,11 @@
 #include <fstream>
 #include <sstream>
 
+#include "firmware/config/board_file.h"
+#include "firmware/config/key_list.h"
+#include "firmware/config/team_file.h"
+#include "firmware/config/venue_file.h"
+
 namespace touchline::config {
 namespace {
 
@@ -35,6 +40,33 @@ TEST(KeyReference, HasARowForEachKeyInTheTableOfItsSection) {
   ASSERT_NE(found, std::string::npos);
   EXPECT_LT(found, text.find("####", radio + 4));
   EXPECT_NE(text.find("#### [[color.box]]\n"), std::string::npos);
+}
+
+// A default of a key that must be present would never be used.
+template <class File>
+void expect_no_default_of_required_keys(const std::string& text) {
+  std::size_t required = 0;
+  for (const KeyInfo& key : KeyLister::keys_of_file<File>()) {
+    if (!key.is_required) continue;
+    ++required;
+    const std::size_t line = text.find("\n  " + key.path + ": ");
+    ASSERT_NE(line, std::string::npos) << key.path;
+    const std::string facts = text.substr(line + 1, text.find('\n', line + 1) - line - 1);
+    EXPECT_NE(facts.find(", required"), std::string::npos) << facts;
+    EXPECT_EQ(facts.find("default"), std::string::npos) << facts;
+  }
+  EXPECT_EQ(required, File::kRequired.size() + 1) << "version, and those that the reader asks for";
+}
+
+TEST(KeyReference, RequiredKeysHaveNoDefault) {
+  const std::string text = key_reference_text();
+  expect_no_default_of_required_keys<BoardFile>(text.substr(0, text.find("\nvenue.toml\n")));
+  expect_no_default_of_required_keys<VenueFile>(text.substr(text.find("\nvenue.toml\n")));
+  expect_no_default_of_required_keys<TeamFile>(text.substr(text.find("\nteam.toml\n")));
+  const std::string page = key_reference_markdown();
+  EXPECT_NE(page.find("| `width_px` | integer | required | "), std::string::npos);
+  EXPECT_NE(page.find("| `low` | list of 3 integers | required | 0 to 255"), std::string::npos);
+  EXPECT_NE(page.find("#### [camera]\n\nThe camera. Required.\n"), std::string::npos);
 }
 
 TEST(KeyReference, TextForTheTerminalHasTheSameFacts) {

@@ -29,6 +29,23 @@ TEST_F(DrivingTest, EverybodyStopsAndOnlyTheDriverStarts) {
   EXPECT_FALSE(driving.take_change());
 }
 
+TEST_F(DrivingTest, SaysWhetherTheEndOfASetupOrAPersonStoppedTheRobots) {
+  driving.take(1, kBegin);
+  driving.stop_after_setup();
+  EXPECT_TRUE(driving.input().stop);
+  EXPECT_TRUE(driving.input().setup_ended);
+  EXPECT_TRUE(driving.take_change());
+  driving.stop();
+  EXPECT_FALSE(driving.input().setup_ended) << "now somebody has";
+  EXPECT_TRUE(driving.take_change());
+  driving.stop_after_setup();
+  EXPECT_FALSE(driving.input().setup_ended) << "and that stop holds";
+  EXPECT_TRUE(driving.start(1).ok());
+  driving.stop_after_setup();
+  EXPECT_TRUE(driving.leave(1));
+  EXPECT_FALSE(driving.input().setup_ended) << "the driver has gone";
+}
+
 TEST_F(DrivingTest, OnlyTheDriverDrivesRobotsThatExist) {
   EXPECT_EQ(driving.drive(1, 3, {0.5f, 1.0f}, kBegin).code(), ErrorCode::kPermission);
   driving.take(1, kBegin);

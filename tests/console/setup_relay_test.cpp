@@ -344,6 +344,7 @@ TEST_F(SetupRelayTest, WithADraftRobotsStandExceptOneThatIsDrivenAndATry) {
   EXPECT_TRUE(eventually([&] { return input().setup == SetupWish::kStand; })) << "nobody watches over the draft";
   EXPECT_EQ(ask(driver, "use_saved", {}, 9)["ok"], true);
   EXPECT_TRUE(eventually([&] { return input().setup == SetupWish::kNone && input().stop; })) << "until Start";
+  EXPECT_TRUE(input().setup_ended) << "nobody has pressed Stop";
 }
 
 TEST_F(SetupRelayTest, ATryWhileFilesAreBeingLoadedIsRefused) {

@@ -48,6 +48,15 @@ TEST_F(ConsoleInputTest, AStopIsAReasonToHaltUntilItIsTakenBack) {
   EXPECT_EQ(input->halt(kLoopTime + 1h, 1s), kHaltNone);
 }
 
+// "Stop was pressed" is not true after Save.
+TEST_F(ConsoleInputTest, TheEndOfASetupIsAReasonOfItsOwn) {
+  ConsoleInput wanted;
+  wanted.stop = wanted.setup_ended = true;
+  console.put(wanted);
+  input->take(kLoopTime, kMachineTime);
+  EXPECT_EQ(input->halt(kLoopTime, 1s), kHaltConsole | kHaltSetupEnded);
+}
+
 TEST_F(ConsoleInputTest, ADraftOfTheFilesMovesNothingUnlessTheConsolePermits) {
   const auto halt_of = [this](SetupMode mode, SetupWish wish) {
     ExternalInputSettings settings;

@@ -1,7 +1,13 @@
 // The program touchline as a person or a script calls it: exit codes and output.
+#include <fcntl.h>
 #include <sys/stat.h>
+#include <sys/wait.h>
+#include <termios.h>
 #include <unistd.h>
+#include <array>
 #include <chrono>
+#include <csignal>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <regex>
@@ -107,6 +113,40 @@ TEST_F(Program, AWrongCommandLineGivesExitCode64) {
       << endless.text;
 }
 
+TEST_F(Program, AWrongWordIsNamedBeforeWhatIsMissingBecauseOfIt) {
+  const auto expect_first_line = [](const std::string& arguments, const std::string& line) {
+    const CommandOutput outcome = touchline(arguments);
+    EXPECT_EQ(outcome.code, 64);
+    EXPECT_EQ(outcome.text.substr(0, outcome.text.find('\n')), "touchline: " + line) << arguments;
+  };
+  expect_first_line("runn --board b.toml", "\"runn\" is no command; did you mean \"run\"?");
+  expect_first_line("run --bord b.toml", "run: \"--bord\" is no option; did you mean \"--board\"?");
+  expect_first_line("run --bord=b.toml", "run: \"--bord\" is no option; did you mean \"--board\"?");
+  expect_first_line("run --board b.toml --sede 1", "run: \"--sede\" is no option; did you mean \"--seed\"?");
+  expect_first_line("play", "\"play\" is no command; known commands: run, check, init, keys, console");
+  expect_first_line("check --board b.toml --headless",
+                    "check: \"--headless\" is no option here, but one of touchline run");
+  expect_first_line("init vsss", "init: \"vsss\" is one word too many");
+  expect_first_line("--bord b.toml run", "run: \"--bord\" is no option; did you mean \"--board\"?");
+  EXPECT_EQ(touchline("run").text.substr(0, 20), "--board is required\n") << "nothing is wrong but missing";
+}
+
+TEST_F(Program, CheckRefusesWhatNoCameraCanDo) {
+  const auto expect_refused = [this](const std::string& settings, const std::string& message) {
+    const CommandOutput outcome = touchline("check " + board() + settings);
+    EXPECT_EQ(outcome.code, 1);
+    EXPECT_NE(outcome.text.find(message), std::string::npos) << outcome.text;
+  };
+  expect_refused(
+      "--set camera.exposure_us=5",
+      "camera.exposure_us: 5 us is shorter than any camera exposes; it is 0 (not set) or at least 10 us: 1 ms "
+      "is 1000 us\n");
+  expect_refused("--set camera.exposure_us=50000 --set camera.backend=v4l2",
+                 "camera.exposure_us: 50000 us is longer than a picture at rate_hz = 30.0 takes, 33333 us\n");
+  expect_refused("--set camera.white_balance_k=46", "camera.white_balance_k: 46 K is no light");
+  EXPECT_EQ(touchline("check " + board() + "--set camera.exposure_us=0 --set camera.white_balance_k=0").code, 0);
+}
+
 TEST_F(Program, CheckReportsWhetherFilesAreValid) {
   const CommandOutput sound = touchline("check " + board());
   EXPECT_EQ(sound.code, 0) << sound.text;
@@ -142,13 +182,18 @@ TEST_F(Program, InitWritesFilesThatOnlyLackTheCalibration) {
     EXPECT_NE(made.text.find("touchline-calibrate field --venue " + folder + "/venue.toml"), std::string::npos)
         << made.text;
     // The only errors are those that the calibration mends.
-    const CommandOutput checked = touchline("check --board '" + board + "' --draw '" + picture + "'");
+    const CommandOutput checked = touchline("check --board '" + board + "'");
     EXPECT_EQ(checked.code, 1);
-    const std::string where = folder + "/venue.toml";
+    const std::string where = folder + "/venue.toml", next = where + " is not calibrated yet. Next steps: ";
     EXPECT_EQ(checked.text.find(where + ": picture: is missing\n" + where + ": camera_model: is missing\n" + where +
-                                ": colors: is missing\n" + where + " is not calibrated yet. Next steps: "),
+                                ": colors: is missing\n" + next),
               0U)
         << checked.text;
+    // A drawing needs none of that.
+    const CommandOutput drawn = touchline("check --board '" + board + "' --draw '" + picture + "'");
+    EXPECT_EQ(drawn.code, 0);
+    EXPECT_EQ(drawn.text.find("the robots' tops of " + folder + "/team.toml are drawn in " + picture + "\n" + next), 0U)
+        << drawn.text;
     EXPECT_GT(std::filesystem::file_size(picture), 1000U);
     EXPECT_NE(read(folder + "/venue.toml").find("\npenalty_area_depth_m = " + area_depth + "\n"), std::string::npos);
 
@@ -206,9 +251,8 @@ TEST_F(Program, KeysCommandListsKeys) {
   EXPECT_EQ(keys.code, 0);
   EXPECT_NE(keys.text.find("  camera.exposure_us: integer, 0 to 1000000 us, default 5000, reload: camera\n"),
             std::string::npos);
-  EXPECT_NE(
-      keys.text.find("  color[].box[].low: list of 3 integers, 0 to 255, default [0, 0, 0], reload: thresholds\n"),
-      std::string::npos);
+  EXPECT_NE(keys.text.find("  color[].box[].low: list of 3 integers, 0 to 255, required, reload: thresholds\n"),
+            std::string::npos);
 }
 
 TEST_F(Program, InvalidFilesEndARunBeforeDevicesAreOpened) {
@@ -274,6 +318,65 @@ TEST_F(Program, TerminationStopsTheRobotsAndSucceeds) {
   const std::size_t stops = outcome.text.find(" of them stop packets");
   ASSERT_NE(stops, std::string::npos);
   EXPECT_GE(std::stoi(outcome.text.substr(outcome.text.rfind(' ', stops - 1))), 5) << outcome.text;
+}
+
+class BlockedTerminal : public Program {
+ protected:
+  // Runs the program with this terminal, sends SIGTERM when robots are driven, and expects that it stops them and ends.
+  void expect_termination(int terminal) const {
+    std::filesystem::create_directories(folder_ / "run");
+    const std::string run_folder = (folder_ / "run").string(), board_file = (folder_ / "board.toml").string();
+    const pid_t process = ::fork();
+    if (process == 0) {
+      ::setenv("RUNTIME_DIRECTORY", run_folder.c_str(), 1);
+      for (const int stream : {STDOUT_FILENO, STDERR_FILENO}) ::dup2(terminal, stream);
+      ::execl(TOUCHLINE_PROGRAM, "touchline", "run", "--headless", "--status-interval", "0.05", "--board",
+              board_file.c_str(), "--set", "camera.rate_hz=1.0", nullptr);
+      ::_exit(127);
+    }
+    const std::filesystem::path marker = folder_ / "run/driving-robots";
+    constexpr useconds_t kPause_us = 10'000;
+    for (int i = 0; i < 3000 && !std::filesystem::exists(marker); ++i) ::usleep(kPause_us);
+    ::usleep(10 * kPause_us);  // a status line or two
+    ::kill(process, SIGTERM);
+    int status = 0;
+    bool ended = false;
+    for (int i = 0; i < 2000 && !ended; ++i) {
+      ended = ::waitpid(process, &status, WNOHANG) == process;
+      if (!ended) ::usleep(kPause_us);
+    }
+    EXPECT_TRUE(ended) << "SIGTERM must end the program";
+    if (!ended) {
+      ::kill(process, SIGKILL);
+      ::waitpid(process, &status, 0);
+    }
+    EXPECT_EQ(status, 0);
+    EXPECT_FALSE(std::filesystem::exists(marker)) << "the loop must end as it does after its stop packets";
+  }
+};
+
+TEST_F(BlockedTerminal, APipeThatNobodyReadsDoesNotHoldUpTheEnd) {
+  std::array<int, 2> ends{};
+  ASSERT_EQ(::pipe2(ends.data(), O_CLOEXEC), 0);
+  ASSERT_EQ(::fcntl(ends[1], F_SETFL, O_NONBLOCK), 0);
+  while (::write(ends[1], "full", 4) > 0) {
+  }
+  ASSERT_EQ(::fcntl(ends[1], F_SETFL, 0), 0);
+  expect_termination(ends[1]);
+  for (const int end : ends) ::close(end);
+}
+
+// As Ctrl-S does.
+TEST_F(BlockedTerminal, AStoppedTerminalDoesNotHoldUpTheEnd) {
+  const int master = ::posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC);
+  ASSERT_EQ(::grantpt(master), 0);
+  ASSERT_EQ(::unlockpt(master), 0);
+  const int terminal = ::open(::ptsname(master), O_RDWR | O_NOCTTY | O_CLOEXEC);
+  ASSERT_GE(terminal, 0);
+  ASSERT_EQ(::tcflow(terminal, TCOOFF), 0);
+  expect_termination(terminal);
+  ::close(terminal);
+  ::close(master);
 }
 
 // Robots must not drive by themselves after a crash and an automatic restart.

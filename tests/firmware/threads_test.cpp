@@ -1,5 +1,10 @@
 // Classes that start threads; also run under the thread sanitizer.
+#include <fcntl.h>
+#include <unistd.h>
+
 #include <algorithm>
+#include <array>
+#include <atomic>
 #include <csignal>
 #include <cstdio>
 #include <semaphore>
@@ -57,23 +62,28 @@ TEST(ThreadsLoop, StopPacketsContinueWhileADriverHangs) {
   loop.close();
 }
 
+std::string content_of(std::FILE* file) {
+  std::rewind(file);
+  std::string text(std::size_t{1} << 20, '\0');
+  text.resize(std::fread(text.data(), 1, text.size(), file));
+  return text;
+}
+
 class ThreadsReportPrinter : public LoopTest {};
 
 TEST_F(ThreadsReportPrinter, PrintsTheReportsOfTheLoop) {
-  char* text = nullptr;
-  std::size_t size = 0;
-  std::FILE* file = ::open_memstream(&text, &size);
+  std::FILE* const file = std::tmpfile();
   camera.add({1.0, 1.6, ErrorCode::kDisconnected});
   start();
   {
+    hal::TextOutput output(::fileno(file), ::fileno(file));
     ReportPrinterSettings printer_settings;
     printer_settings.expected.own = 1;
-    const ReportPrinter printer(*ring, printer_settings, file, file);
+    const ReportPrinter printer(*ring, printer_settings, output);
     run_until(3.1);
   }
+  const std::string printed = content_of(file);
   std::fclose(file);
-  const std::string printed(text, size);
-  std::free(text);
   EXPECT_NE(printed.find("0.0 s  robots may move\n"), std::string::npos) << printed;
   EXPECT_NE(printed.find("camera: " + std::string(describe(ErrorCode::kDisconnected)) +
                          " (/dev/fake0: scripted fault); reopening it\n"),
@@ -85,19 +95,17 @@ TEST_F(ThreadsReportPrinter, PrintsTheReportsOfTheLoop) {
 }
 
 TEST_F(ThreadsReportPrinter, DrawsEachMapOverTheLastOne) {
-  char* text = nullptr;
-  std::size_t size = 0;
-  std::FILE* file = ::open_memstream(&text, &size);
+  std::FILE* const file = std::tmpfile();
   start();
   {
+    hal::TextOutput output(::fileno(file), ::fileno(file));
     ReportPrinterSettings printer_settings;
     printer_settings.map_columns = 52;
-    const ReportPrinter printer(*ring, printer_settings, file, file);
+    const ReportPrinter printer(*ring, printer_settings, output);
     run_until(3.1);
   }
+  const std::string printed = content_of(file);
   std::fclose(file);
-  const std::string printed(text, size);
-  std::free(text);
   // 50 cells for 2.2 m, 20 rows for 1.8 m, the border, two lines of status.
   const std::string up = "\x1b[24A";
   const std::size_t first = printed.find(up);
@@ -107,6 +115,34 @@ TEST_F(ThreadsReportPrinter, DrawsEachMapOverTheLastOne) {
   EXPECT_EQ(printed.find(up, second + 1), std::string::npos) << "three maps, two of them drawn over another one";
   const std::string picture = printed.substr(first, second - first);
   EXPECT_EQ(std::count(picture.begin(), picture.end(), '\n'), 24);
+}
+
+// A pipe whose reader does not read: the other receivers get every report, and nobody waits at the end.
+TEST_F(ThreadsReportPrinter, ABlockedTerminalHoldsUpNobody) {
+  std::signal(SIGPIPE, SIG_IGN);  // as in the program
+  std::array<int, 2> ends{};
+  ASSERT_EQ(::pipe2(ends.data(), O_CLOEXEC | O_NONBLOCK), 0);
+  while (::write(ends[1], "full", 4) > 0) {
+  }
+  ASSERT_EQ(::fcntl(ends[1], F_SETFL, 0), 0);
+  std::atomic<int> statuses{0}, halts{0};
+  start();
+  {
+    hal::TextOutput output(ends[1], ends[1]);
+    {
+      ReportPrinterSettings printer_settings;
+      printer_settings.on_status = [&](const StatusReport&) { ++statuses; };
+      printer_settings.on_halt = [&](std::uint16_t) { ++halts; };
+      const ReportPrinter printer(*ring, printer_settings, output);
+      run_until(3.1);
+      loop->send_final_stops();
+    }
+    EXPECT_FALSE(output.finish(std::chrono::milliseconds(1)));
+  }
+  EXPECT_EQ(statuses, 3);
+  EXPECT_EQ(halts, 1);
+  EXPECT_TRUE(radio.sent.back().stop);
+  for (const int end : ends) ::close(end);  // lets the writer go
 }
 
 TEST_F(ThreadsReportPrinter, TerminationStopsTheRobots) {

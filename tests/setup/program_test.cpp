@@ -1,6 +1,7 @@
 #include <signal.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <random>
 
@@ -207,6 +208,42 @@ TEST_F(ScriptedFirmware, MeasuresTheCameraWithoutAStep) {
   EXPECT_LT(soft["focus"].get<double>(), 0.6 * sharp["focus"].get<double>());
   EXPECT_NE(soft["quality"]["level"], "ok") << soft["quality"];
   EXPECT_EQ(state_["undo"], nlohmann::json::array());
+}
+
+// Advice that is followed must not be answered with the same advice.
+TEST_F(ScriptedFirmware, IsContentWithTheExposureThatItAdvises) {
+  start_program();
+  camera_ = {arena_picture(hal::mock::Floor::kField, 1)};
+  const auto advised_us = [](const nlohmann::json& quality) {
+    const std::string text = quality["notes"].dump(), before = "expose at most ";
+    const std::size_t at = text.find(before);
+    return at == std::string::npos ? 0 : std::stoi(text.substr(at + before.size()));
+  };
+  expect_ok("begin");
+  int rounded_up = 0;
+  for (const double speed : {0.7, 0.9, 1.1, 1.3, 1.7, 1.9, 2.3}) {
+    expect_ok("set", {{"key", "control.drive.max_speed_mps"}, {"value", speed}});
+    expect_ok("set", {{"key", "camera.exposure_us"}, {"value", 30000}});
+    const nlohmann::json before = expect_ok("camera.quality");
+    const int advice_us = advised_us(before);
+    ASSERT_GT(advice_us, 0) << before["notes"];
+    rounded_up += std::lround(before["exposure_limit_us"].get<double>()) > advice_us ? 1 : 0;
+    expect_ok("set", {{"key", "camera.exposure_us"}, {"value", advice_us}});
+    EXPECT_EQ(advised_us(expect_ok("camera.quality")), 0) << advice_us << " us was advised";
+    expect_ok("set", {{"key", "camera.exposure_us"}, {"value", advice_us + 1}});
+    EXPECT_EQ(advised_us(expect_ok("camera.quality")), advice_us);
+  }
+  EXPECT_GT(rounded_up, 0) << "a limit whose nearest whole number is too long";
+}
+
+// The picture with the advised exposure would be refused, too: as too dark.
+TEST_F(ScriptedFirmware, AdvisesMoreLightWithAnExposureThatWouldBeTooDark) {
+  start_program();
+  camera_ = {arena_picture(hal::mock::Floor::kField, 1)};
+  expect_ok("begin");
+  expect_ok("set", {{"key", "camera.exposure_us"}, {"value", 900000}});
+  expect_ok("set", {{"key", "control.drive.max_speed_mps"}, {"value", 2.0}});
+  EXPECT_NE(expect_ok("camera.quality")["notes"].dump().find(" us, with more light or more gain"), std::string::npos);
 }
 
 TEST_F(ScriptedFirmware, RefusesBadInputAndLives) {

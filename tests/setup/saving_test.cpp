@@ -1,7 +1,5 @@
 #include <gtest/gtest.h>
-#include <sched.h>
 #include <sys/mount.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cstdio>
@@ -10,6 +8,7 @@
 #include <memory>
 
 #include "tests/results.h"
+#include "tests/setup/small_disk.h"
 #include "tests/tools/program_folder.h"
 #include "tools/programs/setup/saving.h"
 #include "tools/programs/setup/setup_archive.h"
@@ -18,41 +17,7 @@
 namespace touchline::setup {
 namespace {
 
-constexpr int kNoNamespaces = 77, kTestFailed = 1;
 constexpr std::size_t kPageBytes = 4096, kDiskPages = 64;
-
-// Mounts a small file system that only this process sees. False where the kernel does not permit it.
-bool mount_small_disk(const std::string& folder) {
-  const uid_t user = ::geteuid();
-  const gid_t group = ::getegid();
-  if (::unshare(user == 0 ? CLONE_NEWNS : CLONE_NEWNS | CLONE_NEWUSER) != 0) return false;
-  if (user != 0) {
-    std::ofstream("/proc/self/setgroups") << "deny";
-    std::ofstream("/proc/self/uid_map") << "0 " << user << " 1";
-    std::ofstream("/proc/self/gid_map") << "0 " << group << " 1";
-  }
-  const std::string size = "size=" + std::to_string(kDiskPages * kPageBytes);
-  return ::mount("none", "/", nullptr, MS_REC | MS_PRIVATE, nullptr) == 0 &&
-         ::mount("tmpfs", folder.c_str(), "tmpfs", 0, size.c_str()) == 0;
-}
-
-// Runs `test` in a process of its own, with a small disk at `folder`. False where the kernel does not permit it.
-template <class Test>
-bool on_small_disk(const std::string& folder, Test test) {
-  const auto run = [&] {
-    if (!mount_small_disk(folder)) ::_exit(kNoNamespaces);
-    test();
-    std::fflush(nullptr);  // what failed
-    ::_exit(::testing::Test::HasFailure() ? kTestFailed : 0);
-  };
-  bool is_permitted = true;
-  const auto succeeded = [&is_permitted](int status) {
-    is_permitted = !::testing::ExitedWithCode(kNoNamespaces)(status);
-    return !is_permitted || ::testing::ExitedWithCode(0)(status);
-  };
-  EXPECT_EXIT(run(), succeeded, "");
-  return is_permitted;
-}
 
 // Fills the disk until `pages` are free.
 void leave_free(const std::string& ballast, std::size_t pages) {
@@ -82,20 +47,6 @@ class Saving : public touchline::testing::ProgramFolder {
     return out;
   }
 };
-
-TEST_F(Saving, FinishesAnInterruptedSave) {
-  const SetupFiles before = files("before"), after = files("after");
-  ASSERT_OK(write_folder(before, path("etc")));
-  write("saving.json", archive_of(after));
-  ASSERT_OK(finish_saving(path("etc"), path("saving.json")));
-  ASSERT_OK_AND_ASSIGN(const SetupFiles now, read_setup(path("etc/board.toml")));
-  EXPECT_TRUE(changed_files(now, after).empty());
-  EXPECT_FALSE(std::filesystem::exists(path("saving.json")));
-  ASSERT_OK(finish_saving(path("etc"), path("saving.json")));  // nothing to do
-  write("saving.json", "{\"half\": ");
-  EXPECT_FALSE(finish_saving(path("etc"), path("saving.json")).ok());
-  EXPECT_FALSE(std::filesystem::exists(path("saving.json")));
-}
 
 // Files of several pages each, so that the disk is full at another file, backup or journal for each amount of free
 // space.
@@ -134,8 +85,9 @@ void save_on_a_disk_that_is_full(const std::string& folder, SetupFiles before, S
 
 TEST_F(Saving, AFullDiskChangesNothing) {
   std::filesystem::create_directory(path("disk"));
-  const bool is_permitted = on_small_disk(
-      path("disk"), [this] { save_on_a_disk_that_is_full(path("disk"), files("before"), files("after")); });
+  const bool is_permitted = on_small_disk(path("disk"), kDiskPages * kPageBytes, [this] {
+    save_on_a_disk_that_is_full(path("disk"), files("before"), files("after"));
+  });
   if (!is_permitted) GTEST_SKIP() << "mount namespaces are not permitted here";
 }
 
@@ -157,7 +109,7 @@ void save_over_a_file_that_cannot_be_replaced(const std::string& folder, const S
 
 TEST_F(Saving, AFileThatCannotBeReplacedChangesNothing) {
   std::filesystem::create_directory(path("disk"));
-  const bool is_permitted = on_small_disk(path("disk"), [this] {
+  const bool is_permitted = on_small_disk(path("disk"), kDiskPages * kPageBytes, [this] {
     save_over_a_file_that_cannot_be_replaced(path("disk"), files("before"), files("after"));
   });
   if (!is_permitted) GTEST_SKIP() << "mount namespaces are not permitted here";

@@ -7,16 +7,6 @@
 
 namespace touchline {
 
-std::optional<int> parse_arguments(CLI::App& app, int argc, char** argv) {
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    // CLI11 reports --help and --version as errors with code 0.
-    return app.exit(error) == 0 ? kExitOk : kExitBadCommandLine;
-  }
-  return std::nullopt;
-}
-
 int fail(std::string_view program, std::string_view message, int exit_code) {
   std::cerr << program << ": " << message << '\n';
   return exit_code;

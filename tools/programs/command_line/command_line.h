@@ -1,19 +1,14 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
-#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include "firmware/exit_codes.h"
+#include "firmware/parse_arguments.h"
 
 // What the command lines of all tools have in common.
 namespace touchline {
-
-/// Parses the command line into the variables that are bound to `app`. Empty: continue. Otherwise the help, the version
-/// or an error has been printed, and the value is the exit code: kExitOk or kExitBadCommandLine.
-std::optional<int> parse_arguments(CLI::App& app, int argc, char** argv);
 
 /// Prints "PROGRAM: MESSAGE" to standard error and returns `exit_code`.
 int fail(std::string_view program, std::string_view message, int exit_code = kExitBadFile);

@@ -3,14 +3,18 @@
 #include <CLI/CLI.hpp>
 #include <chrono>
 #include <csignal>
-#include <cstdio>
 
+#include "hal/files/interruption.h"
+#include "hal/files/text_output.h"
 #include "tools/programs/command_line/command_line.h"
+#include "tools/programs/command_line/formatted.h"
 #include "tools/programs/replay/replay.h"
 
 namespace {
 
 using namespace touchline::replay;
+using touchline::formatted;
+using touchline::hal::TextOutput;
 using WallClock = std::chrono::steady_clock;
 
 std::atomic<bool> stop_requested = false;
@@ -23,7 +27,7 @@ double seconds_since(WallClock::time_point begin) {
 // Updates the terminal at most ten times per second.
 class ProgressBar {
  public:
-  explicit ProgressBar(bool shown) : shown_(shown) {}
+  ProgressBar(bool shown, TextOutput& output) : output_(output), shown_(shown) {}
   void show(std::uint64_t done, std::uint64_t total) {
     constexpr double kPeriod = 0.1;
     constexpr std::uint64_t kWidth = 40;
@@ -32,32 +36,33 @@ class ProgressBar {
     drawn_ = true;
     const double rate = static_cast<double>(done) / std::max(1e-9, seconds_since(begin_));
     if (total == 0) {
-      std::fprintf(stderr, "\r%llu frames, %.0f/s ", static_cast<unsigned long long>(done), rate);
+      output_.print_error(formatted("\r%llu frames, %.0f/s ", static_cast<unsigned long long>(done), rate));
       return;
     }
     const std::uint64_t filled = std::min(kWidth, done * kWidth / total);
-    std::fprintf(stderr, "\r[%s%s] %llu/%llu, %.0f/s ", std::string(filled, '#').c_str(),
-                 std::string(kWidth - filled, '.').c_str(), static_cast<unsigned long long>(done),
-                 static_cast<unsigned long long>(total), rate);
+    output_.print_error(formatted("\r[%s%s] %llu/%llu, %.0f/s ", std::string(filled, '#').c_str(),
+                                  std::string(kWidth - filled, '.').c_str(), static_cast<unsigned long long>(done),
+                                  static_cast<unsigned long long>(total), rate));
   }
   void clear() const {
-    if (drawn_) std::fprintf(stderr, "\r\033[K");
+    if (drawn_) output_.print_error("\r\033[K");
   }
 
  private:
+  TextOutput& output_;
   bool shown_, drawn_ = false;
   WallClock::time_point begin_ = WallClock::now(), last_{};
 };
 
-void print(std::FILE* out, const ReplaySummary& s, double elapsed_s) {
+std::string text_of(const ReplaySummary& s, double elapsed_s) {
   const double frames = s.frames == 0 ? 1.0 : static_cast<double>(s.frames);
-  std::fprintf(
-      out, "%llu frames in %.2f s (%.0f/s): %.2f robots per frame, %.2f with id; ball in %.1f %%; overload in %llu",
+  std::string text = formatted(
+      "%llu frames in %.2f s (%.0f/s): %.2f robots per frame, %.2f with id; ball in %.1f %%; overload in %llu",
       static_cast<unsigned long long>(s.frames), elapsed_s, static_cast<double>(s.frames) / std::max(1e-9, elapsed_s),
       static_cast<double>(s.robots) / frames, static_cast<double>(s.robots_with_id) / frames,
       100.0 * static_cast<double>(s.frames_with_ball) / frames, static_cast<unsigned long long>(s.frames_overloaded));
-  if (s.damaged > 0) std::fprintf(out, "; %llu damaged pictures skipped", static_cast<unsigned long long>(s.damaged));
-  std::fprintf(out, "\n");
+  if (s.damaged > 0) text += formatted("; %llu damaged pictures skipped", static_cast<unsigned long long>(s.damaged));
+  return text + "\n";
 }
 
 }  // namespace
@@ -88,16 +93,22 @@ int main(int argc, char** argv) {
   if (const auto exit_code = touchline::parse_arguments(app, argc, argv)) return *exit_code;
 
   const auto request_stop = [](int) { stop_requested = true; };
-  std::signal(SIGINT, request_stop);
-  std::signal(SIGTERM, request_stop);
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) std::signal(signal, request_stop);
+  touchline::hal::set_interruption(&stop_requested);
 
-  ProgressBar bar(!quiet && isatty(STDERR_FILENO) == 1);
+  TextOutput output;
+  ProgressBar bar(!quiet && isatty(STDERR_FILENO) == 1, output);
   const WallClock::time_point begin = WallClock::now();
   const touchline::Result<ReplaySummary> summary = replay(
       options, [&bar](std::uint64_t done, std::uint64_t total) { bar.show(done, total); }, stop_requested);
   bar.clear();
-  if (!summary.ok()) return touchline::fail("touchline-replay", summary.text());
+  if (!summary.ok()) {
+    output.print_error("touchline-replay: " + summary.text() + "\n");
+    return touchline::kExitBadFile;
+  }
+  const std::string text = text_of(summary.value(), seconds_since(begin));
   // With --out -, only the result goes to standard output.
-  if (!quiet) print(options.out == "-" ? stderr : stdout, summary.value(), seconds_since(begin));
+  if (!quiet && options.out == "-") output.print_error(text);
+  if (!quiet && options.out != "-") output.print(text);
   return touchline::kExitOk;
 }

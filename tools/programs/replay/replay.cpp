@@ -79,16 +79,17 @@ void count(const StepTrace& trace, ReplaySummary& summary) {
   summary.frames_overloaded += trace.overload ? 1u : 0u;
 }
 
-}  // namespace
+Error stopped() { return failure(ErrorCode::kIo, "stopped; no output was written"); }
 
-Result<ReplaySummary> replay(const ReplayOptions& options, const Progress& progress, const std::atomic<bool>& stop) {
+Result<ReplaySummary> replay_input(const ReplayOptions& options, const Progress& progress,
+                                   const std::atomic<bool>& stop) {
   TOUCHLINE_TRY(check_outputs(options));
   const auto configuration = std::make_unique<config::Configuration>();
   const config::FilePaths paths{{}, options.venue, options.team, options.overrides};
   TOUCHLINE_TRY(config::load_venue_and_team(paths, *configuration));
 
   const PixelFormat format = hal::replay_format(configuration->venue.colors.space);
-  hal::ReplayCamera camera({options.input, format, options.rate_hz});
+  hal::ReplayCamera camera({options.input, format, options.rate_hz, options.skip_damaged});
   TOUCHLINE_TRY(camera.open());
   TOUCHLINE_TRY(camera.start());
   const hal::CameraInfo& info = camera.info();
@@ -116,11 +117,7 @@ Result<ReplaySummary> replay(const ReplayOptions& options, const Progress& progr
   for (;;) {
     const Result<hal::FrameLease> lease = camera.wait(Instant::max());
     if (lease.code() == ErrorCode::kEndOfStream) break;
-    if (lease.code() == ErrorCode::kCorruptFrame && options.skip_damaged) {
-      ++summary.damaged;
-      continue;
-    }
-    if (stop) return failure(ErrorCode::kIo, "stopped; no output was written");
+    if (stop) return stopped();
     if (!lease.ok()) return lease.error();
     const Frame& frame = lease.value().frame();
     const StepTrace& trace = pipeline->step(frame);
@@ -139,7 +136,16 @@ Result<ReplaySummary> replay(const ReplayOptions& options, const Progress& progr
   if (!options.plot.empty()) TOUCHLINE_TRY(write_plot(options, style.names.teams, plot, plot_file));
   TOUCHLINE_TRY(pictures.finish());
   TOUCHLINE_TRY(lines.commit());
+  summary.damaged = camera.damaged();
   return summary;
+}
+
+}  // namespace
+
+Result<ReplaySummary> replay(const ReplayOptions& options, const Progress& progress, const std::atomic<bool>& stop) {
+  Result<ReplaySummary> summary = replay_input(options, progress, stop);
+  // Whatever the stop has interrupted is not an error of its own.
+  return summary.ok() || !stop ? std::move(summary) : stopped();
 }
 
 }  // namespace touchline::replay

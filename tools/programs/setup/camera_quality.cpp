@@ -62,6 +62,27 @@ double scale_m(const calibrate::VenueDraft& venue, const Frame& frame) {
   return static_cast<double>(venue.file.field.length_m) / frame.width_px;
 }
 
+// The same picture with another exposure, as far as the sensor is linear.
+hal::Picture exposed(hal::Picture picture, double share) {
+  for (std::uint8_t& value : picture.rgb8) value = static_cast<std::uint8_t>(std::min(255.0, value * share));
+  return picture;
+}
+
+// Blur of the fastest robot: the one judge of exposures, also of those that are advised.
+const char* blur_level(double exposure_us, double limit_us) {
+  return exposure_us > 2 * limit_us ? "bad" : exposure_us > limit_us ? "warning" : "ok";
+}
+
+// What to do about an exposure that is too long. `has_edges`: this picture has edges that can be judged.
+std::string exposure_advice(const hal::Picture& picture, double exposure_us, double limit_us, bool has_edges) {
+  const double advised_us = std::floor(limit_us);  // the key takes whole numbers
+  if (advised_us < 1 || std::string_view(blur_level(advised_us, limit_us)) != "ok")
+    return "no exposure is short enough";
+  const std::string advice = formatted("expose at most %.0f us", advised_us);
+  const bool gets_dark = has_edges && !focus_of(exposed(picture, advised_us / exposure_us));
+  return gets_dark ? advice + ", with more light or more gain: the picture would be too dark otherwise" : advice;
+}
+
 }  // namespace
 
 nlohmann::json camera_quality(const Frame& frame, const SetupFiles& files, const std::string& folder) {
@@ -104,10 +125,10 @@ nlohmann::json camera_quality(const Frame& frame, const SetupFiles& files, const
   const double exposure_us = configuration->board.camera.exposure_us;
   out["exposure_limit_us"] = limit_us;
   out["blur_px"] = exposure_us * kMostBlur_px / limit_us;
-  if (exposure_us > limit_us) {
-    note(exposure_us > 2 * limit_us ? "bad" : "warning",
-         formatted("robots at %.1f m/s are blurred by %.1f pixels: expose at most %.0f us", speed,
-                   exposure_us * kMostBlur_px / limit_us, limit_us));
+  if (const char* blur = blur_level(exposure_us, limit_us); std::string_view(blur) != "ok") {
+    note(blur,
+         formatted("robots at %.1f m/s are blurred by %.2f pixels: ", speed, exposure_us * kMostBlur_px / limit_us) +
+             exposure_advice(picture, exposure_us, limit_us, focus.has_value()));
   }
   out["notes"] = notes;
   out["quality"] =

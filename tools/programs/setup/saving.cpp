@@ -2,13 +2,12 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <list>
 #include <optional>
+#include <set>
 
 #include "firmware/config/file_backup.h"
-#include "hal/files/input_file.h"
 #include "hal/files/output_file.h"
-#include "tools/programs/setup/setup_archive.h"
+#include "tools/programs/setup/saving_journal.h"
 
 namespace touchline::setup {
 namespace {
@@ -25,88 +24,111 @@ std::vector<std::string> in_order(const SetupFiles& draft, std::vector<std::stri
   return names;
 }
 
-// Undoes the first renames after a later one has failed. An error names the first file that cannot be undone either.
-Result<void> restore(const std::vector<std::string>& paths, const std::vector<std::optional<std::string>>& former,
-                     std::size_t count) {
-  Result<void> restored;
-  for (std::size_t i = count; i-- > 0;) {
-    Result<void> one;
-    if (former[i]) {
-      one = hal::write_file(paths[i], *former[i]);
-    } else if (std::error_code error; !fs::remove(paths[i], error) && error) {
-      one = failure(ErrorCode::kIo, "%s: cannot be removed: %s", paths[i].c_str(), error.message().c_str());
-    }
-    if (!one.ok()) restored = std::move(one);
+// New contents under temporary names. Whatever was not renamed at the end is removed, unless a journal names it.
+class PreparedFiles {
+ public:
+  PreparedFiles() = default;
+  ~PreparedFiles() {
+    std::error_code ignored;
+    for (const PendingRename& rename : renames_) fs::remove(rename.temporary, ignored);
   }
-  return restored;
+  PreparedFiles(const PreparedFiles&) = delete;
+  PreparedFiles& operator=(const PreparedFiles&) = delete;
+
+  Result<void> add(const std::string& path, std::string_view content) {
+    hal::OutputFile file;
+    TOUCHLINE_TRY(file.open(path));
+    TOUCHLINE_TRY(file.write(content));
+    TOUCHLINE_TRY_ASSIGN(const hal::PreparedFile prepared, file.prepare());
+    renames_.push_back({fs::absolute(prepared.path).string(), fs::absolute(prepared.temporary).string(), {}});
+    renames_.back().former = state_of(renames_.back().path);
+    return {};
+  }
+  void remove(const std::string& path) { renames_.push_back({path, "", state_of(path)}); }
+  /// A power failure after this does not lose the temporary files.
+  Result<void> sync() const {
+    std::set<fs::path> folders;
+    for (const PendingRename& rename : renames_) folders.insert(fs::path(rename.path).parent_path());
+    for (const fs::path& folder : folders) TOUCHLINE_TRY(hal::sync_folder(folder.string()));
+    return {};
+  }
+  [[nodiscard]] const std::vector<PendingRename>& renames() const { return renames_; }
+  /// The journal will be finished by the next start.
+  void keep() { renames_.clear(); }
+
+ private:
+  std::vector<PendingRename> renames_;
+};
+
+using Contents = std::vector<std::optional<std::string>>;
+
+// Undoes the renames that are done already, by a save of the former contents. `former` has those, in the same order.
+Result<void> undo(const std::vector<PendingRename>& done, const Contents& former, const std::string& journal) {
+  PreparedFiles files;
+  for (std::size_t i = done.size(); i-- > 0;) {
+    std::error_code ignored;
+    if (fs::exists(done[i].temporary, ignored)) continue;
+    if (former[i]) {
+      TOUCHLINE_TRY(files.add(done[i].path, *former[i]));
+    } else {
+      files.remove(done[i].path);
+    }
+  }
+  TOUCHLINE_TRY(files.sync());
+  TOUCHLINE_TRY(write_journal(journal, files.renames()));
+  const Result<std::vector<std::string>> completed = complete(files.renames());
+  if (completed.ok()) return {};
+  files.keep();
+  return completed.error();
 }
 
 }  // namespace
 
 Result<void> save_files(const SetupFiles& draft, const std::vector<std::string>& names, const std::string& folder,
                         const std::string& journal) {
-  SetupFiles written;
-  written.board = draft.board;
-  std::list<hal::OutputFile> files;
-  std::vector<std::string> order;
+  PreparedFiles files;
+  Contents former;
   for (const std::string& name : in_order(draft, names)) {
     const auto file = draft.content.find(name);
     if (file == draft.content.end()) continue;
     const std::string path = (fs::path(folder) / name).string();
-    hal::OutputFile& output = files.emplace_back();
-    TOUCHLINE_TRY(output.open(path));
-    TOUCHLINE_TRY(output.write(*file->second));
-    TOUCHLINE_TRY(output.sync());
-    written.content[name] = file->second;
-    order.push_back(path);
-  }
-  std::vector<std::optional<std::string>> former;
-  for (const std::string& path : order) {
-    TOUCHLINE_TRY_ASSIGN(former.emplace_back(), config::read_text(path));
+    TOUCHLINE_TRY(files.add(path, *file->second));
+    TOUCHLINE_TRY_ASSIGN(former.emplace_back(), config::read_data(path));
     TOUCHLINE_TRY(config::back_up(path));
   }
-  // The journal needs the board file to name the others.
-  written.content[draft.board] = draft.content.at(draft.board);
-  TOUCHLINE_TRY(hal::write_file(journal, archive_of(written)));
+  TOUCHLINE_TRY(files.sync());
+  TOUCHLINE_TRY(write_journal(journal, files.renames()));
   // Everything is on the disk already; what remains are renames.
-  Result<void> committed;
-  std::size_t done = 0;
-  for (hal::OutputFile& output : files) {
-    committed = output.commit();
-    if (!committed.ok()) break;
-    ++done;
+  Result<std::vector<std::string>> completed = complete(files.renames());
+  Result<void> saved;
+  if (!completed.ok()) {
+    saved = std::move(completed).error();
+  } else if (!completed.value().empty()) {
+    saved = failure(ErrorCode::kInconsistent, "%s: somebody has changed it meanwhile: save again",
+                    completed.value()[0].c_str());
   }
-  if (!committed.ok()) {
-    // With the journal, finish_saving() replaces all files, so that they fit each other again.
-    if (const Result<void> restored = restore(order, former, done); !restored.ok()) {
-      return Error{committed.code(), committed.text() + "; and the files before it cannot be restored (" +
-                                         restored.text() + "): the next start of touchline-setup finishes this save"};
+  if (!saved.ok()) {
+    if (const Result<void> undone = undo(files.renames(), former, journal); !undone.ok()) {
+      files.keep();
+      return Error{saved.code(), saved.text() + "; and the files before it cannot be restored (" + undone.text() +
+                                     "): the next start of touchline-setup makes the files fit each other again"};
     }
   }
   std::error_code error;
   fs::remove(journal, error);
-  return committed;
+  return saved;
 }
 
-Result<void> finish_saving(const std::string& folder, const std::string& journal) {
-  const Result<std::string> text = hal::read_file(journal, hal::kMaxTextFileBytes);
-  if (text.code() == ErrorCode::kNotFound) return {};
-  if (!text.ok()) return text.error();
+Result<std::vector<std::string>> finish_saving(const std::string& journal) {
+  const Result<std::vector<PendingRename>> renames = read_journal(journal);
+  if (renames.code() == ErrorCode::kNotFound) return std::vector<std::string>();
   std::error_code error;
-  const Result<SetupFiles> files = read_archive(text.value());
-  if (!files.ok()) {
-    fs::remove(journal, error);
-    return prefixed(journal + ": an interrupted save cannot be finished", files.error());
-  }
-  for (const std::string& name : in_order(files.value(), [&] {
-         std::vector<std::string> names;
-         for (const auto& [each, content] : files.value().content) names.push_back(each);
-         return names;
-       }())) {
-    TOUCHLINE_TRY(hal::write_file((fs::path(folder) / name).string(), files.value().text(name)));
-  }
+  if (renames.code() == ErrorCode::kInconsistent) fs::remove(journal, error);
+  if (!renames.ok()) return renames.error();
+  TOUCHLINE_TRY_ASSIGN(std::vector<std::string> left, complete(renames.value()));
+  for (const PendingRename& rename : renames.value()) fs::remove(rename.temporary, error);  // of those that were left
   fs::remove(journal, error);
-  return {};
+  return left;
 }
 
 }  // namespace touchline::setup

@@ -81,6 +81,12 @@ bool is_file_name(std::string_view name) {
          std::all_of(name.begin(), name.end(), allowed) && (name.ends_with(".toml") || name.ends_with(".png"));
 }
 
+Result<FileContent> read_setup_file(const std::string& path) {
+  const std::size_t limit_bytes = path.ends_with(".png") ? hal::kMaxDataFileBytes : hal::kMaxTextFileBytes;
+  TOUCHLINE_TRY_ASSIGN(std::string content, hal::read_file(path, limit_bytes));
+  return std::make_shared<const std::string>(std::move(content));
+}
+
 Result<SetupFiles> read_setup(const std::string& board_path) {
   const fs::path path(board_path);
   if (!is_file_name(path.filename().string())) {
@@ -88,11 +94,7 @@ Result<SetupFiles> read_setup(const std::string& board_path) {
                    "%s: the name of a board file has letters, digits, '.', '_', '-' and ends with .toml",
                    board_path.c_str());
   }
-  const auto read = [&](const std::string& name) -> Result<FileContent> {
-    TOUCHLINE_TRY_ASSIGN(std::string text,
-                         hal::read_file((path.parent_path() / name).string(), hal::kMaxTextFileBytes));
-    return std::make_shared<const std::string>(std::move(text));
-  };
+  const auto read = [&](const std::string& name) { return read_setup_file((path.parent_path() / name).string()); };
   return follow(path.filename().string(), board_path, read);
 }
 
@@ -115,8 +117,8 @@ Result<void> write_folder(const SetupFiles& files, const std::string& folder) {
   std::stable_partition(names.begin(), names.end(), is_picture);
   for (const std::string& name : names) {
     const std::string path = (fs::path(folder) / name).string();
-    const Result<std::string> former = hal::read_file(path, hal::kMaxTextFileBytes);
-    if (former.ok() && former.value() == files.text(name)) continue;
+    const Result<FileContent> former = read_setup_file(path);
+    if (former.ok() && *former.value() == files.text(name)) continue;
     TOUCHLINE_TRY(hal::write_file(path, files.text(name)));
   }
   for (const auto& entry : fs::directory_iterator(folder, error)) {

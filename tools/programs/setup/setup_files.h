@@ -26,6 +26,9 @@ struct SetupFiles {
 /// A file of a setup may have this name: letters, digits, '.', '_', '-', at most 64, not a '.' first; .toml or .png.
 bool is_file_name(std::string_view name);
 
+/// Reads a file of a setup: a text as any configuration file, a picture as any picture. Errors of hal::read_file().
+Result<FileContent> read_setup_file(const std::string& path);
+
 /// Reads the saved files: the board file at this path and what it names beside it. kNotFound: no board file;
 /// kInconsistent: it is not valid TOML, or venue or team file are not named or not in its folder.
 Result<SetupFiles> read_setup(const std::string& board_path);

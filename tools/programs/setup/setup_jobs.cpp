@@ -104,14 +104,16 @@ void SetupProgram::end_job(const std::string& error) {
     result = Error{ErrorCode::kInconsistent, error};
   } else if (!ended.job.undo_name.empty()) {
     std::map<std::string, FileContent> content;
+    Result<void> read;
     std::error_code failed;
     for (const auto& entry : fs::directory_iterator(options_.folder + "/work", failed)) {
       const std::string name = entry.path().filename().string();
       if (!is_file_name(name)) continue;
-      Result<std::string> text = hal::read_file(entry.path().string(), hal::kMaxTextFileBytes);
-      if (text.ok()) content[name] = std::make_shared<const std::string>(std::move(text).value());
+      Result<FileContent> one = read_setup_file(entry.path().string());
+      if (!one.ok()) read = std::move(one).error();
+      if (one.ok()) content[name] = std::move(one).value();
     }
-    Result<SetupFiles> files = setup_of(ended.state.files.board, content);
+    Result<SetupFiles> files = read.ok() ? setup_of(ended.state.files.board, content) : std::move(read).error();
     Result<void> kept = files.ok() ? keep_saved_pictures(draft_.saved(), files.value()) : files.error();
     if (kept.ok()) {
       ended.state.name = ended.job.undo_name;

@@ -50,9 +50,16 @@ Result<void> SetupProgram::open() {
   if (error) {
     return failure(ErrorCode::kPermission, "%s: cannot be made: %s", options_.folder.c_str(), error.message().c_str());
   }
-  const Result<void> finished =
-      finish_saving(fs::path(options_.board).parent_path().string(), options_.folder + "/saving.json");
+  const Result<std::vector<std::string>> finished = finish_saving(options_.folder + "/saving.json");
   if (!finished.ok()) std::fprintf(stderr, "touchline-setup: %s\n", finished.text().c_str());
+  if (finished.ok()) {
+    for (const std::string& path : finished.value()) {
+      std::fprintf(stderr,
+                   "touchline-setup: %s: a save was interrupted, and somebody has changed this file since: it stays as "
+                   "it is; check whether it fits the others\n",
+                   path.c_str());
+    }
+  }
   TOUCHLINE_TRY(listener_.open(options_.socket));
   // Whoever may connect may change the files of the board.
   if (::chmod(options_.socket.c_str(), S_IRUSR | S_IWUSR) == 0) return {};

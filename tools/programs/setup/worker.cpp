@@ -1,12 +1,15 @@
 #include "tools/programs/setup/worker.h"
 
 #include <fcntl.h>
+#include <linux/capability.h>
 #include <signal.h>
 #include <sys/prctl.h>
 #include <sys/socket.h>
+#include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <array>
 #include <cerrno>
 #include <cstdlib>
 #include <exception>
@@ -16,6 +19,16 @@
 
 namespace touchline::setup {
 namespace {
+
+// The service may write the files of the board (CAP_DAC_OVERRIDE). A decoder that a picture has taken over must not.
+bool drop_capabilities() {
+  ::prctl(PR_CAP_AMBIENT, PR_CAP_AMBIENT_CLEAR_ALL, 0, 0, 0);  // fails only on kernels without them
+  // Needs CAP_SETPCAP; without it, no set has a capability that a program could get from the bounding set.
+  for (unsigned long one = 0; one <= CAP_LAST_CAP; ++one) ::prctl(PR_CAPBSET_DROP, one, 0, 0, 0);
+  __user_cap_header_struct header{_LINUX_CAPABILITY_VERSION_3, 0};
+  const std::array<__user_cap_data_struct, _LINUX_CAPABILITY_U32S_3> none{};
+  return ::prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) == 0 && ::syscall(SYS_capset, &header, none.data()) == 0;
+}
 
 // Runs in the new process, and never returns.
 [[noreturn]] void run(const Worker::Work& work, int descriptor) {
@@ -27,7 +40,7 @@ namespace {
   const Worker::Reporter reporter(descriptor);
   std::string error;
   try {
-    error = work(reporter).text();
+    error = drop_capabilities() ? work(reporter).text() : "the work cannot be started: it keeps its capabilities";
   } catch (const std::exception& fault) {
     error = formatted("this work failed: %s", fault.what());
   }

@@ -13,7 +13,7 @@
 namespace touchline::setup {
 
 /// Long work in a process of its own: it can be cancelled at any moment, and neither a lack of memory nor a failed
-/// assertion in a library ends the program.
+/// assertion in a library ends the program. It has no capabilities, and can get none.
 class Worker {
  public:
   /// What the work uses to report.

@@ -12,6 +12,7 @@ const HALT_TEXTS: Record<string, HaltText> = {
   crash: { reason: 'the last run ended unexpectedly', remedy: 'Look at the event log. Then press the start button or restart the service.' },
   referee: { reason: 'the referee stopped the game', remedy: 'Robots move again when the referee continues the game.' },
   teams: { reason: 'the referee asks for team colors or heights that the team file does not have', remedy: 'Correct the team file or the referee\'s settings.' },
+  setup_ended: { reason: 'the setup was saved or left', remedy: 'The driver can press Start.' },
   setup: { reason: 'the board is being set up', remedy: 'Save or discard the setup on the page Set up.' },
   silence: { reason: 'no message from the referee', remedy: 'Check the network to the referee\'s computer.' },
 };
@@ -25,7 +26,12 @@ export function haltText(word: string, isBare = false): HaltText {
   return Object.hasOwn(HALT_TEXTS, word) ? HALT_TEXTS[word]! : { reason: word, remedy: '' };
 }
 
+/** `setup_ended` explains `console`: nobody has pressed Stop then. */
+export function reasonsToShow(halt: readonly string[]): readonly string[] {
+  return halt.includes('setup_ended') ? halt.filter((word) => word !== 'console') : halt;
+}
+
 /** "the emergency stop is pulled, no picture from the camera" */
 export function haltReasons(halt: readonly string[], isBare = false): string {
-  return halt.map((word) => haltText(word, isBare).reason).join(', ');
+  return reasonsToShow(halt).map((word) => haltText(word, isBare).reason).join(', ');
 }

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+
+// Ends waits for other processes (the writer or reader of a FIFO, of a pipe, of a terminal) when this one is to end.
+// Global, as signals are.
+namespace touchline::hal {
+
+/// `requested` becomes true when the process is to end, from a signal handler for example, and must outlive all waits.
+/// Null: nothing ends a wait.
+void set_interruption(const std::atomic<bool>* requested);
+[[nodiscard]] bool is_interrupted();
+
+/// How long a wait lasts after the request at most; short for a person.
+inline constexpr std::chrono::milliseconds kInterruptionDelay{50};
+
+enum class Ready : std::uint8_t { kRead, kWrite };
+/// Waits until reading or writing does not block, or fails at once. False: interrupted before.
+[[nodiscard]] bool wait_until_ready(int descriptor, Ready what);
+
+}  // namespace touchline::hal

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <memory>
+#include <string>
+
+namespace touchline::hal {
+
+/// Writes text to standard output and error from a thread of its own, so that neither a stopped terminal (Ctrl-S) nor
+/// a reader that does not read (a hung ssh, a full pipe) holds up anybody. The thread is never joined: it may wait in
+/// write() for as long as the process lives, and it ends with the process. Callable from any thread but the loop's,
+/// because it locks and allocates.
+class TextOutput {
+ public:
+  /// More than this waits for a reader only if it does not read: a day of status lines without a reader must not fill
+  /// the memory. The oldest texts are dropped then, and counted.
+  static constexpr std::size_t kMaxWaitingBytes = std::size_t{256} << 10;
+  /// For finish() at the end of a program: a terminal that works takes 256 KiB in a few milliseconds, a serial console
+  /// of 115200 baud the last lines.
+  static constexpr std::chrono::milliseconds kPatience{1000};
+
+  /// Starts the thread, which inherits the priority of this one. The descriptors must stay open.
+  explicit TextOutput(int out = 1, int err = 2);
+  /// As finish(kPatience), unless a finish() was in vain already.
+  ~TextOutput();
+  TextOutput(const TextOutput&) = delete;
+  TextOutput& operator=(const TextOutput&) = delete;
+
+  /// Returns at once. The texts are written in the order of the calls, also those for different descriptors. Without
+  /// memory the text is lost.
+  void print(std::string text);
+  void print_error(std::string text);
+  /// Waits until everything is written, `at_most` this long. False: the reader does not read.
+  bool finish(std::chrono::milliseconds at_most);
+
+ private:
+  struct State;
+  void add(int descriptor, std::string text);
+  static void work(const std::shared_ptr<State>& state);
+
+  int out_, err_;
+  bool has_reader_ = true;
+  std::shared_ptr<State> state_;  // shared with the thread, which may outlive this object
+};
+
+}  // namespace touchline::hal

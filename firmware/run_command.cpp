@@ -46,6 +46,12 @@ void print_start(const Session& session, const network::Connections& connections
   print_device("camera", session.camera_info().description);
   print_device("camera", session.camera_info().negotiated);
   print_device("radio", session.radio_description());
+  if (configuration.board.radio.backend != hal::RadioBackend::kNone && configuration.team.team_number == 0) {
+    print_device("radio",
+                 "packets have no team number: robots obey every Touchline on their channel; to prevent it, set "
+                 "team_number in " +
+                     configuration.team_where.file() + " and in the robots (docs/radio.md)");
+  }
   print_device("gpio", session.gpio_description());
   std::fputs(connections.start_text().c_str(), stdout);
   std::fputs(console.start_text().c_str(), stdout);

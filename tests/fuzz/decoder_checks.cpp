@@ -60,12 +60,13 @@ void require_commands(const Result<CommandBatch>& batch) {
   }
 }
 
-void require_state(const Result<RefereeState>& state) {
-  require_result(state);
-  if (!state.ok()) return;
-  require(state.value().phase != GamePhase::kNoReferee, "a referee's message has a phase");
-  require(state.value().own_is_yellow.has_value() || !state.value().own_on_positive_half.has_value(),
-          "the side needs the color");
+void require_message(const Result<network::RefereeMessage>& message) {
+  require_result(message);
+  if (!message.ok()) return;
+  const RefereeState& state = message.value().state;
+  require(state.phase != GamePhase::kNoReferee, "a referee's message has a phase");
+  require(state.own_is_yellow.has_value() || !state.own_on_positive_half.has_value(), "the side needs the color");
+  require(state.repeats == message.value().order.has_value(), "repeated messages have an order");
 }
 
 void check_firasim_packet(std::span<const std::byte> bytes) {
@@ -82,10 +83,10 @@ void check_json_commands(std::span<const std::byte> bytes) { require_commands(ne
 
 void check_ssl_referee(std::span<const std::byte> bytes) {
   static const network::RefereeSettings settings{"Lemons", {{"Lemons", 0.15f}, {"Plums", 0.14f}}};
-  require_state(decode_ssl_referee(bytes, settings));
+  require_message(decode_ssl_referee(bytes, settings));
 }
 
-void check_vss_referee(std::span<const std::byte> bytes) { require_state(network::decode_vss_referee(bytes)); }
+void check_vss_referee(std::span<const std::byte> bytes) { require_message(network::decode_vss_referee(bytes)); }
 
 void check_client_message(std::span<const std::byte> bytes) {
   const Result<console::ClientMessage> message =

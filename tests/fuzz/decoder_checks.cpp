@@ -24,22 +24,6 @@ namespace {
 using network::CommandBatch;
 using network::TeamColor;
 
-void require(bool condition, const char* promise) {
-  if (condition) return;
-  std::fprintf(stderr, "broken promise: %s\n", promise);
-  std::abort();
-}
-
-template <class T>
-void require_result(const Result<T>& result) {
-  if (result.ok()) return;
-  require(result.code() != ErrorCode::kOk, "an error has a code");
-  require(!result.error().text.empty(), "an error has a text");
-  // A line of the log.
-  require(result.error().text.size() < 300, "the text is short");
-  for (const char c : result.error().text.view()) require(c >= ' ' && c <= '~', "the text is printable");
-}
-
 bool is_within(float value, double limit) { return static_cast<double>(std::fabs(value)) <= limit; }
 
 void require_commands(const Result<CommandBatch>& batch) {
@@ -172,14 +156,35 @@ std::vector<std::string> foxglove_seeds() {
           R"({"op":"unsubscribe","subscriptionIds":[0,1]})"};
 }
 
-constexpr std::array<DecoderCheck, 6> kChecks{{{"firasim_packet", check_firasim_packet, firasim_seeds},
-                                               {"json_commands", check_json_commands, json_seeds},
-                                               {"ssl_referee", check_ssl_referee, ssl_referee_seeds},
-                                               {"vss_referee", check_vss_referee, vss_referee_seeds},
-                                               {"client_message", check_client_message, client_message_seeds},
-                                               {"foxglove_client", check_foxglove_client, foxglove_seeds}}};
+constexpr std::array<DecoderCheck, 13> kChecks{{{"firasim_packet", check_firasim_packet, firasim_seeds},
+                                                {"json_commands", check_json_commands, json_seeds},
+                                                {"ssl_referee", check_ssl_referee, ssl_referee_seeds},
+                                                {"vss_referee", check_vss_referee, vss_referee_seeds},
+                                                {"client_message", check_client_message, client_message_seeds},
+                                                {"foxglove_client", check_foxglove_client, foxglove_seeds},
+                                                {"setup_message", check_setup_message, setup_message_seeds},
+                                                {"telemetry", check_telemetry, telemetry_seeds},
+                                                {"command_packet", check_command_packet, command_packet_seeds},
+                                                {"mjpg", check_mjpg, mjpg_seeds, 5000},
+                                                {"board_file", check_board_file, board_file_seeds, 2000},
+                                                {"venue_file", check_venue_file, venue_file_seeds, 2000},
+                                                {"team_file", check_team_file, team_file_seeds, 2000}}};
 
 }  // namespace
+
+void require(bool condition, const char* promise) {
+  if (condition) return;
+  std::fprintf(stderr, "broken promise: %s\n", promise);
+  std::abort();
+}
+
+void require_error(const Error& error) {
+  require(error.code != ErrorCode::kOk, "an error has a code");
+  require(!error.text.empty(), "an error has a text");
+  // A line of the log.
+  require(error.text.size() < 300, "the text is short");
+  for (const char c : error.text.view()) require(c >= ' ' && c <= '~', "the text is printable");
+}
 
 std::span<const DecoderCheck> decoder_checks() { return kChecks; }
 

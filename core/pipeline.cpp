@@ -47,6 +47,7 @@ ExpectedBall expected_ball(const Tracks& tracks, Instant now) {
 Status Pipeline::configure(const PipelineParameters& parameters, StageClock clock) {
   clock_ = clock;
   packet_sequence_ = 0;
+  team_number_ = parameters.team_number;
   monitor_.configure(parameters.low_battery_v);
   trace_.reports = {};
   trace_.tracks.ball = {};
@@ -156,7 +157,7 @@ void Pipeline::reset() {
 
 void Pipeline::encode_commands() {
   // All commands fit into a packet, because both lists have the same capacity.
-  if (!encode(trace_.commands, packet_sequence_, trace_.packet).ok()) trace_.packet.clear();
+  if (!encode(trace_.commands, packet_sequence_, trace_.packet, team_number_).ok()) trace_.packet.clear();
   ++packet_sequence_;
 }
 

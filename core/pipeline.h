@@ -21,7 +21,8 @@ struct PipelineParameters {
   TrackParameters track;
   ControlParameters control;
   AdaptationParameters adaptation;
-  float low_battery_v = 0.0f;  // a battery below this voltage is low; 0: never
+  float low_battery_v = 0.0f;              // a battery below this voltage is low; 0: never
+  TeamNumber team_number = kNoTeamNumber;  // in the packets
 };
 
 /// What a referee decides about the teams.
@@ -113,6 +114,7 @@ class Pipeline {
   Duration action_delay_{};
   bool halted_ = false, observing_ = false;
   std::uint8_t packet_sequence_ = 0;
+  TeamNumber team_number_ = kNoTeamNumber;
   StepTrace trace_;
 };
 

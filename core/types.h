@@ -287,7 +287,7 @@ struct Commands {
   FixedVector<RobotCommand, kMaxRobotsPerTeam> robots;
 };
 
-// Header, 11 robots of 5 bytes and the checksum are 63 (docs/radio.md); twice that leaves room for a robot of 10 bytes.
+// Header, 11 robots of 5 bytes and the checksum are 64 (docs/radio.md); twice that leaves room for a robot of 10 bytes.
 constexpr std::size_t kMaxPacketBytes = 128;
 using Packet = FixedVector<std::byte, kMaxPacketBytes>;
 

@@ -58,10 +58,11 @@ void add_network(CLI::App& app, network::NetworkOptions& network) {
   add("--publish", network.publish, "NAME[=ADDRESS]",
       "Send what is seen to other programs: ssl-vision, ssl-tracked, firasim or json, several times if needed.\n"
       "ADDRESS: udp://ADDRESS:PORT[%INTERFACE]; for json also unix:///PATH. Default: the protocol's usual address");
-  add("--accept", network.accept, "NAME[=ADDRESS]",
-      "Let programs on this computer drive robots: firasim or json. For other computers see [network] in "
-      "docs/files.md");
-  add("--referee", network.referee, "NAME[=ADDRESS]", "Obey a referee: ssl or vsss");
+  add("--accept", network.accept, "NAME[=ADDRESS][,from=SENDER...]",
+      "Let programs drive robots: firasim or json. Those of this computer may; SENDER permits others: an address or a\n"
+      "network, such as 192.168.1.20 or 192.168.1.0/24");
+  add("--referee", network.referee, "NAME[=ADDRESS][,from=SENDER...]",
+      "Obey a referee: ssl or vsss. SENDER permits its computer; programs of this computer are permitted");
 }
 
 }  // namespace

@@ -18,13 +18,13 @@ namespace {
 // As many as at a normal end (firmware/loop.cpp).
 constexpr int kStopPackets = 5;
 constexpr long kPacketPause_ms = 20, kRetryPause_ms = 1, kDrainTime_ms = 500, kOtherThreadTime_ms = 1000;
-// "TL", version, flags, sequence (docs/radio.md).
-constexpr std::size_t kSequenceOffset = 4;
+// "TL", version, flags, sequence, and what packet_team() reads (docs/radio.md).
+constexpr std::size_t kSequenceOffset = 4, kFewestBytes = 6;
 
 enum class State : int { kIdle, kStopping, kStopped };
 std::atomic<State> state{State::kIdle};
 std::atomic<int> radio{-1};
-std::atomic<std::uint8_t> last_sequence{0};
+std::atomic<std::uint8_t> last_sequence{0}, last_team{kNoTeamNumber};
 std::terminate_handler previous_terminate_handler = nullptr;
 static_assert(std::atomic<State>::is_always_lock_free && std::atomic<int>::is_always_lock_free &&
                   std::atomic<std::uint8_t>::is_always_lock_free,
@@ -100,8 +100,9 @@ void install_handlers() {
 void set_radio(int descriptor) { radio.store(descriptor, std::memory_order_release); }
 
 void record_sent(const Packet& packet) {
-  if (packet.size() <= kSequenceOffset) return;
+  if (packet.size() < kFewestBytes) return;
   last_sequence.store(std::to_integer<std::uint8_t>(packet[kSequenceOffset]), std::memory_order_relaxed);
+  last_team.store(packet_team({packet.data(), packet.size()}), std::memory_order_relaxed);
 }
 
 bool is_stopping() { return state.load(std::memory_order_acquire) != State::kIdle; }
@@ -116,12 +117,13 @@ void send_stop_packets() noexcept {
   }
   const int interrupted_errno = errno;
   std::uint8_t sequence = last_sequence.load(std::memory_order_relaxed);
+  const TeamNumber team = last_team.load(std::memory_order_relaxed);
   Commands stop;
   stop.stop = true;  // with an empty list: all robots
   Packet packet;
   for (int i = 0; i < kStopPackets; ++i) {
     if (i > 0) pause_ms(kPacketPause_ms);
-    if (encode(stop, ++sequence, packet).ok()) write_packet(descriptor, packet);
+    if (encode(stop, ++sequence, packet, team).ok()) write_packet(descriptor, packet);
   }
   wait_until_sent(descriptor);
   state.store(State::kStopped);

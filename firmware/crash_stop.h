@@ -17,7 +17,8 @@ void install_handlers();
 
 /// Sets the radio's file descriptor; -1: none is open. Whole packets are written to it from a signal handler.
 void set_radio(int descriptor);
-/// Records the last packet that was passed to the radio. The stop packets continue its sequence numbers.
+/// Records the last packet that was passed to the radio. The stop packets continue its sequence numbers and
+/// have its team number.
 void record_sent(const Packet& packet);
 
 /// Writes five stop packets, 20 ms apart, and waits until they have left the port, half a second at most. Only the

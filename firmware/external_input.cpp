@@ -49,7 +49,9 @@ void ExternalInput::take_referee(Instant now, Instant machine_now) {
 }
 
 void ExternalInput::take_console(Instant now, Instant machine_now) {
+  const bool was_stopped = console_.stop;
   static_cast<void>(settings_.console->take(console_));
+  if (was_stopped && !console_.stop) on_start();
   merged_.clear();
   for (ExternalCommand command : console_.commands) {
     // The age that other programs' commands may have is another one.
@@ -62,6 +64,10 @@ void ExternalInput::take_console(Instant now, Instant machine_now) {
                                          [&](const ExternalCommand& other) { return other.id == command.id; });
     if (!is_replaced) merged_.push_back(command);
   }
+}
+
+void ExternalInput::on_start() {
+  if (settings_.referee_releases != nullptr) settings_.referee_releases->fetch_add(1, std::memory_order_relaxed);
 }
 
 void ExternalInput::count_expired(const Commands& commands) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <atomic>
 #include <cstdint>
 #include <optional>
 
@@ -26,6 +27,8 @@ struct ExternalInputSettings {
   Mailbox<RefereeState>* referee = nullptr;       // null: there is no referee
   // Color of the own team in the team file; nullopt: the referee's team colors are ignored.
   std::optional<bool> own_is_yellow;
+  // Counts the acts of persons that let another referee be followed (network::RefereeFollower); null: there is none.
+  std::atomic<std::uint32_t>* referee_releases = nullptr;
   // Robots stand until the first message of the referee.
   bool awaits_referee = false;
   Mailbox<ConsoleInput>* console = nullptr;  // null: there is no console
@@ -43,6 +46,8 @@ class ExternalInput {
   void take(Instant now, Instant machine_now);
   /// Passes team colors, sides and heights of the referee on.
   void assign_teams(Pipeline& pipeline);
+  /// A person has pressed the start button, or Start in the console.
+  void on_start();
   /// Counts the robots whose command has become too old since the last frame.
   void count_expired(const Commands& commands);
 

@@ -247,6 +247,7 @@ void Loop::read_inputs(Instant now) {
     }
   }
   input_due_ = inputs ? inputs->next_poll_in : Duration::max();
+  if (inputs && inputs->start_pressed) external_.on_start();
   rules_.apply_inputs(inputs, now);
 }
 

@@ -46,6 +46,12 @@ void print_start(const Session& session, const network::Connections& connections
   add_device("camera", session.camera_info().description);
   add_device("camera", session.camera_info().negotiated);
   add_device("radio", session.radio_description());
+  if (configuration.board.radio.backend != hal::RadioBackend::kNone && configuration.team.team_number == 0) {
+    add_device("radio",
+               "packets have no team number: robots obey every Touchline on their channel; to prevent it, set "
+               "team_number in " +
+                   configuration.team_where.file() + " and in the robots (docs/radio.md)");
+  }
   add_device("gpio", session.gpio_description());
   output.print(text + connections.start_text() + console.start_text());
   for (const std::string& refusal : refused) output.print_error("real time: " + refusal + "\n");

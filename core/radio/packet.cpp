@@ -2,10 +2,13 @@
 
 #include <cmath>
 
+#include "core/radio/packet_sync.h"
 #include "core/radio/wire_format.h"
 
 namespace touchline {
 namespace {
+
+constexpr std::size_t kVersionAt = 2, kTeamAt = 5;
 
 std::int16_t wheel_steps(float speed_mps) {
   if (std::isnan(speed_mps)) return 0;
@@ -37,14 +40,15 @@ Status check_ids(const Commands& commands) {
 
 }  // namespace
 
-Status encode(const Commands& commands, std::uint8_t sequence, Packet& out) {
+Status encode(const Commands& commands, std::uint8_t sequence, Packet& out, TeamNumber team) {
   out.clear();
   if (const Status status = check_ids(commands); !status.ok()) return status;
   out.push_back(kPacketMagic0);
   out.push_back(kPacketMagic1);
-  out.push_back(kPacketVersion);
+  out.push_back(team == kNoTeamNumber ? kPacketVersion1 : kPacketVersion2);
   out.push_back(commands.stop ? kPacketFlagStop : std::byte{0});
   out.push_back(static_cast<std::byte>(sequence));
+  if (team != kNoTeamNumber) out.push_back(static_cast<std::byte>(team));
   out.push_back(static_cast<std::byte>(commands.robots.size()));
   for (const RobotCommand& robot : commands.robots) {
     const WheelSpeeds wheels = commands.stop ? WheelSpeeds{} : robot.wheels;
@@ -56,18 +60,38 @@ Status encode(const Commands& commands, std::uint8_t sequence, Packet& out) {
   return {};
 }
 
-Status decode(std::span<const std::byte> bytes, Commands& commands, std::uint8_t& sequence) {
-  if (bytes.size() < packet_bytes(0)) return ErrorCode::kCorruptFrame;
-  if (bytes[0] != kPacketMagic0 || bytes[1] != kPacketMagic1) return ErrorCode::kCorruptFrame;
-  if (bytes[2] != kPacketVersion) return ErrorCode::kCorruptFrame;
-  const std::size_t count = std::to_integer<std::size_t>(bytes[5]);
-  if (count > kMaxRobotsPerTeam || bytes.size() != packet_bytes(count)) return ErrorCode::kCorruptFrame;
+std::size_t packet_length(std::span<const std::byte> bytes) {
+  // Each test uses only bytes that have arrived. A packet whose first bytes are valid may still become complete.
+  if (bytes[0] != kPacketMagic0) return kNoPacket;
+  if (bytes.size() > 1 && bytes[1] != kPacketMagic1) return kNoPacket;
+  if (bytes.size() <= kVersionAt) return kMoreBytes;
+  if (bytes[kVersionAt] == kPacketVersion2) {
+    // 0 is not a team's number.
+    if (bytes.size() > kTeamAt && bytes[kTeamAt] == std::byte{kNoTeamNumber}) return kNoPacket;
+  } else if (bytes[kVersionAt] != kPacketVersion1) {
+    return kNoPacket;
+  }
+  if (bytes.size() <= kTeamAt) return kMoreBytes;
+  const TeamNumber team = packet_team(bytes);
+  const std::size_t header = packet_header_bytes(team);
+  if (bytes.size() < header) return kMoreBytes;
+  const std::size_t count = std::to_integer<std::size_t>(bytes[header - 1]);
+  return count > kMaxRobotsPerTeam ? kNoPacket : packet_bytes(count, team);
+}
+
+TeamNumber packet_team(std::span<const std::byte> bytes) {
+  return bytes[kVersionAt] == kPacketVersion2 ? std::to_integer<TeamNumber>(bytes[kTeamAt]) : kNoTeamNumber;
+}
+
+Status decode(std::span<const std::byte> bytes, Commands& commands, std::uint8_t& sequence, TeamNumber team) {
+  if (bytes.empty() || packet_length(bytes) != bytes.size()) return ErrorCode::kCorruptFrame;
+  if (packet_team(bytes) != team) return ErrorCode::kCorruptFrame;
   const std::size_t end = bytes.size() - kPacketCrcBytes;
   if (crc16_ccitt_false(bytes.first(end)) != uint16_at(bytes, end)) return ErrorCode::kCorruptFrame;
 
   Commands read;
   read.stop = (bytes[3] & kPacketFlagStop) != std::byte{0};
-  for (std::size_t at = kPacketHeaderBytes; at < end; at += kPacketRobotBytes) {
+  for (std::size_t at = packet_header_bytes(team); at < end; at += kPacketRobotBytes) {
     RobotCommand robot;
     robot.id = static_cast<RobotId>(std::to_integer<unsigned>(bytes[at]));
     robot.wheels = {speed_at(bytes, at + 1), speed_at(bytes, at + 3)};

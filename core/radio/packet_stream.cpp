@@ -2,18 +2,25 @@
 
 namespace touchline {
 
-std::size_t PacketStream::Format::length(std::span<const std::byte> bytes) {
-  // Each test uses only bytes that have arrived. A packet whose first bytes are valid may still become complete.
-  if (bytes[0] != kPacketMagic0) return kNoPacket;
-  if (bytes.size() > 1 && bytes[1] != kPacketMagic1) return kNoPacket;
-  if (bytes.size() > 2 && bytes[2] != kPacketVersion) return kNoPacket;
-  if (bytes.size() < kPacketHeaderBytes) return kMoreBytes;
-  const std::size_t count = std::to_integer<std::size_t>(bytes[5]);
-  return count > kMaxRobotsPerTeam ? kNoPacket : packet_bytes(count);
-}
-
 bool PacketStream::next(Commands& commands, std::uint8_t& sequence) {
-  return sync_.next([&](std::span<const std::byte> bytes) { return decode(bytes, commands, sequence).ok(); });
+  TeamNumber team = kNoTeamNumber;
+  // A foreign packet is valid too: its bytes are not searched for another one.
+  const auto decode_any = [&](std::span<const std::byte> bytes) {
+    team = packet_team(bytes);
+    Commands read;
+    std::uint8_t number = 0;
+    if (!decode(bytes, read, number, team).ok()) return false;
+    if (team == team_) {
+      commands = read;
+      sequence = number;
+    }
+    return true;
+  };
+  while (sync_.next(decode_any)) {
+    if (team == team_) return true;
+    ++foreign_packets_;
+  }
+  return false;
 }
 
 bool SequenceFilter::obey(std::uint8_t sequence, bool stop) {

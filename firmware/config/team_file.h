@@ -10,6 +10,7 @@
 #include "core/marker/marker_layout.h"
 #include "core/marker/matcher.h"
 #include "core/parameter.h"
+#include "core/radio/packet.h"
 #include "core/track/tracker.h"
 #include "core/types.h"
 #include "firmware/config/board_file.h"
@@ -131,6 +132,7 @@ struct BallEntry {
 /// team.toml (docs/files.md): robots, ball, play.
 struct TeamFile {
   int version = kFileVersion;
+  int team_number = kNoTeamNumber;
   std::vector<LayoutEntry> layout;
   TeamEntry own, opponent;
   BallEntry ball;
@@ -154,6 +156,13 @@ struct TeamFile {
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
     visit.number(self.version, {.name = "version", .range = kVersionRange, .help = "Version of the file format"});
+    // Range of TeamNumber and of the radio packet.
+    visit.number(
+        self.team_number,
+        {.name = "team_number",
+         .range = {kNoTeamNumber, 255},
+         .help = "Number in the radio packets; robots with another one ignore them (docs/radio.md). 0: packets "
+                 "without a number, which the robots of every team obey"});
     visit.section(self.own, {.name = "own", .help = "The own team, which is driven"});
     visit.section(self.opponent, {.name = "opponent", .help = "The other team"});
     visit.section(self.ball, {.name = "ball", .help = "The ball"});

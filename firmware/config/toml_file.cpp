@@ -84,8 +84,12 @@ Result<toml::table> parse_file(const std::string& path, std::string_view remedy)
     const bool show_remedy = content.code() == ErrorCode::kNotFound && !remedy.empty();
     return unusable("", "", content.text() + (show_remedy ? "; " + std::string(remedy) : ""));
   }
+  return parse_text(content.value(), path);
+}
+
+Result<toml::table> parse_text(std::string_view content, const std::string& path) {
   try {
-    toml::table root = toml::parse(content.value(), path);
+    toml::table root = toml::parse(content, path);
     TOUCHLINE_TRY(check_version(root, path));
     return root;
   } catch (const toml::parse_error& fault) {

@@ -21,9 +21,21 @@ struct Override {
 /// Parses a file and checks its version. kNotFound: see read_toml(). `remedy` is added to the message if there is no
 /// file.
 Result<toml::table> parse_file(const std::string& path, std::string_view remedy);
+/// The same with the content of the file `path`.
+Result<toml::table> parse_text(std::string_view content, const std::string& path);
 
 /// Stores the value in the table. The reader checks it later like a value from the file.
 Result<void> apply(const Override& override, toml::table& root);
+
+/// Checks all keys of a parsed file, and stores their values.
+template <class File>
+Result<void> read_table(toml::table& root, std::span<const Override> overrides, File& out, Locations& locations) {
+  ErrorList errors;
+  for (const Override& override : overrides) errors.add(apply(override, root));
+  TomlReader reader(root, File::kRequired, locations, errors);
+  reader.read(out);
+  return errors.result();
+}
 
 /// Reads a file and checks all keys. Keys with a wrong value keep their default.
 /// kNotFound: the file does not exist, is not TOML or has another version; nothing was read. kInconsistent: values are
@@ -33,11 +45,7 @@ Result<void> read_toml(const std::string& path, std::string_view remedy, std::sp
                        Locations& locations) {
   locations = Locations(path);
   TOUCHLINE_TRY_ASSIGN(toml::table root, parse_file(path, remedy));
-  ErrorList errors;
-  for (const Override& override : overrides) errors.add(apply(override, root));
-  TomlReader reader(root, File::kRequired, locations, errors);
-  reader.read(out);
-  return errors.result();
+  return read_table(root, overrides, out, locations);
 }
 
 }  // namespace touchline::config

@@ -30,12 +30,13 @@ std::array<NamedCount, 2> counts_of(const PublisherOutput& output) {
   return {{{"sent", output.sent()}, {"not sent", output.not_sent()}}};
 }
 
-std::array<NamedCount, 6> counts_of(const ReceiverInput& input) {
+std::array<NamedCount, 7> counts_of(const ReceiverInput& input) {
   const InputCounts& counts = input.counts();
   return {{{"received", value(counts.accepted)},
            {"of refused senders", value(counts.refused)},
            {"malformed", value(counts.malformed)},
            {"over the rate", value(counts.over_rate)},
+           {"of a referee without effect", value(counts.without_effect)},
            {"for the other team", value(counts.other_team)},
            {"for unknown robots", value(counts.unknown_robot)}}};
 }
@@ -66,6 +67,7 @@ void Connections::attach(Session& session) {
   if (has_input(false)) external.commands = commands_.get();
   if (has_input(true)) {
     external.referee = referee_.get();
+    external.referee_releases = &referee_releases_;
     external.awaits_referee = true;
   }
   if (const std::optional<TeamColor> own = own_color(session.configuration().team)) {
@@ -83,7 +85,7 @@ void Connections::start(const config::Configuration& configuration, const Print&
     std::vector<RobotId> robots;
     for (const RobotMarking& robot : configuration.pipeline.marker.teams[0].robots) robots.push_back(robot.id);
     receiver_ = std::make_unique<Receiver>(make_inputs(plan_, configuration), scene.own, std::move(robots), *commands_,
-                                           *referee_, print);
+                                           *referee_, referee_releases_, print);
   }
 }
 

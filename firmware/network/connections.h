@@ -1,5 +1,7 @@
 #pragma once
 
+#include <atomic>
+#include <cstdint>
 #include <memory>
 #include <string>
 
@@ -45,6 +47,7 @@ class Connections {
   std::unique_ptr<SnapshotRing> snapshots_ = plan_.outputs.empty() ? nullptr : std::make_unique<SnapshotRing>();
   std::unique_ptr<Mailbox<ExternalCommands>> commands_ = std::make_unique<Mailbox<ExternalCommands>>();
   std::unique_ptr<Mailbox<RefereeState>> referee_ = std::make_unique<Mailbox<RefereeState>>();
+  std::atomic<std::uint32_t> referee_releases_{0};
   std::unique_ptr<Publisher> publisher_;
   std::unique_ptr<Receiver> receiver_;
 };

@@ -5,9 +5,9 @@
 #include <optional>
 #include <span>
 
-#include "core/control/referee_state.h"
 #include "firmware/config/configuration.h"
 #include "firmware/network/messages.h"
+#include "firmware/network/referee.h"
 #include "hal/result.h"
 
 namespace touchline::network {
@@ -15,7 +15,7 @@ namespace touchline::network {
 /// What one message says. `received` is not set.
 struct DecodedMessage {
   CommandBatch batch;
-  std::optional<RefereeState> referee;
+  std::optional<RefereeMessage> referee;
 };
 
 /// Reads the messages of one protocol, in fixed memory and bounded time. Messages may have any content.

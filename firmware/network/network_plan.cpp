@@ -36,6 +36,7 @@ struct Entry {
   std::string option;  // of the command line; empty: of the file
   std::string key;     // of the file: "network.output[0]"
   std::string address, interface;
+  std::vector<std::string> senders;
 };
 
 class Planner {
@@ -90,10 +91,8 @@ class Planner {
     plan_.outputs.push_back({protocol, *address, rate_hz});
   }
 
-  void add(const Entry& entry, InputProtocol protocol, const std::vector<std::string>& senders, double rate_hz) {
-    PlannedInput input;
-    const auto address = address_of(entry, protocol, info_of(config::kInputProtocolTable, protocol).default_address);
-    for (const std::string& sender : senders) {
+  void add_senders(const Entry& entry, PlannedInput& input) {
+    for (const std::string& sender : entry.senders) {
       Result<hal::NetworkRange> range = hal::parse_network_range(sender);
       if (range.ok()) {
         input.senders.push_back(range.value());
@@ -102,6 +101,14 @@ class Planner {
         refuse(entry, "senders", range.text());
       }
     }
+  }
+
+  void add(const Entry& entry, InputProtocol protocol, double rate_hz) {
+    PlannedInput input;
+    const auto address = address_of(entry, protocol, info_of(config::kInputProtocolTable, protocol).default_address);
+    add_senders(entry, input);
+    input.option = entry.option;
+    if (input.option.empty()) input.key = entry.key + ".senders in " + where_.of(entry.key);
     if (!address) return;
     for (const PlannedInput& other : plan_.inputs) {
       if (other.address == *address) return refuse(entry, "address", address->text() + " is listed twice");
@@ -123,16 +130,22 @@ class Planner {
   NetworkPlan plan_;
 };
 
-// Splits NAME=ADDRESS of an option and looks up the name. nullopt: it is unknown, which is reported.
+// Splits NAME=ADDRESS,from=SENDER of an option and looks up the name. nullopt: it is unknown, which is reported.
 template <class Protocol>
 std::optional<std::pair<Protocol, Entry>> parse_option(const std::string& option, const std::string& text,
                                                        std::span<const Choice<Protocol>> names,
                                                        config::ErrorList& errors) {
-  const std::size_t equals = text.find('=');
-  const std::string name = text.substr(0, equals);
+  constexpr std::string_view kFrom = ",from=";
   Entry entry;
   entry.option = option + " " + text;
-  if (equals != std::string::npos) entry.address = text.substr(equals + 1);
+  std::string rest = text;
+  for (std::size_t at = rest.rfind(kFrom); at != std::string::npos; at = rest.rfind(kFrom)) {
+    entry.senders.insert(entry.senders.begin(), rest.substr(at + kFrom.size()));
+    rest.erase(at);
+  }
+  const std::size_t equals = rest.find('=');
+  const std::string name = rest.substr(0, equals);
+  if (equals != std::string::npos) entry.address = rest.substr(equals + 1);
   std::vector<std::string_view> words;
   for (const Choice<Protocol>& choice : names) {
     if (choice.word == name) return std::pair(choice.value, entry);
@@ -142,11 +155,14 @@ std::optional<std::pair<Protocol, Entry>> parse_option(const std::string& option
   return std::nullopt;
 }
 
-// Without an address, an option asks for no more than what the board file has.
+// Without an address, an option means what the board file has. Null: the file has none of this protocol.
 template <class Planned, class Protocol>
-bool is_planned(const std::vector<Planned>& planned, Protocol protocol, const Entry& entry) {
-  return entry.address.empty() &&
-         std::any_of(planned.begin(), planned.end(), [&](const Planned& other) { return other.protocol == protocol; });
+Planned* find_planned(std::vector<Planned>& planned, std::size_t of_file, Protocol protocol, const Entry& entry) {
+  const auto end = planned.begin() + static_cast<std::ptrdiff_t>(of_file);
+  const auto found = entry.address.empty()
+                         ? std::find_if(planned.begin(), end, [&](const Planned& p) { return p.protocol == protocol; })
+                         : end;
+  return found == end ? nullptr : &*found;
 }
 
 void add_options(const NetworkOptions& options, Planner& planner, config::ErrorList& errors) {
@@ -154,17 +170,24 @@ void add_options(const NetworkOptions& options, Planner& planner, config::ErrorL
       {{"firasim", InputProtocol::kFirasim}, {"json", InputProtocol::kJson}}};
   static constexpr std::array<Choice<InputProtocol>, 2> kReferees{
       {{"ssl", InputProtocol::kSslReferee}, {"vsss", InputProtocol::kVsssReferee}}};
-  const NetworkPlan board = planner.plan();
+  const std::size_t outputs = planner.plan().outputs.size(), inputs = planner.plan().inputs.size();
   for (const std::string& text : options.publish) {
     const auto found = parse_option<OutputProtocol>("--publish", text, config::kOutputProtocols, errors);
-    if (!found || is_planned(board.outputs, found->first, found->second)) continue;
+    if (!found) continue;
+    if (!found->second.senders.empty()) errors.add(found->second.option, "", "an output has no senders");
+    if (find_planned(planner.plan().outputs, outputs, found->first, found->second) != nullptr) continue;
     planner.add(found->second, found->first, config::OutputSettings{}.rate_hz);
   }
   const auto add_inputs = [&](const char* option, const std::vector<std::string>& texts, const auto& names) {
     for (const std::string& text : texts) {
       const auto found = parse_option<InputProtocol>(option, text, names, errors);
-      if (!found || is_planned(board.inputs, found->first, found->second)) continue;
-      planner.add(found->second, found->first, {}, config::InputSettings{}.rate_hz);
+      if (!found) continue;
+      PlannedInput* const of_file = find_planned(planner.plan().inputs, inputs, found->first, found->second);
+      if (of_file != nullptr) {
+        planner.add_senders(found->second, *of_file);
+      } else {
+        planner.add(found->second, found->first, config::InputSettings{}.rate_hz);
+      }
     }
   };
   add_inputs("--accept", options.accept, kCommands);
@@ -183,6 +206,11 @@ std::string name_of(const PlannedOutput& output) { return word_of(output.protoco
 
 std::string name_of(const PlannedInput& input) { return word_of(input.protocol) + " from " + input.address.text(); }
 
+std::string how_to_permit(const PlannedInput& input, const std::string& sender) {
+  if (!input.option.empty()) return "write " + input.option + ",from=" + sender;
+  return "add " + sender + " to " + input.key;
+}
+
 std::string describe(const PlannedOutput& output) {
   const std::string rate = output.rate_hz > 0.0 ? "at most " + number_text(output.rate_hz) + " Hz" : "every frame";
   return name_of(output) + ", " + rate;
@@ -199,7 +227,7 @@ Result<NetworkPlan> plan_network(const config::NetworkSettings& board, const con
   config::ErrorList errors;
   Planner planner(where, errors);
   const auto entry_of = [&](const char* list, std::size_t index, const auto& settings) {
-    return Entry{{}, config::element(list, index), settings.address, settings.interface};
+    return Entry{{}, config::element(list, index), settings.address, settings.interface, {}};
   };
   for (std::size_t i = 0; i < board.output.size(); ++i) {
     const config::OutputSettings& output = board.output[i];
@@ -207,7 +235,9 @@ Result<NetworkPlan> plan_network(const config::NetworkSettings& board, const con
   }
   for (std::size_t i = 0; i < board.input.size(); ++i) {
     const config::InputSettings& input = board.input[i];
-    planner.add(entry_of("network.input", i, input), input.protocol, input.senders, input.rate_hz);
+    Entry entry = entry_of("network.input", i, input);
+    entry.senders = input.senders;
+    planner.add(entry, input.protocol, input.rate_hz);
   }
   add_options(options, planner, errors);
   TOUCHLINE_TRY(errors.result());

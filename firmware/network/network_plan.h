@@ -12,7 +12,7 @@
 // What is sent where and what is received from whom: the board file's [network] and the command line together.
 namespace touchline::network {
 
-/// Options of the command line, each "NAME" or "NAME=ADDRESS".
+/// Options of the command line: "NAME" or "NAME=ADDRESS"; inputs also name senders: "NAME=ADDRESS,from=SENDER".
 struct NetworkOptions {
   std::vector<std::string> publish;  // --publish: ssl-vision, ssl-tracked, firasim, json
   std::vector<std::string> accept;   // --accept: firasim, json
@@ -31,6 +31,8 @@ struct PlannedInput {
   std::vector<hal::NetworkRange> senders;  // obeyed beside this computer
   std::vector<std::string> sender_names;   // the same, as in the file
   double rate_hz = 0.0;
+  std::string key;     // that lists the senders: "network.input[0].senders in board.toml:14"; empty: none does
+  std::string option;  // of the command line: "--referee ssl"; empty: it is planned in the board file
 };
 
 struct NetworkPlan {
@@ -39,6 +41,10 @@ struct NetworkPlan {
 
   [[nodiscard]] bool empty() const { return outputs.empty() && inputs.empty(); }
 };
+
+/// What a person does so that messages of a sender are obeyed: "add 192.168.1.21 to network.input[0].senders in
+/// board.toml:14", or "write --referee ssl,from=192.168.1.21".
+std::string how_to_permit(const PlannedInput& input, const std::string& sender);
 
 /// "ssl-vision to udp://224.5.23.2:10006%eth0".
 std::string name_of(const PlannedOutput& output);
@@ -49,8 +55,8 @@ std::string describe(const PlannedOutput& output);
 /// "firasim from udp://0.0.0.0:20011, of this computer and 192.168.1.20, at most 1000 messages a second from each".
 std::string describe(const PlannedInput& input);
 
-/// Adds the command line's entries to the board file's. An entry of the command line without an address changes nothing
-/// if the board file has one of that protocol. kInconsistent: the message has a line for each error.
+/// Adds the command line's entries to the board file's. An entry of the command line without an address only adds its
+/// senders if the board file has one of that protocol. kInconsistent: the message has a line for each error.
 Result<NetworkPlan> plan_network(const config::NetworkSettings& board, const config::Locations& where,
                                  const NetworkOptions& options);
 Result<NetworkPlan> plan_network(const config::Configuration& configuration, const NetworkOptions& options);

@@ -79,9 +79,9 @@ Result<DecodedMessage> of_commands(Result<CommandBatch> batch) {
   return DecodedMessage{std::move(batch).value(), std::nullopt};
 }
 
-Result<DecodedMessage> of_referee(Result<RefereeState> state) {
-  if (!state.ok()) return std::move(state).error();
-  return DecodedMessage{{}, std::move(state).value()};
+Result<DecodedMessage> of_referee(Result<RefereeMessage> message) {
+  if (!message.ok()) return std::move(message).error();
+  return DecodedMessage{{}, std::move(message).value()};
 }
 
 /// Names for each color that our team may have, by TeamColor: a referee may exchange the colors.

@@ -19,6 +19,9 @@ constexpr std::size_t kMaxMessageBytes = 16384;
 constexpr int kPollMs = 50;
 constexpr Duration kCheckPeriod = 1s;
 constexpr int kMessagesPerTurn = 64;
+// Faster than this, refused messages are dropped by the system. No league sends as much to a port, and the burst of 50
+// is a fourth of what the smallest usual buffer holds (net.core.rmem_default, 208 KB).
+constexpr double kRefusedHz = 500.0;
 
 void count(std::atomic<std::uint64_t>& counter, std::uint64_t add = 1) {
   counter.fetch_add(add, std::memory_order_relaxed);
@@ -26,19 +29,20 @@ void count(std::atomic<std::uint64_t>& counter, std::uint64_t add = 1) {
 
 }  // namespace
 
-ReceiverInput::ReceiverInput(std::string name, std::unique_ptr<Decoder> decoder,
-                             std::unique_ptr<hal::NetworkInput> socket, std::vector<hal::NetworkRange> senders,
-                             double rate_hz)
-    : name_(std::move(name)),
+ReceiverInput::ReceiverInput(PlannedInput plan, std::unique_ptr<Decoder> decoder,
+                             std::unique_ptr<hal::NetworkInput> socket, Duration referee_silence)
+    : plan_(std::move(plan)),
+      name_(name_of(plan_)),
       decoder_(std::move(decoder)),
       socket_(std::move(socket)),
-      senders_(std::move(senders)),
-      limits_(rate_hz),
-      reopening_(name_) {}
+      limits_(plan_.rate_hz),
+      reopening_(name_),
+      referee_(name_, referee_silence),
+      refused_(kRefusedHz) {}
 
 void ReceiverInput::fail(const Error& error, Instant now, const Print& print) {
   socket_->close();
-  is_open_ = false;
+  is_open_ = is_gate_closed_ = false;
   reopening_.on_failure(error, now, print);
 }
 
@@ -46,6 +50,7 @@ void ReceiverInput::serve(Instant now, const Print& print) {
   if (is_open_ && now >= next_check_) {
     next_check_ = now + kCheckPeriod;
     if (const Result<void> checked = socket_->check(); !checked.ok()) fail(checked.error(), now, print);
+    if (is_gate_closed_) update_gate();
   }
   if (is_open_ || !reopening_.is_due(now)) return;
   if (const Result<void> opened = socket_->open(); !opened.ok()) return fail(opened.error(), now, print);
@@ -55,13 +60,42 @@ void ReceiverInput::serve(Instant now, const Print& print) {
 }
 
 bool ReceiverInput::is_permitted(const hal::ReceivedMessage& message) const {
-  return message.is_local || std::any_of(senders_.begin(), senders_.end(), [&](const hal::NetworkRange& range) {
-           return range.contains(message.sender);
-         });
+  return message.is_local ||
+         std::any_of(plan_.senders.begin(), plan_.senders.end(),
+                     [&](const hal::NetworkRange& range) { return range.contains(message.sender); });
 }
 
-bool ReceiverInput::receive(Instant now, TeamColor own, std::span<std::byte> buffer, std::optional<DecodedMessage>& out,
-                            const Print& print) {
+void ReceiverInput::refuse(const hal::ReceivedMessage& message, Instant now, const Print& print) {
+  count(counts_.refused);
+  if (explained_.add(message.sender, "refused") != ExplainedKinds::Answer::kCount) {
+    const std::string sender = hal::ipv4_text(message.sender);
+    print("network: " + name_ + ": messages of " + sender + " are refused; to obey them, " +
+          how_to_permit(plan_, sender));
+  }
+  if (is_gate_closed_ || refused_.pass(now)) return;
+  is_gate_closed_ = true;
+  count(counts_.refused, socket_->drop_others(plan_.senders));
+}
+
+// Once a second: also because addresses of this computer may have changed.
+void ReceiverInput::update_gate() {
+  const std::uint64_t dropped = socket_->drop_others(plan_.senders);
+  count(counts_.refused, dropped);
+  if (static_cast<double>(dropped) > kRefusedHz * seconds(kCheckPeriod)) return;
+  is_gate_closed_ = false;
+  count(counts_.refused, socket_->drop_others(std::nullopt));
+}
+
+void ReceiverInput::explain(const hal::ReceivedMessage& message, const std::string& cause, const Print& print) {
+  const ExplainedKinds::Answer answer = explained_.add(message.sender, cause);
+  if (answer == ExplainedKinds::Answer::kCount) return;
+  print("network: " + name_ + ": a message of " + sender_text(message.sender, message.port) + " is ignored: " + cause +
+        (answer == ExplainedKinds::Answer::kExplain ? "; further ones of this kind are counted"
+                                                    : "; all further ones of this sender are counted"));
+}
+
+bool ReceiverInput::receive(Instant now, TeamColor own, std::span<std::byte> buffer,
+                            std::optional<AcceptedMessage>& out, const Print& print) {
   out.reset();
   if (!is_open_) return false;
   const Result<std::optional<hal::ReceivedMessage>> received = socket_->receive(buffer);
@@ -72,39 +106,61 @@ bool ReceiverInput::receive(Instant now, TeamColor own, std::span<std::byte> buf
   if (!received.value()) return false;
   const hal::ReceivedMessage& message = *received.value();
   if (!is_permitted(message)) {
-    count(counts_.refused);
-  } else if (!limits_.pass(message, now)) {
+    refuse(message, now, print);
+    return true;
+  }
+  // A referee's message is decoded however many arrive, because a stop must not be lost.
+  const bool is_in_rate = limits_.pass(message, now);
+  if (!is_in_rate && !config::is_referee(plan_.protocol)) {
     count(counts_.over_rate);
-  } else if (!message.is_complete) {
+    return true;
+  }
+  Result<DecodedMessage> decoded =
+      message.is_complete ? decoder_->decode(buffer.first(message.size), own)
+                          : failure(ErrorCode::kCorruptFrame, "it is longer than %zu bytes", buffer.size());
+  const auto is_stop = [&] {
+    return decoded.ok() && decoded.value().referee && !may_move_in(decoded.value().referee->state.phase);
+  };
+  if (!is_in_rate && !is_stop()) {
+    count(counts_.over_rate);
+  } else if (!decoded.ok()) {
     count(counts_.malformed);
-  } else if (Result<DecodedMessage> decoded = decoder_->decode(buffer.first(message.size), own); decoded.ok()) {
-    count(counts_.accepted);
-    count(counts_.other_team, decoded.value().batch.other_team);
-    out = std::move(decoded).value();
+    explain(message, decoded.text(), print);
   } else {
-    count(counts_.malformed);
-    if (!std::exchange(malformed_reported_, true)) {
-      print("network: " + name_ + ": a message is ignored: " + decoded.text() + "; further ones are counted");
-    }
+    accept(message, decoded.value(), now, out, print);
   }
   return true;
 }
 
+void ReceiverInput::accept(const hal::ReceivedMessage& message, DecodedMessage& decoded, Instant now,
+                           std::optional<AcceptedMessage>& out, const Print& print) {
+  count(counts_.accepted);
+  count(counts_.other_team, decoded.batch.other_team);
+  out.emplace(AcceptedMessage{decoded.batch, std::nullopt});
+  for (ExternalCommand& command : out->batch.commands) command.received = now;
+  if (!decoded.referee) return;
+  out->referee = referee_.follow(message, *decoded.referee, now, print);
+  if (!out->referee) count(counts_.without_effect);
+}
+
 ReceiverInputs make_inputs(const NetworkPlan& plan, const config::Configuration& configuration) {
   ReceiverInputs out;
+  const Duration silence = from_seconds(configuration.board.faults.referee_timeout_s);
   for (const PlannedInput& planned : plan.inputs) {
-    out.push_back(std::make_unique<ReceiverInput>(name_of(planned), make_decoder(planned.protocol, configuration),
-                                                  hal::make_network_input(planned.address), planned.senders,
-                                                  planned.rate_hz));
+    out.push_back(std::make_unique<ReceiverInput>(planned, make_decoder(planned.protocol, configuration),
+                                                  hal::make_network_input(planned.address), silence));
   }
   return out;
 }
 
 Receiver::Receiver(ReceiverInputs inputs, TeamColor own, std::vector<RobotId> robots,
-                   Mailbox<ExternalCommands>& commands, Mailbox<RefereeState>& referee, Print print)
+                   Mailbox<ExternalCommands>& commands, Mailbox<RefereeState>& referee,
+                   const std::atomic<std::uint32_t>& referee_releases, Print print)
     : inputs_(std::move(inputs)),
       commands_(commands),
       referee_(referee),
+      referee_releases_(referee_releases),
+      releases_seen_(referee_releases.load(std::memory_order_relaxed)),
       print_(std::move(print)),
       own_(own),
       robots_(std::move(robots)),
@@ -136,32 +192,34 @@ void Receiver::work() {
 
 void Receiver::receive_all() {
   table_changed_ = false;
+  const std::uint32_t releases = referee_releases_.load(std::memory_order_relaxed);
+  const bool is_released = std::exchange(releases_seen_, releases) != releases;
   for (const auto& input : inputs_) {
     input->serve(hal::MonotonicClock::read(), print_);
+    if (is_released) input->release_referee();
     drain(*input);
   }
   if (table_changed_) commands_.put(table_);
 }
 
 void Receiver::drain(ReceiverInput& input) {
-  std::optional<DecodedMessage> message;
+  std::optional<AcceptedMessage> message;
   for (int i = 0; i < kMessagesPerTurn; ++i) {
     const Instant now = hal::MonotonicClock::read();
     if (!input.receive(now, own_, buffer_, message, print_)) return;
-    if (message) input.count_unknown_robots(apply(*message, now));
+    if (message) input.count_unknown_robots(apply(*message));
   }
   messages_wait_ = true;
 }
 
-std::uint64_t Receiver::apply(DecodedMessage& message, Instant now) {
+std::uint64_t Receiver::apply(const AcceptedMessage& message) {
   std::uint64_t unknown = 0;
-  for (ExternalCommand& command : message.batch.commands) {
+  for (const ExternalCommand& command : message.batch.commands) {
     // The table holds as many robots as a team has: others must not take their places.
     if (std::find(robots_.begin(), robots_.end(), command.id) == robots_.end()) {
       ++unknown;
       continue;
     }
-    command.received = now;
     const auto known = std::find_if(table_.begin(), table_.end(),
                                     [&](const ExternalCommand& other) { return other.id == command.id; });
     if (known != table_.end()) {
@@ -172,7 +230,6 @@ std::uint64_t Receiver::apply(DecodedMessage& message, Instant now) {
     table_changed_ = true;
   }
   if (!message.referee) return unknown;
-  message.referee->received = now;
   if (message.referee->own_is_yellow) own_ = *message.referee->own_is_yellow ? TeamColor::kYellow : TeamColor::kBlue;
   referee_.put(*message.referee);
   return unknown;

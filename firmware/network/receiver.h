@@ -13,6 +13,7 @@
 #include "firmware/network/decoder.h"
 #include "firmware/network/message_limit.h"
 #include "firmware/network/network_plan.h"
+#include "firmware/network/referee_follower.h"
 #include "firmware/network/reopening.h"
 #include "hal/linux/network/network_input.h"
 #include "hal/mailbox.h"
@@ -22,19 +23,27 @@ namespace touchline::network {
 /// Counts of an input since the start; written by the receiver's thread.
 struct InputCounts {
   std::atomic<std::uint64_t> accepted{0};
-  std::atomic<std::uint64_t> refused{0};        // from computers that are not on the list
-  std::atomic<std::uint64_t> malformed{0};      // not of the protocol, too long, or with impossible values
-  std::atomic<std::uint64_t> over_rate{0};      // faster than the limit
-  std::atomic<std::uint64_t> other_team{0};     // commands for robots of the other color
-  std::atomic<std::uint64_t> unknown_robot{0};  // commands for robots of our color that we do not have
+  std::atomic<std::uint64_t> refused{0};         // from computers that are not on the list
+  std::atomic<std::uint64_t> malformed{0};       // not of the protocol, too long, or with impossible values
+  std::atomic<std::uint64_t> over_rate{0};       // faster than the limit
+  std::atomic<std::uint64_t> without_effect{0};  // of a referee: older than another one, or a start of another sender
+  std::atomic<std::uint64_t> other_team{0};      // commands for robots of the other color
+  std::atomic<std::uint64_t> unknown_robot{0};   // commands for robots of our color that we do not have
 };
 
-/// One source: protocol, socket, permitted senders and their rate.
+/// What one message demands. `received` is set.
+struct AcceptedMessage {
+  CommandBatch batch;
+  std::optional<RefereeState> referee;
+};
+
+/// One source: protocol, socket, permitted senders and their rate. What it refuses is counted, and each kind is
+/// explained once.
 class ReceiverInput {
  public:
-  /// `name` for messages: "firasim from udp://0.0.0.0:20011".
-  ReceiverInput(std::string name, std::unique_ptr<Decoder> decoder, std::unique_ptr<hal::NetworkInput> socket,
-                std::vector<hal::NetworkRange> senders, double rate_hz);
+  /// `plan`: name, permitted senders, and how to permit others. `referee_silence`: see RefereeFollower.
+  ReceiverInput(PlannedInput plan, std::unique_ptr<Decoder> decoder, std::unique_ptr<hal::NetworkInput> socket,
+                Duration referee_silence);
 
   /// Opens the socket if it is closed and an attempt is due; about once a second checks that the network has not
   /// changed.
@@ -42,8 +51,10 @@ class ReceiverInput {
   /// Descriptor for poll(); -1: closed.
   [[nodiscard]] int descriptor() const { return socket_->descriptor(); }
   /// Receives one message. False: none is waiting. `out` is set if the message is accepted.
-  bool receive(Instant now, TeamColor own, std::span<std::byte> buffer, std::optional<DecodedMessage>& out,
+  bool receive(Instant now, TeamColor own, std::span<std::byte> buffer, std::optional<AcceptedMessage>& out,
                const Print& print);
+  /// A person has acted (RefereeFollower).
+  void release_referee() { referee_.release(); }
 
   void count_unknown_robots(std::uint64_t count) { counts_.unknown_robot.fetch_add(count, std::memory_order_relaxed); }
 
@@ -54,16 +65,25 @@ class ReceiverInput {
  private:
   void fail(const Error& error, Instant now, const Print& print);
   [[nodiscard]] bool is_permitted(const hal::ReceivedMessage& message) const;
+  void refuse(const hal::ReceivedMessage& message, Instant now, const Print& print);
+  void explain(const hal::ReceivedMessage& message, const std::string& cause, const Print& print);
+  void accept(const hal::ReceivedMessage& message, DecodedMessage& decoded, Instant now,
+              std::optional<AcceptedMessage>& out, const Print& print);
+  void update_gate();
 
+  const PlannedInput plan_;
   const std::string name_;
   std::unique_ptr<Decoder> decoder_;
   std::unique_ptr<hal::NetworkInput> socket_;
-  const std::vector<hal::NetworkRange> senders_;
   SenderLimits limits_;
   Reopening reopening_;
+  RefereeFollower referee_;
+  ExplainedKinds explained_;
   Instant next_check_{};
   bool is_open_ = false;
-  bool malformed_reported_ = false;
+  // While refused senders flood the input, the system drops their messages, which would take the others' room.
+  MessageLimit refused_;
+  bool is_gate_closed_ = false;
   InputCounts counts_;
 };
 
@@ -75,10 +95,11 @@ ReceiverInputs make_inputs(const NetworkPlan& plan, const config::Configuration&
 /// which it would inherit.
 class Receiver {
  public:
-  /// Both mailboxes must outlive the receiver. `own`: color of our team until a referee assigns it. `print` is called
-  /// on the receiver's thread. `robots`: ids of our robots; commands for others are ignored and counted.
+  /// Mailboxes and `referee_releases` must outlive the receiver. `own`: color of our team until a referee assigns it.
+  /// `print` is called on the receiver's thread. `robots`: ids of our robots; commands for others are ignored and
+  /// counted. `referee_releases` counts the acts of persons that release a referee (RefereeFollower).
   Receiver(ReceiverInputs inputs, TeamColor own, std::vector<RobotId> robots, Mailbox<ExternalCommands>& commands,
-           Mailbox<RefereeState>& referee, Print print);
+           Mailbox<RefereeState>& referee, const std::atomic<std::uint32_t>& referee_releases, Print print);
   ~Receiver() { end(); }
   Receiver(const Receiver&) = delete;
   Receiver& operator=(const Receiver&) = delete;
@@ -93,11 +114,13 @@ class Receiver {
   void receive_all();
   void drain(ReceiverInput& input);
   /// Returns the number of commands for robots that we do not have.
-  std::uint64_t apply(DecodedMessage& message, Instant now);
+  std::uint64_t apply(const AcceptedMessage& message);
 
   const ReceiverInputs inputs_;
   Mailbox<ExternalCommands>& commands_;
   Mailbox<RefereeState>& referee_;
+  const std::atomic<std::uint32_t>& referee_releases_;
+  std::uint32_t releases_seen_ = 0;
   const Print print_;
   TeamColor own_;
   const std::vector<RobotId> robots_;

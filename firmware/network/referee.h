@@ -1,6 +1,8 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -8,7 +10,7 @@
 #include "core/control/referee_state.h"
 #include "hal/result.h"
 
-// Decoders of the leagues' referees. They give a RefereeState without `received`.
+// Decoders of the leagues' referees. They do not set RefereeState::received.
 namespace touchline::network {
 
 /// Height of a team's markers above the floor.
@@ -23,13 +25,25 @@ struct RefereeSettings {
   std::vector<TeamHeight> heights;
 };
 
+/// Orders the messages of one sender.
+struct RefereeOrder {
+  std::uint32_t counter = 0;   // of commands
+  std::uint64_t stamp_us = 0;  // Unix time at which the message was sent
+  std::uint64_t source = 0;    // hash of the sender's identifier, which it keeps while it runs; 0: it has none
+};
+
+struct RefereeMessage {
+  RefereeState state;
+  std::optional<RefereeOrder> order;  // nullopt: the referee sends on change only
+};
+
 /// Decodes the SSL game controller's Referee (docs/network.md). Case and surrounding spaces in names do not count.
 /// Color and side stay unknown if neither team, or both, have the own name. Errors of decode_message(), and
 /// kOutOfRange: an unknown stage or command.
-Result<RefereeState> decode_ssl_referee(std::span<const std::byte> bytes, const RefereeSettings& settings);
+Result<RefereeMessage> decode_ssl_referee(std::span<const std::byte> bytes, const RefereeSettings& settings);
 
 /// Decodes the VSSS referee's VSSRef_Command, which says nothing of colors and sides. Errors of decode_message(), and
 /// kOutOfRange: an unknown foul; kCorruptFrame: an empty datagram, which would be a free kick.
-Result<RefereeState> decode_vss_referee(std::span<const std::byte> bytes);
+Result<RefereeMessage> decode_vss_referee(std::span<const std::byte> bytes);
 
 }  // namespace touchline::network

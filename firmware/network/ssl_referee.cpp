@@ -1,6 +1,7 @@
 #include <firmware/network/proto/ssl_referee.pb.h>
 
 #include <algorithm>
+#include <functional>
 #include <optional>
 #include <string_view>
 
@@ -76,7 +77,7 @@ float height_of(std::string_view team, const RefereeSettings& settings) {
 
 }  // namespace
 
-Result<RefereeState> decode_ssl_referee(std::span<const std::byte> bytes, const RefereeSettings& settings) {
+Result<RefereeMessage> decode_ssl_referee(std::span<const std::byte> bytes, const RefereeSettings& settings) {
   ssl_Referee message = ssl_Referee_init_zero;
   TOUCHLINE_TRY(decode_message(ssl_Referee_fields, bytes, &message));
   const std::optional<bool> in_break = is_break(message.stage);
@@ -100,7 +101,9 @@ Result<RefereeState> decode_ssl_referee(std::span<const std::byte> bytes, const 
     state.own_height_m = height_of(own_is_yellow ? yellow : blue, settings);
     state.opponent_height_m = height_of(own_is_yellow ? blue : yellow, settings);
   }
-  return state;
+  RefereeOrder order{message.command_counter, message.packet_timestamp, 0};
+  if (message.has_source_identifier) order.source = std::hash<std::string_view>()(message.source_identifier);
+  return RefereeMessage{state, order};
 }
 
 }  // namespace touchline::network

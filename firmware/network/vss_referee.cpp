@@ -29,7 +29,7 @@ std::optional<GamePhase> phase_of_foul(std::int32_t foul) {
 
 }  // namespace
 
-Result<RefereeState> decode_vss_referee(std::span<const std::byte> bytes) {
+Result<RefereeMessage> decode_vss_referee(std::span<const std::byte> bytes) {
   if (bytes.empty()) return failure(ErrorCode::kCorruptFrame, "the datagram is empty");
   VSSRef_VSSRef_Command message = VSSRef_VSSRef_Command_init_zero;
   TOUCHLINE_TRY(decode_message(VSSRef_VSSRef_Command_fields, bytes, &message));
@@ -37,7 +37,7 @@ Result<RefereeState> decode_vss_referee(std::span<const std::byte> bytes) {
   if (!phase) return failure(ErrorCode::kOutOfRange, "unknown foul %d", int{message.foul});
   RefereeState state;
   state.phase = *phase;
-  return state;
+  return RefereeMessage{state, std::nullopt};
 }
 
 }  // namespace touchline::network

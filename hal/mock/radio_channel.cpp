@@ -26,6 +26,10 @@ RadioChannel::RadioChannel(const ArenaParameters& parameters, int baud, std::uin
   }
 }
 
+void RadioChannel::set_team(TeamNumber team) {
+  for (Receiver& receiver : receivers_) receiver.stream = PacketStream(team);
+}
+
 Result<void> RadioChannel::send(std::span<const std::byte> bytes, Instant now) {
   PacketInFlight in_flight;
   if (bytes.empty() || bytes.size() > in_flight.packet.capacity()) {
@@ -91,8 +95,11 @@ void RadioChannel::deliver_to(Receiver& receiver, const Packet& packet, Instant 
   }
   Commands commands;
   std::uint8_t sequence = 0;
+  const std::uint64_t foreign = receiver.stream.foreign_packets();
   if (!receiver.stream.next(commands, sequence)) {
-    ++statistics_.corrupted;
+    const bool is_foreign = receiver.stream.foreign_packets() != foreign;
+    ++(is_foreign ? statistics_.foreign : statistics_.corrupted);
+    if (is_foreign) return;
     telemetry_.on_packet(receiver.id, false);
     return;
   }

@@ -25,6 +25,7 @@ struct ChannelStatistics {
   std::uint64_t lost = 0;       // not received
   std::uint64_t corrupted = 0;  // received and discarded because of a wrong checksum
   std::uint64_t ignored = 0;    // valid, but older than the last one
+  std::uint64_t foreign = 0;    // valid, but of another team
   std::uint64_t timeouts = 0;   // number of times that a robot stopped because it received nothing
 };
 
@@ -36,6 +37,8 @@ class RadioChannel {
   /// `baud`: speed of the serial line at 10 bits per byte.
   RadioChannel(const ArenaParameters& parameters, int baud, std::uint64_t seed);
 
+  /// Number of the robots' team: they obey its packets only. Without one, they obey all packets without a number.
+  void set_team(TeamNumber team);
   /// Queues one packet. kBusy: the queue is full, and nothing was queued. kOutOfRange: `bytes` is empty or larger than
   /// a packet.
   Result<void> send(std::span<const std::byte> bytes, Instant now);

@@ -57,6 +57,19 @@ TEST_F(ConsoleInputTest, TheEndOfASetupIsAReasonOfItsOwn) {
   EXPECT_EQ(input->halt(kLoopTime, 1s), kHaltConsole | kHaltSetupEnded);
 }
 
+TEST_F(ConsoleInputTest, AStartLetsAnotherRefereeBeFollowed) {
+  std::atomic<std::uint32_t> releases{0};
+  ExternalInputSettings settings;
+  settings.console = &console;
+  settings.referee_releases = &releases;
+  input.emplace(settings);
+  for (const auto& [stop, expected] : {std::pair{false, 0U}, {true, 0U}, {true, 0U}, {false, 1U}, {false, 1U}}) {
+    console.put({stop, {}});
+    input->take(kLoopTime, kMachineTime);
+    EXPECT_EQ(releases, expected);
+  }
+}
+
 TEST_F(ConsoleInputTest, ADraftOfTheFilesMovesNothingUnlessTheConsolePermits) {
   const auto halt_of = [this](SetupMode mode, SetupWish wish) {
     ExternalInputSettings settings;

@@ -94,7 +94,9 @@ int main(int argc, char** argv) {
   TerminalRadio radio(argv[1]);
   FakeGpio gpio(clock);
   const auto pipeline = std::make_unique<Pipeline>();
-  if (!pipeline->configure(fake_camera_parameters()).ok()) return 65;
+  PipelineParameters parameters = fake_camera_parameters();
+  parameters.team_number = 7;
+  if (!pipeline->configure(parameters).ok()) return 65;
   const auto ring = std::make_unique<ReportRing>();
   LoopSettings settings;
   settings.frames = 100;

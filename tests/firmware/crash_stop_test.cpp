@@ -12,7 +12,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/radio/packet.h"
+#include "core/radio/packet_stream.h"
 
 namespace touchline {
 namespace {
@@ -58,18 +58,18 @@ Outcome run(const std::string& ending) {
   }
   if (opened) ::waitpid(child, &outcome.status, 0);
   ::close(robots);
-  for (std::size_t at = 0; at + kPacketHeaderBytes < bytes.size();) {
-    const std::size_t size = packet_bytes(std::to_integer<std::size_t>(bytes[at + 5]));
-    Commands commands;
-    Received packet;
-    if (at + size <= bytes.size() && decode({&bytes[at], size}, commands, packet.sequence).ok()) {
+  // As the robots of the program's team receive them.
+  PacketStream stream(7);
+  Commands commands;
+  Received packet;
+  for (const std::byte byte : bytes) {
+    stream.push(byte);
+    while (stream.next(commands, packet.sequence)) {
       packet.stop = commands.stop;
       outcome.packets.push_back(packet);
-      at += size;
-    } else {
-      ++at;
     }
   }
+  EXPECT_EQ(stream.foreign_packets(), 0U) << "a packet has another team number";
   return outcome;
 }
 

@@ -237,6 +237,19 @@ TEST_F(ExternalInputLoop, ASilentRefereeThatShouldRepeatItsMessagesStopsTheRobot
   EXPECT_FALSE(all_stop(2.03, 2.3));
 }
 
+TEST_F(ExternalInputLoop, TheStartButtonLetsAnotherRefereeBeFollowed) {
+  std::atomic<std::uint32_t> releases{0};
+  settings.external.referee_releases = &releases;
+  settings.start_button = true;
+  gpio.press(1.0);
+  gpio.press(2.0);
+  begin();
+  run_until(0.9);
+  EXPECT_EQ(releases, 0U);
+  run_until(3.0);
+  EXPECT_EQ(releases, 2U);
+}
+
 TEST_F(ExternalInputLoop, TeamColorsThatCannotBeExchangedStopTheRobots) {
   begin();  // the opponents have no color
   run_until(1.0);

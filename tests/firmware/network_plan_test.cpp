@@ -100,6 +100,34 @@ TEST_F(NetworkPlanTest, ErrorsNameOptionOrKey) {
   EXPECT_EQ(found, expected);
 }
 
+TEST_F(NetworkPlanTest, OptionsNameSenders) {
+  config::InputSettings input;
+  input.protocol = InputProtocol::kJson;
+  input.senders = {"192.168.1.20"};
+  board_.input = {input};
+  where_.note("network.input[0]", "board.toml:7");
+  options_.accept = {"json,from=192.168.1.21", "firasim"};
+  options_.referee = {"ssl=udp://224.5.23.1:10003%eth0,from=192.168.1.5,from=10.0.0.0/8"};
+  const NetworkPlan planned = plan();
+  ASSERT_EQ(planned.inputs.size(), 3U);
+  EXPECT_EQ(
+      describe(planned.inputs[0]),
+      "json from udp://0.0.0.0:20012, of this computer and 192.168.1.20 and 192.168.1.21, at most 1000 messages a "
+      "second from each");
+  EXPECT_EQ(
+      describe(planned.inputs[2]),
+      "ssl-referee from udp://224.5.23.1:10003%eth0, of this computer and 192.168.1.5 and 10.0.0.0/8, at most 1000 "
+      "messages a second from each");
+  EXPECT_TRUE(planned.inputs[2].senders[1].contains(0x0a010203));
+  EXPECT_EQ(how_to_permit(planned.inputs[0], "1.2.3.4"), "add 1.2.3.4 to network.input[0].senders in board.toml:7");
+  EXPECT_EQ(how_to_permit(planned.inputs[1], "1.2.3.4"), "write --accept firasim,from=1.2.3.4");
+
+  options_ = {{"json,from=1.2.3.4"}, {}, {"ssl,from=here"}};
+  EXPECT_EQ(error(),
+            "--publish json,from=1.2.3.4: an output has no senders\n"
+            "--referee ssl,from=here: \"here\": expected an IPv4 address or a network such as 192.168.1.0/24");
+}
+
 TEST_F(NetworkPlanTest, AddressesAreListedOnce) {
   options_.publish = {"json=udp://127.0.0.1:5", "json=udp://127.0.0.1:5"};
   options_.accept = {"json=udp://0.0.0.0:6", "firasim=udp://0.0.0.0:6"};

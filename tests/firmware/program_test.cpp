@@ -161,6 +161,17 @@ TEST_F(Program, CheckReportsWhetherFilesAreValid) {
   EXPECT_NE(wrong.text.find("ball.radius_m: 9 is out of range: 0.005 to 0.2 m\n"), std::string::npos) << wrong.text;
 }
 
+TEST_F(Program, SaysAtTheStartThatPacketsWithoutATeamNumberDriveEveryRobot) {
+  const std::string run = "run --headless --frames 3 --board '" TOUCHLINE_MOCK_BOARD "' ";
+  const std::string note = "robots obey every Touchline on their channel";
+  const CommandOutput without = touchline(run);
+  EXPECT_EQ(without.code, 0) << without.text;
+  EXPECT_NE(without.text.find(note), std::string::npos) << without.text;
+  const CommandOutput with = touchline(run + "--set team_number=7");
+  EXPECT_EQ(with.code, 0) << with.text;
+  EXPECT_EQ(with.text.find(note), std::string::npos) << with.text;
+}
+
 TEST_F(Program, CheckOpensNoDevice) {
   write_board("v4l2", "there-is-no-such-camera");
   EXPECT_EQ(touchline("check " + board()).code, 0);

@@ -1,4 +1,4 @@
-// A short version of the fuzz targets with fixed random numbers: truncated, random and mutated datagrams.
+// A short version of the fuzz targets with fixed random numbers: truncated, random and mutated inputs.
 #include <gtest/gtest.h>
 
 #include <random>
@@ -8,8 +8,6 @@
 
 namespace touchline::fuzz {
 namespace {
-
-constexpr int kInputs = 20000;
 
 class DamagedInput : public ::testing::TestWithParam<DecoderCheck> {
  protected:
@@ -31,7 +29,7 @@ TEST_P(DamagedInput, TruncatedAtEveryLength) {
 }
 
 TEST_P(DamagedInput, RandomBytes) {
-  for (int i = 0; i < kInputs; ++i) {
+  for (int i = 0; i < GetParam().inputs; ++i) {
     std::string text(pick(300), '\0');
     for (char& c : text) c = any_byte();
     check(text);
@@ -40,7 +38,7 @@ TEST_P(DamagedInput, RandomBytes) {
 
 TEST_P(DamagedInput, Mutated) {
   const std::vector<std::string> seeds = GetParam().seeds();
-  for (int i = 0; i < kInputs; ++i) {
+  for (int i = 0; i < GetParam().inputs; ++i) {
     std::string text = seeds[pick(seeds.size())];
     for (std::size_t edits = 1 + pick(4); edits > 0 && !text.empty(); --edits) {
       const std::size_t at = pick(text.size());

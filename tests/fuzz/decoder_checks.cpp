@@ -24,22 +24,6 @@ namespace {
 using network::CommandBatch;
 using network::TeamColor;
 
-void require(bool condition, const char* promise) {
-  if (condition) return;
-  std::fprintf(stderr, "broken promise: %s\n", promise);
-  std::abort();
-}
-
-template <class T>
-void require_result(const Result<T>& result) {
-  if (result.ok()) return;
-  require(result.code() != ErrorCode::kOk, "an error has a code");
-  require(!result.error().text.empty(), "an error has a text");
-  // A line of the log.
-  require(result.error().text.size() < 300, "the text is short");
-  for (const char c : result.error().text.view()) require(c >= ' ' && c <= '~', "the text is printable");
-}
-
 bool is_within(float value, double limit) { return static_cast<double>(std::fabs(value)) <= limit; }
 
 void require_commands(const Result<CommandBatch>& batch) {
@@ -60,12 +44,13 @@ void require_commands(const Result<CommandBatch>& batch) {
   }
 }
 
-void require_state(const Result<RefereeState>& state) {
-  require_result(state);
-  if (!state.ok()) return;
-  require(state.value().phase != GamePhase::kNoReferee, "a referee's message has a phase");
-  require(state.value().own_is_yellow.has_value() || !state.value().own_on_positive_half.has_value(),
-          "the side needs the color");
+void require_message(const Result<network::RefereeMessage>& message) {
+  require_result(message);
+  if (!message.ok()) return;
+  const RefereeState& state = message.value().state;
+  require(state.phase != GamePhase::kNoReferee, "a referee's message has a phase");
+  require(state.own_is_yellow.has_value() || !state.own_on_positive_half.has_value(), "the side needs the color");
+  require(state.repeats == message.value().order.has_value(), "repeated messages have an order");
 }
 
 void check_firasim_packet(std::span<const std::byte> bytes) {
@@ -82,10 +67,10 @@ void check_json_commands(std::span<const std::byte> bytes) { require_commands(ne
 
 void check_ssl_referee(std::span<const std::byte> bytes) {
   static const network::RefereeSettings settings{"Lemons", {{"Lemons", 0.15f}, {"Plums", 0.14f}}};
-  require_state(decode_ssl_referee(bytes, settings));
+  require_message(decode_ssl_referee(bytes, settings));
 }
 
-void check_vss_referee(std::span<const std::byte> bytes) { require_state(network::decode_vss_referee(bytes)); }
+void check_vss_referee(std::span<const std::byte> bytes) { require_message(network::decode_vss_referee(bytes)); }
 
 void check_client_message(std::span<const std::byte> bytes) {
   const Result<console::ClientMessage> message =
@@ -171,14 +156,35 @@ std::vector<std::string> foxglove_seeds() {
           R"({"op":"unsubscribe","subscriptionIds":[0,1]})"};
 }
 
-constexpr std::array<DecoderCheck, 6> kChecks{{{"firasim_packet", check_firasim_packet, firasim_seeds},
-                                               {"json_commands", check_json_commands, json_seeds},
-                                               {"ssl_referee", check_ssl_referee, ssl_referee_seeds},
-                                               {"vss_referee", check_vss_referee, vss_referee_seeds},
-                                               {"client_message", check_client_message, client_message_seeds},
-                                               {"foxglove_client", check_foxglove_client, foxglove_seeds}}};
+constexpr std::array<DecoderCheck, 13> kChecks{{{"firasim_packet", check_firasim_packet, firasim_seeds},
+                                                {"json_commands", check_json_commands, json_seeds},
+                                                {"ssl_referee", check_ssl_referee, ssl_referee_seeds},
+                                                {"vss_referee", check_vss_referee, vss_referee_seeds},
+                                                {"client_message", check_client_message, client_message_seeds},
+                                                {"foxglove_client", check_foxglove_client, foxglove_seeds},
+                                                {"setup_message", check_setup_message, setup_message_seeds},
+                                                {"telemetry", check_telemetry, telemetry_seeds},
+                                                {"command_packet", check_command_packet, command_packet_seeds},
+                                                {"mjpg", check_mjpg, mjpg_seeds, 5000},
+                                                {"board_file", check_board_file, board_file_seeds, 2000},
+                                                {"venue_file", check_venue_file, venue_file_seeds, 2000},
+                                                {"team_file", check_team_file, team_file_seeds, 2000}}};
 
 }  // namespace
+
+void require(bool condition, const char* promise) {
+  if (condition) return;
+  std::fprintf(stderr, "broken promise: %s\n", promise);
+  std::abort();
+}
+
+void require_error(const Error& error) {
+  require(error.code != ErrorCode::kOk, "an error has a code");
+  require(!error.text.empty(), "an error has a text");
+  // A line of the log.
+  require(error.text.size() < 300, "the text is short");
+  for (const char c : error.text.view()) require(c >= ' ' && c <= '~', "the text is printable");
+}
 
 std::span<const DecoderCheck> decoder_checks() { return kChecks; }
 

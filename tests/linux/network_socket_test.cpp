@@ -13,6 +13,7 @@
 #include "hal/linux/network/descriptor.h"
 #include "hal/linux/network/network_input.h"
 #include "hal/linux/network/network_output.h"
+#include "hal/linux/network/udp_input.h"
 
 namespace touchline::hal {
 namespace {
@@ -92,6 +93,48 @@ TEST(UdpSocket, LoopbackCarriesMessages) {
   EXPECT_NE(opened.text().find("udp://127.0.0.1:41970: binding to the address failed: Address already in use"),
             std::string::npos)
       << opened.text();
+}
+
+TEST(UdpSocket, DroppedSendersTakeNoRoomInTheBuffer) {
+  const NetworkAddress at = address("udp://0.0.0.0:41973");
+  const auto sender = [](std::uint32_t ipv4) {
+    Descriptor socket(::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0));
+    const sockaddr_in own = socket_address(ipv4, 0), there = socket_address(0x7f000001, 41973);
+    EXPECT_EQ(::bind(socket.get(), reinterpret_cast<const sockaddr*>(&own), sizeof(own)), 0);
+    EXPECT_EQ(::connect(socket.get(), reinterpret_cast<const sockaddr*>(&there), sizeof(there)), 0);
+    return socket;
+  };
+  const Descriptor referee = sender(0x7f000002), flood = sender(0x7f000003);
+  constexpr int kFlood = 20000, kHalts = 93;
+  const auto send_all = [&] {
+    for (int i = 0; i < kFlood; ++i) static_cast<void>(::send(flood.get(), "go", 2, MSG_DONTWAIT));
+    for (int i = 0; i < kHalts; ++i) EXPECT_EQ(::send(referee.get(), "halt", 4, 0), 4);
+  };
+  const auto count_halts = [](UdpInput& input) {
+    std::array<std::byte, 100> buffer{};
+    int halts = 0;
+    for (;;) {
+      const Result<std::optional<ReceivedMessage>> message = input.receive(buffer);
+      EXPECT_TRUE(message.ok()) << message.text();
+      if (!message.ok() || !message.value()) return halts;
+      halts += message.value()->sender == 0x7f000002 ? 1 : 0;
+    }
+  };
+  UdpInput input(at);
+  ASSERT_TRUE(input.open().ok());
+  send_all();
+  EXPECT_LT(count_halts(input), kHalts) << "the flood must fill the buffer";
+  EXPECT_GT(input.drop_others_but({{0x7f000002, 32}}), 0U) << "for want of room";
+  send_all();
+  EXPECT_EQ(count_halts(input), kHalts);
+  EXPECT_EQ(input.drop_others_but({{0x7f000002, 32}}), std::uint64_t{kFlood});
+  // With this computer's addresses, all are accepted again.
+  EXPECT_EQ(input.drop_others(std::vector<NetworkRange>{}), 0U);
+  EXPECT_EQ(::send(flood.get(), "go", 2, 0), 2);
+  EXPECT_EQ(receive(input), "go");
+  input.drop_others(std::nullopt);
+  EXPECT_EQ(::send(flood.get(), "go", 2, 0), 2);
+  EXPECT_EQ(receive(input), "go");
 }
 
 TEST(UdpSocket, SeveralProgramsListenToAMulticastGroup) {

@@ -55,7 +55,8 @@ struct Drive {
   double left_mps = 0.0, right_mps = 0.0;
 };
 
-inline Packet packet_of(std::span<const Drive> drives, std::uint8_t sequence, bool stop = false) {
+inline Packet packet_of(std::span<const Drive> drives, std::uint8_t sequence, bool stop = false,
+                        TeamNumber team = kNoTeamNumber) {
   Commands commands;
   commands.stop = stop;
   for (const Drive& drive : drives) {
@@ -64,7 +65,7 @@ inline Packet packet_of(std::span<const Drive> drives, std::uint8_t sequence, bo
                                {static_cast<float>(drive.left_mps), static_cast<float>(drive.right_mps)}});
   }
   Packet packet;
-  static_cast<void>(encode(commands, sequence, packet));
+  static_cast<void>(encode(commands, sequence, packet, team));
   return packet;
 }
 

@@ -63,6 +63,42 @@ TEST(Channel, PacketActsAfterTransmissionAndDelay) {
   }
 }
 
+// Ours sends stop packets all the time, theirs drives. Returns the highest speed.
+double speed_beside_another_sender(TeamNumber robots, TeamNumber ours, TeamNumber theirs) {
+  Air air(instant_wheels());
+  air.channel.set_team(robots);
+  double highest = 0.0;
+  for (std::uint8_t i = 1; i <= 50; ++i) {
+    const std::array<Drive, 1> drives{{{0, 0.02, 0.02}}};
+    EXPECT_TRUE(air.send(packet_of(drives, static_cast<std::uint8_t>(100 + i), false, theirs)).ok());
+    air.advance(20ms);
+    highest = std::max(highest, air.speed());
+    EXPECT_TRUE(air.send(packet_of(drives, i, true, ours)).ok());
+    air.advance(20ms);
+    highest = std::max(highest, air.speed());
+  }
+  EXPECT_EQ(air.channel.statistics().corrupted, 0U);
+  return highest;
+}
+
+TEST(Channel, ATeamNumberKeepsAnotherSenderFromDrivingTheRobots) {
+  EXPECT_NEAR(speed_beside_another_sender(kNoTeamNumber, kNoTeamNumber, kNoTeamNumber), 0.02, 1e-3)
+      << "robots without a number obey both";
+  EXPECT_LT(speed_beside_another_sender(7, 7, 8), 1e-6);
+  EXPECT_LT(speed_beside_another_sender(7, 7, kNoTeamNumber), 1e-6);
+  EXPECT_LT(speed_beside_another_sender(kNoTeamNumber, kNoTeamNumber, 8), 1e-6);
+}
+
+TEST(Channel, ASenderWithTheRobotsTeamNumberDrivesThem) {
+  Air air(instant_wheels());
+  air.channel.set_team(7);
+  const std::array<Drive, 1> drives{{{0, 0.02, 0.02}}};
+  ASSERT_TRUE(air.send(packet_of(drives, 1, false, 7)).ok());
+  air.advance(20ms);
+  EXPECT_NEAR(air.speed(), 0.02, 1e-6);
+  EXPECT_EQ(air.channel.statistics().foreign, 0U);
+}
+
 TEST(Channel, LineSendsPacketsOneByOne) {
   Air air(noise_free_arena(), 115200);
   ASSERT_TRUE(air.drive(0.1, 0.1, 1).ok());

@@ -39,9 +39,14 @@ Referee example_message() {
   return message;
 }
 
+Result<RefereeState> state_of(Result<RefereeMessage> message) {
+  if (!message.ok()) return std::move(message).error();
+  return message.value().state;
+}
+
 Result<RefereeState> decoded(const Referee& message, const RefereeSettings& settings) {
   const std::string bytes = message.SerializeAsString();
-  return decode_ssl_referee(bytes_of(bytes), settings);
+  return state_of(decode_ssl_referee(bytes_of(bytes), settings));
 }
 
 TEST(SslReferee, CommandsBecomePhases) {
@@ -144,7 +149,7 @@ TEST(SslReferee, RejectsUnknownNumbersAndAbsentFields) {
 template <class Message>
 Result<RefereeState> decoded_vss(const Message& message) {
   const std::string bytes = message.SerializeAsString();
-  return decode_vss_referee(bytes_of(bytes));
+  return state_of(decode_vss_referee(bytes_of(bytes)));
 }
 
 TEST(VssReferee, FoulsBecomePhases) {

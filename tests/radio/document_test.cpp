@@ -54,6 +54,15 @@ TEST(RadioPage, ShowsThePacketsOfTheCode) {
   commands.robots.clear();
   ASSERT_TRUE(encode(commands, 44, packet).ok());
   sent.push_back(hexadecimal({packet.data(), packet.size()}));
+  commands.stop = false;
+  commands.robots.push_back({0, {}, {0.5f, -0.25f}});
+  commands.robots.push_back({3, {}, {1.234f, 1.234f}});
+  ASSERT_TRUE(encode(commands, 42, packet, 7).ok());
+  sent.push_back(hexadecimal({packet.data(), packet.size()}));
+  commands.robots.clear();
+  commands.stop = true;
+  ASSERT_TRUE(encode(commands, 43, packet, 7).ok());
+  sent.push_back(hexadecimal({packet.data(), packet.size()}));
   sent.push_back(hexadecimal(encode_telemetry({3, 17, 7.412f, 98})));
   EXPECT_EQ(examples_of_the_page(), sent);
 }
@@ -66,6 +75,8 @@ TEST(RadioPage, NamesThePacketSizesOfTheCode) {
   EXPECT_NE(text.str().find("63 for eleven"), std::string::npos);
   EXPECT_EQ(packet_bytes(5), 33u);
   EXPECT_EQ(packet_bytes(kMaxRobotsPerTeam), 63u);
+  EXPECT_NE(text.str().find("9 + 5 n bytes in version 2"), std::string::npos);
+  EXPECT_EQ(packet_bytes(kMaxRobotsPerTeam, 7), 64u);
 }
 
 }  // namespace

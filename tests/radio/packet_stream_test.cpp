@@ -10,7 +10,7 @@
 namespace touchline {
 namespace {
 
-Packet packet_of(std::size_t robots, std::uint8_t sequence) {
+Packet packet_of(std::size_t robots, std::uint8_t sequence, TeamNumber team = kNoTeamNumber) {
   Commands commands;
   commands.stop = false;
   for (std::size_t i = 0; i < robots; ++i) {
@@ -18,7 +18,7 @@ Packet packet_of(std::size_t robots, std::uint8_t sequence) {
     commands.robots.push_back({static_cast<RobotId>(i), {}, {19.540f, 0.1f * static_cast<float>(i)}});
   }
   Packet packet;
-  EXPECT_TRUE(encode(commands, sequence, packet).ok());
+  EXPECT_TRUE(encode(commands, sequence, packet, team).ok());
   return packet;
 }
 
@@ -47,6 +47,22 @@ TEST(PacketStream, FindsAllPacketsOnAnErrorFreeLine) {
   PacketStream stream;
   EXPECT_EQ(sequences_in(stream, bytes), expected);
   EXPECT_EQ(stream.skipped_bytes(), 0u);
+}
+
+TEST(PacketStream, ReturnsThePacketsOfItsTeamAmongThoseOfOthers) {
+  std::vector<std::byte> bytes;
+  std::vector<std::uint8_t> of_team[3];
+  constexpr std::array<TeamNumber, 3> kTeams{kNoTeamNumber, 7, 0x4C};
+  for (std::size_t i = 0; i < 300; ++i) {
+    append(bytes, packet_of(i % 12, static_cast<std::uint8_t>(i), kTeams[i % 3]));
+    of_team[i % 3].push_back(static_cast<std::uint8_t>(i));
+  }
+  for (std::size_t team = 0; team < 3; ++team) {
+    PacketStream stream(kTeams[team]);
+    EXPECT_EQ(sequences_in(stream, bytes), of_team[team]);
+    EXPECT_EQ(stream.skipped_bytes(), 0u);
+    EXPECT_EQ(stream.foreign_packets(), 200u);
+  }
 }
 
 TEST(PacketStream, ReportsAPacketAtItsLastByte) {

@@ -84,7 +84,7 @@ TEST(Packet, StopPacketsContainNoSpeed) {
   ASSERT_TRUE(encode(commands, 7, packet).ok());
   for (std::size_t i = 0; i < commands.robots.size(); ++i) {
     for (std::size_t k = 1; k < kPacketRobotBytes; ++k) {
-      EXPECT_EQ(packet[kPacketHeaderBytes + i * kPacketRobotBytes + k], std::byte{0});
+      EXPECT_EQ(packet[packet_header_bytes(kNoTeamNumber) + i * kPacketRobotBytes + k], std::byte{0});
     }
   }
   Commands read;
@@ -184,6 +184,50 @@ TEST(Packet, WithWrongFieldsButAValidChecksumIsRejected) {
   EXPECT_FALSE(read.stop);
 }
 
+TEST(Packet, WithATeamNumberIsOfVersionTwoAndForThatTeamOnly) {
+  Packet packet;
+  ASSERT_TRUE(encode(sample_commands(), 42, packet, 7).ok());
+  EXPECT_EQ(packet.size(), packet_bytes(2, 7));
+  EXPECT_EQ(packet[2], kPacketVersion2);
+  EXPECT_EQ(packet[5], std::byte{7});
+  Commands read;
+  std::uint8_t sequence = 0;
+  for (int team = 0; team < 256; ++team) {
+    EXPECT_EQ(decode(bytes_of(packet), read, sequence, static_cast<TeamNumber>(team)).ok(), team == 7) << team;
+  }
+  ASSERT_TRUE(decode(bytes_of(packet), read, sequence, 7).ok());
+  EXPECT_EQ(sequence, 42);
+  ASSERT_EQ(read.robots.size(), 2u);
+  EXPECT_NEAR(read.robots[1].wheels.left_mps, 1.234f, 1e-5);
+  // A robot with a team number does not obey packets without one.
+  ASSERT_TRUE(encode(sample_commands(), 42, packet).ok());
+  EXPECT_EQ(packet[2], kPacketVersion1);
+  EXPECT_FALSE(decode(bytes_of(packet), read, sequence, 7).ok());
+  // No sender has number 0.
+  ASSERT_TRUE(encode(sample_commands(), 42, packet, 7).ok());
+  packet[5] = std::byte{0};
+  seal(packet);
+  for (const TeamNumber team : {TeamNumber{0}, TeamNumber{7}})
+    EXPECT_FALSE(decode(bytes_of(packet), read, sequence, team).ok());
+}
+
+TEST(Packet, WithATeamNumberAndAnyOneOrTwoBitsFlippedIsRejectedByEveryTeam) {
+  Packet packet;
+  ASSERT_TRUE(encode(sample_commands(), 42, packet, 7).ok());
+  const auto flip = [](Packet& p, std::size_t bit) { p[bit / 8] ^= std::byte{1} << static_cast<int>(bit % 8); };
+  Commands read;
+  std::uint8_t sequence = 0;
+  for (std::size_t i = 0; i < packet.size() * 8; ++i) {
+    for (std::size_t k = 0; k <= i; ++k) {
+      Packet damaged = packet;
+      flip(damaged, i);
+      if (k != i) flip(damaged, k);
+      const TeamNumber team = packet_team(bytes_of(damaged));
+      ASSERT_FALSE(decode(bytes_of(damaged), read, sequence, team).ok()) << i << " " << k;
+    }
+  }
+}
+
 TEST(Packet, RandomBytesAreRejected) {
   std::mt19937 random(2);
   std::uniform_int_distribution<int> byte(0, 255), size(0, 140);
@@ -194,7 +238,7 @@ TEST(Packet, RandomBytesAreRejected) {
     if (bytes.size() >= 6) {  // otherwise hardly any would pass the first checks
       bytes[0] = kPacketMagic0;
       bytes[1] = kPacketMagic1;
-      bytes[2] = kPacketVersion;
+      bytes[2] = kPacketVersion1;
       bytes[5] = static_cast<std::byte>((bytes.size() - 6) / 5);
     }
     Commands read;

@@ -36,6 +36,11 @@ class NetworkInput {
   /// groups without an error.
   virtual Result<void> check() = 0;
   virtual void close() = 0;
+
+  /// While `senders` is set, the system drops the messages of all others, this computer's excepted, before they take
+  /// room in the socket's buffer. Returns the number of messages that it has dropped since the last call, for this or
+  /// for want of room. Inputs that cannot do it receive all messages, and return 0. Ends with close().
+  virtual std::uint64_t drop_others(const std::optional<std::vector<NetworkRange>>& /*senders*/) { return 0; }
 };
 
 /// UDP: one message per datagram; multicast is received from the interface that the address names. Unix: Touchline

@@ -1,12 +1,48 @@
 #include "hal/linux/network/udp_input.h"
 
 #include <ifaddrs.h>
+#include <linux/filter.h>
+#include <linux/sock_diag.h>
 #include <sys/socket.h>
 #include <algorithm>
+#include <array>
 #include <cerrno>
+#include <utility>
 
 namespace touchline::hal {
 namespace {
+
+constexpr NetworkRange kLoopback{0x7f000000, 8};
+
+// What a sender at the usual limit (1000 messages a second) sends while the receiver's thread waits a second for a
+// processor: the system counts about 1 KB for each message of this size.
+constexpr int kReceiveBufferBytes = 1 << 20;
+
+void enlarge_buffer(const Descriptor& socket) {
+  // Only with CAP_NET_ADMIN beyond net.core.rmem_max. What the system grants is enough for a network without a flood.
+  const auto set = [&](int option) {
+    return ::setsockopt(socket.get(), SOL_SOCKET, option, &kReceiveBufferBytes, sizeof(kReceiveBufferBytes)) == 0;
+  };
+  if (!set(SO_RCVBUFFORCE)) static_cast<void>(set(SO_RCVBUF));
+}
+
+// A classic BPF program (linux/filter.h) that accepts the packets of these senders and drops all others.
+std::vector<sock_filter> filter_of(const std::vector<NetworkRange>& senders) {
+  constexpr std::uint32_t kSourceAddress = 12;  // offset in the header of IPv4
+  const auto load = [&] {
+    return sock_filter{BPF_LD | BPF_W | BPF_ABS, 0, 0, static_cast<std::uint32_t>(SKF_NET_OFF) + kSourceAddress};
+  };
+  std::vector<sock_filter> program;
+  for (const NetworkRange& range : senders) {
+    const std::uint32_t mask = range.prefix_bits == 0 ? 0 : ~std::uint32_t{0} << (32 - range.prefix_bits);
+    program.push_back(load());
+    program.push_back({BPF_ALU | BPF_AND | BPF_K, 0, 0, mask});
+    program.push_back({BPF_JMP | BPF_JEQ | BPF_K, 0, 1, range.ipv4 & mask});
+    program.push_back({BPF_RET | BPF_K, 0, 0, ~std::uint32_t{0}});
+  }
+  program.push_back({BPF_RET | BPF_K, 0, 0, 0});
+  return program;
+}
 
 std::vector<std::uint32_t> addresses_of_this_computer() {
   std::vector<std::uint32_t> out;
@@ -26,6 +62,7 @@ Result<void> UdpInput::open() {
   close();
   TOUCHLINE_TRY_ASSIGN(Descriptor socket, udp_socket(name_));
   TOUCHLINE_TRY_ASSIGN(interface_, interface_index(address_));
+  enlarge_buffer(socket);
   if (address_.is_multicast()) {
     // Several programs may listen to a group. Two that receive the same unicast would steal from each other.
     TOUCHLINE_TRY(set_option(socket, SOL_SOCKET, SO_REUSEADDR, 1, name_, "sharing the port"));
@@ -39,6 +76,7 @@ Result<void> UdpInput::open() {
   if (address_.is_multicast()) TOUCHLINE_TRY(join(socket));
   own_addresses_ = addresses_of_this_computer();
   socket_ = std::move(socket);
+  dropped_ = 0;
   return {};
 }
 
@@ -54,8 +92,7 @@ Result<void> UdpInput::join(const Descriptor& socket) {
 }
 
 bool UdpInput::is_local(std::uint32_t sender) const {
-  constexpr std::uint32_t kLoopbackNetwork = 127;
-  return sender >> 24 == kLoopbackNetwork ||
+  return kLoopback.contains(sender) ||
          std::find(own_addresses_.begin(), own_addresses_.end(), sender) != own_addresses_.end();
 }
 
@@ -91,6 +128,36 @@ Result<void> UdpInput::check() {
   }
   own_addresses_ = addresses_of_this_computer();
   return {};
+}
+
+std::uint64_t UdpInput::drop_others(const std::optional<std::vector<NetworkRange>>& senders) {
+  if (senders) {
+    std::vector<NetworkRange> accepted = *senders;
+    accepted.push_back(kLoopback);
+    for (const std::uint32_t own : own_addresses_) accepted.push_back({own, 32});
+    return drop_others_but(accepted);
+  }
+  constexpr int kNone = 0;
+  static_cast<void>(::setsockopt(socket_.get(), SOL_SOCKET, SO_DETACH_FILTER, &kNone, sizeof(kNone)));
+  return new_drops();
+}
+
+std::uint64_t UdpInput::drop_others_but(const std::vector<NetworkRange>& senders) {
+  std::vector<sock_filter> filter = filter_of(senders);
+  // The system refuses longer programs. Then all messages are received, as without a filter.
+  if (filter.size() <= BPF_MAXINSNS) {
+    const sock_fprog program{static_cast<unsigned short>(filter.size()), filter.data()};
+    static_cast<void>(::setsockopt(socket_.get(), SOL_SOCKET, SO_ATTACH_FILTER, &program, sizeof(program)));
+  }
+  return new_drops();
+}
+
+std::uint64_t UdpInput::new_drops() {
+  std::array<std::uint32_t, SK_MEMINFO_VARS> memory{};
+  socklen_t size = sizeof(memory);
+  if (::getsockopt(socket_.get(), SOL_SOCKET, SO_MEMINFO, memory.data(), &size) != 0) return 0;
+  const std::uint32_t drops = memory[SK_MEMINFO_DROPS];
+  return drops - std::exchange(dropped_, drops);
 }
 
 }  // namespace touchline::hal

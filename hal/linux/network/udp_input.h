@@ -18,9 +18,13 @@ class UdpInput final : public NetworkInput {
   Result<std::optional<ReceivedMessage>> receive(std::span<std::byte> into) override;
   Result<void> check() override;
   void close() override { socket_.reset(); }
+  std::uint64_t drop_others(const std::optional<std::vector<NetworkRange>>& senders) override;
+  /// As drop_others(), without an exception for this computer.
+  std::uint64_t drop_others_but(const std::vector<NetworkRange>& senders);
 
  private:
   Result<void> join(const Descriptor& socket);
+  std::uint64_t new_drops();
   [[nodiscard]] bool is_local(std::uint32_t sender) const;
 
   const NetworkAddress address_;
@@ -28,6 +32,7 @@ class UdpInput final : public NetworkInput {
   Descriptor socket_;
   unsigned interface_ = 0;                    // index at the time of opening
   std::vector<std::uint32_t> own_addresses_;  // of this computer's interfaces
+  std::uint32_t dropped_ = 0;                 // by the system, when drop_others() was called
 };
 
 }  // namespace touchline::hal

@@ -1,0 +1,74 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "core/time.h"
+#include "firmware/network/explained_kinds.h"
+#include "firmware/network/referee.h"
+#include "firmware/network/reopening.h"
+#include "hal/linux/network/network_input.h"
+
+namespace touchline::network {
+
+/// Decides which of the permitted senders releases the robots. Any of them stops them; only the followed one releases.
+///
+/// A referee that repeats its messages (SSL) is followed until it is silent. Its counter and time stamp order its
+/// messages: older ones have no effect, and those whose counter and stamp contradict each other (a controller that was
+/// restarted) count as messages of another sender. A referee that sends on change only (VSSS) is followed until a
+/// person releases it.
+///
+/// The stop of another sender holds until the followed one gives a new command.
+class RefereeFollower {
+ public:
+  /// `name`: of the input, for messages. `silence`: time without a message after which a referee that repeats its
+  /// messages is followed no longer.
+  RefereeFollower(std::string name, Duration silence) : name_(std::move(name)), silence_(silence) {}
+
+  /// Returns what the referee says at present, with the time of the followed sender's last message as `received`.
+  /// nullopt: the message changes nothing.
+  std::optional<RefereeState> follow(const hal::ReceivedMessage& message, const RefereeMessage& content, Instant now,
+                                     const Print& print);
+  /// A person has acted: the next sender is followed if the referee sends on change only.
+  void release();
+
+ private:
+  struct Sender {
+    std::uint32_t address = 0;
+    std::uint16_t port = 0;
+    std::uint64_t source = 0;  // RefereeOrder::source
+
+    friend bool operator==(const Sender&, const Sender&) = default;
+  };
+  struct Session {
+    Sender sender;
+    RefereeOrder order;
+    RefereeState state;  // of its last message; `received` too
+  };
+  // Robots stand until the followed sender's counter is beyond `counter`.
+  struct Hold {
+    GamePhase phase = GamePhase::kHalt;
+    std::optional<Sender> by;
+    std::uint32_t counter_of_by = 0;
+    std::uint32_t counter = 0;
+  };
+  enum class Relation : std::uint8_t { kNext, kSuperseded, kOther };
+
+  [[nodiscard]] Relation relation(const Sender& sender, const RefereeMessage& content) const;
+  void begin_session(const Sender& sender, const RefereeMessage& content, const Print& print);
+  void take_other(const Sender& sender, const RefereeMessage& content, const Print& print);
+  void release_hold(const RefereeMessage& content);
+  void explain(const Sender& sender, const char* kind, const std::string& text, const Print& print);
+  [[nodiscard]] RefereeState present() const;
+
+  const std::string name_;
+  const Duration silence_;
+  std::optional<Session> followed_;
+  std::optional<Sender> last_;      // the last one that was followed
+  std::uint64_t newest_stamp_ = 0;  // of all followed senders
+  std::optional<Hold> hold_;
+  ExplainedKinds explained_;
+};
+
+}  // namespace touchline::network

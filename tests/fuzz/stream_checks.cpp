@@ -1,0 +1,156 @@
+// What arrives from robots, camera and setup program.
+#include <algorithm>
+#include <optional>
+
+#include "core/radio/packet_stream.h"
+#include "core/radio/telemetry.h"
+#include "hal/linux/v4l2/mjpg_decoder.h"
+#include "tests/fuzz/decoder_checks.h"
+#include "tests/linux/jpeg_picture.h"
+#include "tools/programs/setup/arguments.h"
+#include "tools/programs/setup/message_link.h"
+
+namespace touchline::fuzz {
+namespace {
+
+std::string text_of(std::span<const std::byte> bytes) {
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
+// Several blocks with 4:2:0, but small, so that most of an input is header and Huffman tables.
+constexpr unsigned kPictureWidth = 48, kPictureHeight = 32;
+
+}  // namespace
+
+void check_mjpg(std::span<const std::byte> bytes) {
+  constexpr std::size_t kGuardBytes = 64;
+  constexpr std::uint8_t kGuard = 77;
+  static hal::MjpgDecoder decoder;
+  if (decoder.layout().bytes == 0) decoder.open(kPictureWidth, kPictureHeight);
+  std::vector<std::uint8_t> picture(decoder.layout().bytes + kGuardBytes, kGuard);
+  const Result<void> decoded =
+      decoder.decode({reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()}, picture.data());
+  require_result(decoded);
+  require(decoded.ok() || decoded.code() == ErrorCode::kCorruptFrame, "what cannot be decoded is a corrupt frame");
+  require(std::all_of(picture.end() - kGuardBytes, picture.end(), [](std::uint8_t v) { return v == kGuard; }),
+          "nothing is written beyond the picture");
+}
+
+std::vector<std::string> mjpg_seeds() {
+  testing::JpegStyle plain;
+  plain.width = kPictureWidth;
+  plain.height = kPictureHeight;
+  testing::JpegStyle halved = plain, own = plain, restarts = plain, gray = plain, progressive = plain;
+  halved.vertical = 2;
+  own.own_huffman_tables = true;
+  restarts.with_restarts = true;
+  gray.gray = true;
+  progressive.progressive = true;
+  std::vector<std::string> seeds;
+  for (const testing::JpegStyle& style : {plain, halved, own, restarts, gray, progressive}) {
+    const std::vector<std::uint8_t> jpeg = testing::jpeg_of(style);
+    seeds.emplace_back(jpeg.begin(), jpeg.end());
+  }
+  return seeds;
+}
+
+void check_telemetry(std::span<const std::byte> bytes) {
+  RobotTelemetry telemetry;
+  if (decode_telemetry(bytes, telemetry).ok()) {
+    const TelemetryPacket again = encode_telemetry(telemetry);
+    require(std::equal(bytes.begin(), bytes.end(), again.begin(), again.end()), "telemetry is encoded as it arrived");
+  }
+  RobotMonitor monitor;
+  monitor.configure(7.0f);
+  RobotReports reports;
+  monitor.listen(bytes, Instant{}, reports);
+  int last = -1;
+  for (const RobotReport& robot : reports.robots) {
+    require(robot.last.id > last, "robots are sorted and listed once");
+    last = robot.last.id;
+    require(robot.last.battery_v >= 0.0f && robot.last.battery_v <= 65.536f, "a voltage has 16 bits");
+    require(robot.last.link_percent >= kLinkUnknown && robot.last.link_percent <= 100, "a link is a percentage");
+  }
+  require(reports.packets * kTelemetryBytes + reports.foreign_bytes <= bytes.size(), "a byte is counted once");
+}
+
+std::vector<std::string> telemetry_seeds() {
+  std::string two;
+  for (const RobotTelemetry& telemetry :
+       {RobotTelemetry{3, 17, 7.412f, 98}, RobotTelemetry{4, 255, 0.0f, kLinkUnknown}}) {
+    two += text_of(encode_telemetry(telemetry));
+  }
+  return {two.substr(0, kTelemetryBytes), two, "noise" + two};
+}
+
+void check_command_packet(std::span<const std::byte> bytes) {
+  for (const TeamNumber team : {kNoTeamNumber, TeamNumber{7}}) {
+    Commands commands;
+    std::uint8_t sequence = 0;
+    if (decode(bytes, commands, sequence, team).ok()) {
+      Packet again;
+      require(encode(commands, sequence, again, team).ok() && again.size() == bytes.size(), "a packet can be encoded");
+    }
+    PacketStream stream(team);
+    std::size_t received = 0;
+    for (const std::byte byte : bytes) {
+      stream.push(byte);
+      while (stream.next(commands, sequence)) received += packet_bytes(commands.robots.size(), team);
+    }
+    require(received + stream.skipped_bytes() <= bytes.size(), "a byte belongs to one packet");
+  }
+}
+
+std::vector<std::string> command_packet_seeds() {
+  Commands commands;
+  commands.stop = false;
+  commands.robots.push_back({0, {}, {0.5f, -0.25f}});
+  commands.robots.push_back({3, {}, {1.234f, 1.234f}});
+  std::vector<std::string> seeds;
+  for (const TeamNumber team : {kNoTeamNumber, TeamNumber{7}, TeamNumber{8}}) {
+    Packet packet;
+    require(encode(commands, 42, packet, team).ok(), "a seed can be encoded");
+    seeds.push_back(text_of({packet.data(), packet.size()}));
+  }
+  seeds.push_back(seeds[0] + seeds[1] + seeds[2]);
+  return seeds;
+}
+
+void check_setup_message(std::span<const std::byte> bytes) {
+  setup::MessageReader reader;
+  const std::string text = text_of(bytes);
+  // In parts, as from a socket.
+  for (std::size_t at = 0; at < text.size(); at += 100) {
+    reader.append(std::string_view(text).substr(at, 100));
+    for (;;) {
+      const Result<std::optional<setup::Message>> message = reader.next();
+      require_result(message);
+      if (!message.ok()) return;
+      if (!message.value()) break;
+      require(message.value()->content.is_object(), "a message is an object");
+      // Members as commands have them.
+      const setup::Arguments arguments(message.value()->content);
+      require_result(arguments.text("command"));
+      require_result(arguments.text("error", ""));
+      require_result(arguments.flag("keep", false));
+      require_result(arguments.texts("names"));
+      const Result<double> number = arguments.number("u", 0.0, 100.0, 1.0);
+      require_result(number);
+      require(!number.ok() || (number.value() >= 0.0 && number.value() <= 100.0), "a number is in its range");
+      const Result<std::vector<PixelPoint>> pixels = arguments.pixels("corners", 4);
+      require_result(pixels);
+      require(!pixels.ok() || pixels.value().size() == 4, "there are as many pixels as asked for");
+      require(!setup::framed(message.value()->content, message.value()->bytes).empty(), "a message can be passed on");
+    }
+  }
+}
+
+std::vector<std::string> setup_message_seeds() {
+  const nlohmann::json command = nlohmann::json::parse(
+      R"({"type":"setup","command":"field.fit","client":3,"request":7,"u":12.5,"keep":true,"names":["red","blue"],)"
+      R"("corners":[[1,2],[3.5,4],[5,6],[7,8]]})");
+  const nlohmann::json frame = nlohmann::json::parse(R"({"type":"frame","error":""})");
+  return {setup::framed(command), setup::framed(frame, "pixels") + setup::framed(command)};
+}
+
+}  // namespace touchline::fuzz

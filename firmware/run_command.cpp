@@ -57,8 +57,9 @@ bool is_failure(LoopEnd end) { return end == LoopEnd::kDeviceLost || end == Loop
 
 void print_hold(const hal::GpioSettings& gpio) {
   std::fprintf(stderr, "the previous run ended unexpectedly: robots are stopped until %s\n",
-               gpio.start_line != hal::kNoLine ? "the start button is pressed"
-                                               : "the service is restarted (systemctl restart touchline)");
+               gpio.start_line != hal::kNoLine
+                   ? "the start button is pressed, or Start on the page Play"
+                   : "the service is restarted (systemctl restart touchline), or Start is pressed on the page Play");
 }
 
 /// What all sessions of a run share.
@@ -142,7 +143,7 @@ ReportPrinterSettings reporting_of(const Session& session, RunContext& run) {
   if (!run.connections.plan().empty()) reporting.network = [&run] { return run.connections.status_text(); };
   if (run.serves_console) {
     reporting.on_status = [&run](const StatusReport& status) { run.console.reports().set(status); };
-    reporting.on_halt = [&run](std::uint16_t halt) { run.console.reports().set_halt(halt); };
+    reporting.on_halt = [&run](const HaltReport& halt) { run.console.reports().set_halt(halt); };
     reporting.on_event = [&run](const char* level, const std::string& line) {
       run.console.reports().events.add(level, line);
     };
@@ -193,21 +194,17 @@ LoopEnd run_session(Session& session, RunContext& run, const std::string& error)
   return end;
 }
 
-/// Robots that were to stand until somebody acts stand in the next session too.
-bool must_wait_for_start(std::uint16_t halt) {
-  return (halt & (kHaltCrash | kHaltEmergency | kHaltUnreadableLine)) != 0;
-}
-
 /// Opens the session that waits or, if its devices cannot be opened, one with the saved files; `error` says why.
 Result<std::unique_ptr<Session>> begin_next(std::unique_ptr<Session> former, RunContext& run, std::string& error) {
   std::unique_ptr<Session> next = run.next.take();
-  const bool holds = must_wait_for_start(former->loop().halt());
+  // Robots that were to stand until somebody acts stand in the next session too.
+  const HeldStops held = former->loop().held();
   const std::uint64_t number = former->next_number();
   former.reset();  // its devices are needed
   // The next loop counts the requests from the beginning.
   run.adaptation.freeze = run.adaptation.reset = 0;
   const auto open = [&](Session& session) {
-    session.hold_after_crash(holds);
+    session.hold(held);
     session.set_first_number(number);
     return open_session(session, run);
   };
@@ -262,7 +259,7 @@ int run_command(const CommandLine& command_line) {
   AdaptationRequests& adaptation = handle_adaptation_signals();
   const std::atomic<std::uint32_t>& reload_requests = handle_reload_signal();
   const RunMarker marker = RunMarker::of_service();
-  session->hold_after_crash(marker.exists());
+  if (marker.exists()) session->hold({kHaltCrash});
   RunContext run{command_line, connections,     *console, serves_console, paced,
                  adaptation,   reload_requests, stop,     refused};
   console->set_use_files([&run](const config::FilePaths& draft) { return use_files(run, draft); });

@@ -44,10 +44,7 @@ Hub::Hub(const HubLinks& links, Scene scene, const HubSettings& settings)
 void Hub::tick(Instant now) {
   pictures_.poll();
   feed_.read();
-  if (driving_.check_silence(now)) {
-    links_.print("console: robots are stopped, because the driver (client " + std::to_string(*driving_.driver()) +
-                 ") was silent for a second");
-  }
+  read_loop(now);
   update_setup_wish(now);
   pass_on();
   if (now >= next_second_) {
@@ -74,13 +71,22 @@ void Hub::tick(Instant now) {
   serve_setup(now);
 }
 
+void Hub::read_loop(Instant now) {
+  const bool is_held = links_.loop.is_held.load(std::memory_order_acquire);
+  const bool has_changed = driving_.set_held(links_.loop.held_number.load(std::memory_order_acquire), is_held);
+  if (has_changed && is_held && driving_.is_silent(now)) {
+    links_.print("console: robots are stopped, because the driver (client " + std::to_string(*driving_.driver()) +
+                 ") was silent for a second");
+  }
+}
+
 void Hub::read_reports(Instant now) {
   const std::uint64_t count = links_.reports.count();
   if (count == reports_read_) return;
   reports_read_ = count;
   heard_from_loop_ = now;
-  const std::uint16_t before = std::exchange(report_, links_.reports.get()).halt;
-  if (report_.halt == before) return;
+  const StatusReport before = std::exchange(report_, links_.reports.get());
+  if (report_.halt == before.halt && report_.stop_number == before.stop_number) return;
   // Without frames, clients learn it only so.
   for (Client& client : clients_) client.wants_status = true;
 }
@@ -94,7 +100,7 @@ Outgoing Hub::status_message(Instant now) {
 }
 
 void Hub::pass_on() {
-  if (driving_.take_change()) links_.input.put(input_now());
+  if (driving_.take_change()) links_.loop.input.put(input_now());
 }
 
 void Hub::announce_driver() {
@@ -134,10 +140,10 @@ void Hub::disconnect(Client& client) {
   pass_on();
 }
 
-bool Hub::receive(Client& client, std::string_view text, Instant now) {
+bool Hub::receive(Client& client, std::string_view text, Instant arrived, Instant now) {
   if (!client.limit.pass(now)) return false;
   if (client.foxglove != nullptr) return receive_foxglove(client, text, now);
-  driving_.hear(client.number, now);
+  driving_.hear(client.number, arrived);
   const Result<ClientMessage> message = parse_client_message(text);
   // Without a number of the request, an error is answered too, because nobody would ever know otherwise.
   Answer answer;
@@ -148,7 +154,7 @@ bool Hub::receive(Client& client, std::string_view text, Instant now) {
   } else if (message.ok() && message.value().kind == ClientMessage::Kind::kSetup) {
     is_answered = !pass_to_setup(client, text, message.value(), answer);
   } else if (message.ok()) {
-    const Result<void> obeyed = obey(client, message.value(), now);
+    const Result<void> obeyed = obey(client, message.value(), arrived, now);
     const bool is_answered_later = message.value().kind == ClientMessage::Kind::kProbe;
     is_answered = (message.value().request.has_value() && !is_answered_later) || !obeyed.ok();
     answer.to = message.value().request.value_or(0);
@@ -163,7 +169,7 @@ bool Hub::receive(Client& client, std::string_view text, Instant now) {
   return client.answers.size() <= kMaxWaitingAnswers;
 }
 
-Result<void> Hub::obey(Client& client, const ClientMessage& message, Instant now) {
+Result<void> Hub::obey(Client& client, const ClientMessage& message, Instant arrived, Instant now) {
   using Kind = ClientMessage::Kind;
   const std::string who = client.is_stop_line ? "a page" : "client " + std::to_string(client.number);
   switch (message.kind) {
@@ -176,18 +182,24 @@ Result<void> Hub::obey(Client& client, const ClientMessage& message, Instant now
     case Kind::kPing:
       return {};
     case Kind::kStop:
-      if (!driving_.is_stopped()) links_.print("console: " + who + " stopped the robots");
+      if (!driving_.input().stop) links_.print("console: " + who + " stopped the robots");
       driving_.stop();
       return {};
     case Kind::kStart: {
+      if (!message.stop_number) {
+        return failure(ErrorCode::kInconsistent,
+                       "\"stop_number\" is missing: a start names the stop that it ends, as the newest state or status "
+                       "tells it; reload the page");
+      }
+      read_loop(now);
       const bool was_stopped = driving_.is_stopped();
-      TOUCHLINE_TRY(driving_.start(client.number));
+      TOUCHLINE_TRY(driving_.start(client.number, *message.stop_number));
       if (was_stopped) links_.print("console: " + who + " started the robots");
       return {};
     }
     case Kind::kTake:
       if (driving_.driver() != client.number) links_.print("console: " + who + " drives");
-      driving_.take(client.number, now);
+      driving_.take(client.number, arrived);
       announce_driver();
       return {};
     case Kind::kRelease:
@@ -196,7 +208,7 @@ Result<void> Hub::obey(Client& client, const ClientMessage& message, Instant now
       return {};
     case Kind::kDrive:
       if (message.gives_back) return driving_.give_back(client.number, message.id);
-      return driving_.drive(client.number, message.id, message.twist, now);
+      return driving_.drive(client.number, message.id, message.twist, arrived);
     case Kind::kSetup:  // see pass_to_setup()
       return {};
     case Kind::kUseSaved:

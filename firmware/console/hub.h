@@ -41,9 +41,10 @@ class SharedReports {
     ++count_;
   }
   /// The reasons to halt have changed since the last status.
-  void set_halt(std::uint16_t halt) {
+  void set_halt(const HaltReport& halt) {
     const std::scoped_lock lock(mutex_);
-    report_.halt = halt;
+    report_.halt = halt.halt;
+    report_.stop_number = halt.stop_number;
     ++count_;
   }
   /// Number of reports.
@@ -85,7 +86,7 @@ using network::Print;
 struct HubLinks {
   SnapshotRing& snapshots;
   PictureExchange& pictures;
-  Mailbox<ConsoleInput>& input;
+  ConsoleLink& loop;
   SharedReports& reports;
   AdaptationRequests* adaptation;  // null: none
   Print print;                     // for a line of the log
@@ -115,8 +116,9 @@ class Hub {
   /// Null: there are too many.
   Client* connect(Instant now, ClientProtocol protocol);
   void disconnect(Client& client);
-  /// False: the client breaks the rules so far that it has to be disconnected.
-  bool receive(Client& client, std::string_view text, Instant now);
+  /// `arrived`: when the message came to the socket, at which it may have waited. False: the client breaks the rules so
+  /// far that it has to be disconnected.
+  bool receive(Client& client, std::string_view text, Instant arrived, Instant now);
   /// Whether there is a message for the client.
   [[nodiscard]] bool has_message(const Client& client, Instant now) const;
   /// The next message, the most urgent one first. Empty: there is none.
@@ -151,7 +153,8 @@ class Hub {
 
  private:
   [[nodiscard]] std::size_t count_clients(bool stop_lines) const;
-  Result<void> obey(Client& client, const ClientMessage& message, Instant now);
+  Result<void> obey(Client& client, const ClientMessage& message, Instant arrived, Instant now);
+  void read_loop(Instant now);
   void watch(Client& client, const ClientMessage& message, Instant now);
   Result<void> change_adaptation(const Client& client, AdaptationMode wanted);
   void pass_on();

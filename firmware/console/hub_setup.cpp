@@ -69,7 +69,7 @@ void Hub::begin_session(Scene scene, const std::string& error) {
   order_.reset();
   if (!error.empty()) links_.print("console: setup: " + error);
   wish_ = is_held_ ? SetupWish::kStand : SetupWish::kNone;
-  links_.input.put(input_now());
+  links_.loop.input.put(input_now());
 }
 
 void Hub::obey(const SetupOrder& order) {
@@ -130,7 +130,7 @@ void Hub::update_setup_wish(Instant now) {
   if (!setup_.is_running() || driving_.is_stopped()) end_try("a stop ended the try");
   const bool may_move = setup_.is_running() && scene_.is_draft && !order_ && (is_trying_ || driving_.is_driving(now));
   const SetupWish wish = !is_held_ ? SetupWish::kNone : may_move ? SetupWish::kPermit : SetupWish::kStand;
-  if (std::exchange(wish_, wish) != wish) links_.input.put(input_now());
+  if (std::exchange(wish_, wish) != wish) links_.loop.input.put(input_now());
 }
 
 ConsoleInput Hub::input_now() const {

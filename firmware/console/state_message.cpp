@@ -24,7 +24,7 @@ struct HaltWord {
   Halt bit;
   std::string_view word;
 };
-constexpr std::array<HaltWord, 10> kHaltWords{{{kHaltNoFrames, "no_frames"},
+constexpr std::array<HaltWord, 12> kHaltWords{{{kHaltNoFrames, "no_frames"},
                                                {kHaltEmergency, "emergency"},
                                                {kHaltUnreadableLine, "unreadable_line"},
                                                {kHaltStart, "start"},
@@ -33,7 +33,9 @@ constexpr std::array<HaltWord, 10> kHaltWords{{{kHaltNoFrames, "no_frames"},
                                                {kHaltTeams, "teams"},
                                                {kHaltSilence, "silence"},
                                                {kHaltConsole, "console"},
-                                               {kHaltSetup, "setup"}}};
+                                               {kHaltSetup, "setup"},
+                                               {kHaltRadio, "radio"},
+                                               {kHaltDriver, "driver"}}};
 
 std::string_view word_of_phase(GamePhase phase) {
   constexpr std::array<std::string_view, 5> kWords{"no referee", "halt", "stop", "prepare", "running"};
@@ -224,6 +226,8 @@ void write_state(JsonWriter& json, const Scene& scene, const Snapshot& snapshot,
   json.key("stop");
   json.boolean(snapshot.commands.stop);
   write_halt(json, snapshot.halt);
+  json.key("stop_number");
+  json.integer(snapshot.stop_number);
   json.key("referee");
   json.begin_object();
   json.key("phase");

@@ -126,6 +126,8 @@ void write_status(JsonWriter& json, const Scene& scene, const FrameFeed& feed, c
     json.key("halt");
     json.null();
   }
+  json.key("stop_number");
+  json.integer(report.stop_number);
   write_count(json, "overloads", report.overloads);
   write_count(json, "faults", report.faults);
   write_number(json, "cpu_percent", machine.cpu_percent, 0.1);

@@ -25,6 +25,15 @@ Link link_of(lws* connection) {
   return {std::chrono::microseconds(information.tcpi_min_rtt), information.tcpi_bytes_acked};
 }
 
+// When the last bytes of the connection arrived in the kernel. Older bytes may be read only now, because this thread
+// was busy; a message must not look newer for that.
+Instant arrival_at(lws* connection, Instant now) {
+  tcp_info information{};
+  socklen_t size = sizeof(information);
+  if (::getsockopt(lws_get_socket_fd(connection), IPPROTO_TCP, TCP_INFO, &information, &size) != 0) return now;
+  return now - std::chrono::milliseconds(information.tcpi_last_data_recv);
+}
+
 // Of a message from the server (RFC 6455, section 5.2).
 std::size_t frame_header_bytes(std::size_t size) { return size < 126 ? 2 : size < 65536 ? 4 : 10; }
 
@@ -101,7 +110,7 @@ int WebServer::Implementation::receive(lws* connection, std::string_view part) {
   const std::string text = std::move(socket.received);
   socket.received.clear();
   const Instant now = hal::MonotonicClock::read();
-  if (!hub_.receive(*socket.client, text, now)) {
+  if (!hub_.receive(*socket.client, text, arrival_at(connection, now), now)) {
     return end_socket(connection, LWS_CLOSE_STATUS_POLICY_VIOLATION, "too many messages");
   }
   // What the message asks for, and what it changes for the others.

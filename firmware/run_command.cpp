@@ -74,8 +74,9 @@ struct RunContext {
   const std::atomic<bool>& stop;
   std::vector<std::string>& refused;  // by the system, of the real-time settings
 
-  SessionSwitch next{};
-  SharedReloader reloader{};
+  // Shared with the console's thread for files, which outlives the run if the disk blocks it.
+  std::shared_ptr<SessionSwitch> next = std::make_shared<SessionSwitch>();
+  std::shared_ptr<SharedReloader> reloader = std::make_shared<SharedReloader>();
   LinePrinter lines{};
   std::optional<ServiceNotifier> service{};
   std::optional<console::ConsoleThread> console_thread{};
@@ -112,22 +113,25 @@ Result<std::unique_ptr<Session>> load_session(const SessionOptions& saved, const
   return session;
 }
 
-/// For the console's thread.
-Result<console::FilesUse> use_files(RunContext& run, const config::FilePaths& draft) {
-  Result<std::unique_ptr<Session>> next = load_session(run.command_line.session, draft, true);
-  if (!next.ok()) return next.error();
-  const Session& session = *next.value();
-  if (session.is_draft() && run.reloader.adjust_camera_only(session.files(), session.configuration())) {
-    return console::FilesUse::kAtOnce;
-  }
-  run.next.offer(std::move(next).value());
-  return console::FilesUse::kInNextSession;
+/// Owns all that it uses, because it is called on the console's thread for files.
+console::UseFiles use_files(const SessionOptions& saved, const RunContext& run) {
+  return
+      [saved, next = run.next, reloader = run.reloader](const config::FilePaths& draft) -> Result<console::FilesUse> {
+        Result<std::unique_ptr<Session>> loaded = load_session(saved, draft, true);
+        if (!loaded.ok()) return loaded.error();
+        const Session& session = *loaded.value();
+        if (session.is_draft() && reloader->adjust_camera_only(session.files(), session.configuration())) {
+          return console::FilesUse::kAtOnce;
+        }
+        next->offer(std::move(loaded).value());
+        return console::FilesUse::kInNextSession;
+      };
 }
 
 Result<void> open_session(Session& session, RunContext& run) {
   session.set_adaptation_requests(run.adaptation);
   session.set_arena_time(run.is_paced ? ArenaTime::kPaced : ArenaTime::kFast);
-  session.set_restart(&run.next.is_waiting());
+  session.set_restart(&run.next->is_waiting());
   if (run.serves_console) run.console.attach(session, run.connections.snapshots());
   run.connections.attach(session);
   return session.open(LoopObserver{});
@@ -162,14 +166,14 @@ LoopEnd run_session(Session& session, RunContext& run, const std::string& error)
   }
   ConfigReloader reloader(session.files(), session.configuration(), session.devices().hal_devices().camera,
                           session.live_update());
-  run.reloader.attach(reloader);
+  run.reloader->attach(reloader);
   LoopEnd end = LoopEnd::kRequested;
   {
     // These threads are started before this thread gets its real-time priority, which they would inherit.
     ReportPrinter printer(session.reports(), reporting_of(session, run), stdout, stderr);
     run.lines.set(&printer);
     const auto print_line = [&run](const std::string& line) { run.lines.print(line); };
-    const ReloadThread reload([&](const std::atomic<bool>& cancelled) { return run.reloader.reload(cancelled); },
+    const ReloadThread reload([&](const std::atomic<bool>& cancelled) { return run.reloader->reload(cancelled); },
                               run.reload_requests, print_line);
     const network::ConnectionThreads threads(run.connections, session.configuration(), print_line);
     if (run.serves_console && is_first) {
@@ -189,14 +193,14 @@ LoopEnd run_session(Session& session, RunContext& run, const std::string& error)
     if (end != LoopEnd::kRestart) run.console_thread.reset();
     run.lines.set(nullptr);
   }
-  run.reloader.detach();
+  run.reloader->detach();
   session.loop().close();
   return end;
 }
 
 /// Opens the session that waits or, if its devices cannot be opened, one with the saved files; `error` says why.
 Result<std::unique_ptr<Session>> begin_next(std::unique_ptr<Session> former, RunContext& run, std::string& error) {
-  std::unique_ptr<Session> next = run.next.take();
+  std::unique_ptr<Session> next = run.next->take();
   // Robots that were to stand until somebody acts stand in the next session too.
   const HeldStops held = former->loop().held();
   const std::uint64_t number = former->next_number();
@@ -262,7 +266,7 @@ int run_command(const CommandLine& command_line) {
   if (marker.exists()) session->hold({kHaltCrash});
   RunContext run{command_line, connections,     *console, serves_console, paced,
                  adaptation,   reload_requests, stop,     refused};
-  console->set_use_files([&run](const config::FilePaths& draft) { return use_files(run, draft); });
+  console->set_use_files(use_files(command_line.session, run));
   if (const Result<void> opened = open_session(*session, run); !opened.ok()) {
     std::fprintf(stderr, "%s\n", opened.error().text.c_str());
     return kExitDeviceFailure;

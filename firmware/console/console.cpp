@@ -69,11 +69,12 @@ void Console::work(const Print& print) {
 
 void Console::begin_session(const Session& session, const std::string& error) {
   if (!thread_.joinable()) return;
+  Scene scene = scene_of(session, version_);
   std::unique_lock lock(task_mutex_);
   task_ = [&] {
     const hal::CameraInfo& camera = session.camera_info();
     pictures_.reallocate(picture_layout(camera.format, camera.width_px, camera.height_px).bytes);
-    hub_->begin_session(scene_of(session, version_), error);
+    hub_->begin_session(std::move(scene), error);
   };
   server_->wake();
   task_done_.wait(lock, [this] { return !task_; });

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cstring>
+#include <tuple>
 
 #include "firmware/console/picture_scaler.h"
 
@@ -35,13 +36,14 @@ Hub::Hub(const HubLinks& links, Scene scene, const HubSettings& settings)
       pictures_(links.pictures, picture_period_),
       driving_(own_robots(scene_)),
       session_name_(std::to_string(unix_time_.to_unix(hal::MonotonicClock::read()).count())),
-      setup_(settings.setup_socket, clients_, links.print),
+      setup_(settings.setup_socket, clients_, links.print, files_),
       text_(kMessagePrefix + kFirstTextBytes) {
   setup_.set_hello(setup_hello_text(scene_));
   is_held_ = scene_.is_draft || !scene_.is_calibrated;
 }
 
 void Hub::tick(Instant now) {
+  files_.finish();
   pictures_.poll();
   feed_.read();
   read_loop(now);
@@ -113,10 +115,20 @@ std::size_t Hub::count_clients(bool stop_lines) const {
       clients_.begin(), clients_.end(), [=](const Client& client) { return client.is_stop_line == stop_lines; }));
 }
 
-Client* Hub::connect(Instant now, ClientProtocol protocol) {
+const Client* Hub::surplus_stop_line() const {
+  if (count_clients(true) < kMaxClients) return nullptr;
+  const auto silent = std::min_element(clients_.begin(), clients_.end(), [](const Client& a, const Client& b) {
+    return std::tuple(!a.is_stop_line, a.heard) < std::tuple(!b.is_stop_line, b.heard);
+  });
+  return &*silent;
+}
+
+Client* Hub::connect(Instant now, ClientProtocol protocol, bool has_token) {
   const bool is_stop_line = protocol == ClientProtocol::kStop;
-  if (count_clients(is_stop_line) >= kMaxClients) return nullptr;
+  const std::size_t places = kMaxClients + (has_token && !is_stop_line ? kPlacesForToken : 0);
+  if (count_clients(is_stop_line) >= places) return nullptr;
   Client& client = clients_.emplace_back(is_stop_line ? ++last_stop_line_ : ++last_number_);
+  client.heard = now;
   client.is_stop_line = is_stop_line;
   if (is_stop_line) return &client;
   if (protocol == ClientProtocol::kFoxglove) {
@@ -141,6 +153,7 @@ void Hub::disconnect(Client& client) {
 }
 
 bool Hub::receive(Client& client, std::string_view text, Instant arrived, Instant now) {
+  client.heard = arrived;
   if (!client.limit.pass(now)) return false;
   if (client.foxglove != nullptr) return receive_foxglove(client, text, now);
   driving_.hear(client.number, arrived);
@@ -155,7 +168,8 @@ bool Hub::receive(Client& client, std::string_view text, Instant arrived, Instan
     is_answered = !pass_to_setup(client, text, message.value(), answer);
   } else if (message.ok()) {
     const Result<void> obeyed = obey(client, message.value(), arrived, now);
-    const bool is_answered_later = message.value().kind == ClientMessage::Kind::kProbe;
+    const bool is_loading = message.value().kind == ClientMessage::Kind::kUseSaved && order_.has_value();
+    const bool is_answered_later = message.value().kind == ClientMessage::Kind::kProbe || is_loading;
     is_answered = (message.value().request.has_value() && !is_answered_later) || !obeyed.ok();
     answer.to = message.value().request.value_or(0);
     if (!obeyed.ok()) answer.error = obeyed.text();
@@ -212,7 +226,7 @@ Result<void> Hub::obey(Client& client, const ClientMessage& message, Instant arr
     case Kind::kSetup:  // see pass_to_setup()
       return {};
     case Kind::kUseSaved:
-      return leave_setup(client);
+      return leave_setup(client, message.request.value_or(0));
     case Kind::kProbe:
       return accept_probe(client, message, now);
     case Kind::kScore:

@@ -27,7 +27,9 @@ struct Scene {
   std::string version;  // of the program
   CameraModel model;    // of the configuration
   bool is_draft = false, is_calibrated = true;
+  config::FilePaths files;  // of the configuration, absolute
 };
+/// Asks the system for the current folder: not for the console's thread while it serves.
 Scene scene_of(std::shared_ptr<const config::Configuration> configuration, const hal::CameraInfo& camera,
                std::string version);
 

@@ -72,7 +72,11 @@ int WebServer::Implementation::on_socket(lws* connection, lws_callback_reasons r
 }
 
 int WebServer::Implementation::accept_socket(lws* connection) {
-  Client* const client = hub_.connect(hal::MonotonicClock::read(), protocol_of(connection));
+  visitors_.erase(connection);
+  const ClientProtocol protocol = protocol_of(connection);
+  if (protocol == ClientProtocol::kStop) limit_stop_lines();
+  const Purpose purpose = protocol == ClientProtocol::kFoxglove ? Purpose::kFoxglove : Purpose::kConsole;
+  Client* const client = hub_.connect(hal::MonotonicClock::read(), protocol, has_token(connection, purpose));
   if (client == nullptr) {
     // "Try again later" (RFC 6455, registered as 1013).
     return end_socket(connection, static_cast<lws_close_status>(1013), "too many clients");

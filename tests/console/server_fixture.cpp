@@ -39,7 +39,12 @@ void ConsoleServer::start() {
   console_ = std::thread([this] {
     while (!end_) {
       server_->serve();
-      if (task_) std::exchange(task_, nullptr)();
+      std::function<void()> task;
+      {
+        const std::scoped_lock lock(mutex_);
+        task.swap(task_);
+      }
+      if (task) task();
     }
   });
 }
@@ -55,6 +60,7 @@ std::array<std::uint8_t, 3> ConsoleServer::patch_value() const {
 }
 
 void ConsoleServer::begin_session_later(bool is_draft, bool is_calibrated, std::string error) {
+  const std::scoped_lock lock(mutex_);
   task_ = [this, is_draft, is_calibrated, error = std::move(error)] {
     hal::CameraInfo camera;
     camera.width_px = kWidth;

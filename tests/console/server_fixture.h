@@ -33,8 +33,7 @@ class ConsoleServer : public ::testing::Test {
   [[nodiscard]] std::uint16_t halt() const { return halt_; }
   /// The member of a start that names the stop in force, as a page has it from the newest state.
   [[nodiscard]] std::string stop_in_force() const { return "\"stop_number\":" + std::to_string(stop_number_); }
-  /// Lets a session begin, as the main thread does. Call it in `use_files`, on the console's thread: the hub is told
-  /// with its next turn.
+  /// Lets a session begin, as the main thread does. Call it in `use_files`: the hub is told with its next turn.
   void begin_session_later(bool is_draft, bool is_calibrated, std::string error = {});
   /// Waits until the loop has got this, for at most half a minute.
   template <class Condition>

@@ -179,6 +179,7 @@ void Loop::write_snapshot(const StepTrace& trace, const StepTiming& timing, Inst
   snapshot_.latency = timing.latency;
   snapshot_.halt = rules_.halt();
   snapshot_.stop_number = external_.stop_number(rules_);
+  snapshot_.is_held = rules_.is_held();
   snapshot_.referee = external_.referee();
   if (!snapshot_.referee.score && settings_.score.read != nullptr) {
     snapshot_.referee.score = settings_.score.read(settings_.score.context);

@@ -96,8 +96,8 @@ void Hub::read_reports(Instant now) {
 Outgoing Hub::status_message(Instant now) {
   const bool is_known = reports_read_ > 0 && now - heard_from_loop_ <= kLoopSilence;
   return text_message([&](auto& json) {
-    write_status(json, scene_, feed_, report_, is_known ? std::optional(report_.halt) : std::nullopt, monitor_.status(),
-                 clients(), unix_s(now));
+    write_status(json, scene_, feed_, report_, is_known ? std::optional(report_.halt) : std::nullopt,
+                 driving_.is_stopped(), monitor_.status(), clients(), unix_s(now));
   });
 }
 

@@ -228,6 +228,8 @@ void write_state(JsonWriter& json, const Scene& scene, const Snapshot& snapshot,
   write_halt(json, snapshot.halt);
   json.key("stop_number");
   json.integer(snapshot.stop_number);
+  json.key("waits_for_start");
+  json.boolean(snapshot.is_held || (snapshot.halt & kHaltConsole) != 0);
   json.key("referee");
   json.begin_object();
   json.key("phase");

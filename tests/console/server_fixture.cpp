@@ -145,6 +145,7 @@ void ConsoleServer::run_loop() {
     snapshot->latency = std::chrono::milliseconds(5);
     snapshot->halt = rules.halt();
     snapshot->stop_number = stop_number_;
+    snapshot->is_held = rules.is_held();
     snapshots_->write(*snapshot);
     if (pictures_.is_wanted()) {
       if (pipeline_) pictures_.put_findings(*pipeline_, pipeline_->step(frame));

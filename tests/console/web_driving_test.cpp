@@ -64,6 +64,7 @@ TEST_F(WebDriving, AStopOfAnyClientReachesTheNextFrame) {
   while (state["number"].get<std::uint64_t>() <= answered + 1);
   EXPECT_EQ(state["halt"], nlohmann::json::array({"console"}));
   EXPECT_EQ(state["stop_number"], 1);
+  EXPECT_EQ(state["waits_for_start"], true);
   const nlohmann::json refused = ask(watcher, "start", stop_in_force());
   EXPECT_EQ(refused["ok"], false);
   EXPECT_NE(refused["error"].get<std::string>().find("take over"), std::string::npos);

@@ -49,9 +49,8 @@ void ExternalInput::take_referee(Instant now, Instant machine_now) {
 }
 
 void ExternalInput::take_console(Instant now, Instant machine_now) {
-  const bool was_stopped = console_.stop;
-  static_cast<void>(settings_.console->take(console_));
-  if (was_stopped && !console_.stop) on_start();
+  static_cast<void>(settings_.console->input.take(console_));
+  is_driver_silent_ = console_.driver_heard && machine_now - *console_.driver_heard > kDriverSilence;
   merged_.clear();
   for (ExternalCommand command : console_.commands) {
     // The age that other programs' commands may have is another one.
@@ -68,6 +67,22 @@ void ExternalInput::take_console(Instant now, Instant machine_now) {
 
 void ExternalInput::on_start() {
   if (settings_.referee_releases != nullptr) settings_.referee_releases->fetch_add(1, std::memory_order_relaxed);
+}
+
+void ExternalInput::apply_to(StopRules& rules, Instant now, Duration timeout) {
+  rules.apply_external(halt(now, timeout));
+  if (settings_.console == nullptr) return;
+  ConsoleLink& console = *settings_.console;
+  rules.hold(kHaltDriver, is_driver_silent_);
+  // The loop of the next session must know it as well.
+  const bool is_new_start = console.starts_taken.load(std::memory_order_relaxed) != console_.starts;
+  console.starts_taken.store(console_.starts, std::memory_order_relaxed);
+  if (is_new_start && console_.start_number == rules.held_number()) {
+    rules.start();
+    on_start();
+  }
+  console.held_number.store(rules.held_number(), std::memory_order_release);
+  console.is_held.store(rules.is_held(), std::memory_order_release);
 }
 
 void ExternalInput::count_expired(const Commands& commands) {

@@ -31,7 +31,7 @@ struct ExternalInputSettings {
   std::atomic<std::uint32_t>* referee_releases = nullptr;
   // Robots stand until the first message of the referee.
   bool awaits_referee = false;
-  Mailbox<ConsoleInput>* console = nullptr;  // null: there is no console
+  ConsoleLink* console = nullptr;  // null: there is no console
   SetupMode setup = SetupMode::kCalibrated;
 };
 
@@ -44,6 +44,9 @@ class ExternalInput {
 
   /// `now`: of the loop's clock; `machine_now`: CLOCK_MONOTONIC.
   void take(Instant now, Instant machine_now);
+  /// Applies what was taken: reasons to halt, the driver's silence, and a start. Tells the console what holds.
+  /// `timeout`: for a referee that repeats its messages.
+  void apply_to(StopRules& rules, Instant now, Duration timeout);
   /// Passes team colors, sides and heights of the referee on.
   void assign_teams(Pipeline& pipeline);
   /// A person has pressed the start button, or Start in the console.
@@ -55,9 +58,13 @@ class ExternalInput {
   /// in referee().
   [[nodiscard]] const ExternalCommands& commands() const { return settings_.console != nullptr ? merged_ : commands_; }
   [[nodiscard]] const RefereeState& referee() const { return referee_; }
+  [[nodiscard]] const ConsoleInput& console() const { return console_; }
   /// The bits of kExternalHalts that hold. `timeout`: for a referee that repeats its messages.
   [[nodiscard]] std::uint16_t halt(Instant now, Duration timeout) const;
   [[nodiscard]] const ExternalCounts& counts() const { return counts_; }
+  /// The number of the stop in force, which a start of the console's driver has to name. Every stop of a client and
+  /// everything else that ends with a start changes it.
+  [[nodiscard]] std::uint32_t stop_number(const StopRules& rules) const { return console_.stops + rules.held_number(); }
 
  private:
   void take_commands(Instant now, Instant machine_now);
@@ -69,6 +76,7 @@ class ExternalInput {
   const ExternalInputSettings settings_;
   ExternalCommands arrived_, commands_;
   ConsoleInput console_;
+  bool is_driver_silent_ = false;
   ExternalCommands merged_;  // those of the console, and commands_ of the other robots
   std::array<Instant, kMaxRobotsPerTeam> machine_received_{};  // of commands_, in their order
   FixedVector<RobotId, kMaxRobotsPerTeam> expired_;

@@ -17,8 +17,13 @@ constexpr Duration kFinalStopPause = 20ms;
 constexpr Duration kDrainTime = 1s;
 
 StopRuleSettings stop_rule_settings(const LoopSettings& settings) {
-  return {from_seconds(settings.faults.stop_after_s), settings.faults.resume_after_emergency, settings.emergency_stop,
-          settings.start_button, settings.hold_after_crash};
+  const config::FaultSettings& faults = settings.faults;
+  return {from_seconds(faults.stop_after_s),
+          from_seconds(faults.radio_outage_s),
+          faults.resume_after_emergency,
+          settings.emergency_stop,
+          settings.start_button,
+          settings.held};
 }
 
 }  // namespace
@@ -41,7 +46,7 @@ Loop::~Loop() { close(); }
 void Loop::set_faults(const config::FaultSettings& faults) {
   settings_.faults = faults;
   const Duration stop_after = from_seconds(faults.stop_after_s);
-  rules_.set_limits(stop_after, faults.resume_after_emergency);
+  rules_.set_limits(stop_after, from_seconds(faults.radio_outage_s), faults.resume_after_emergency);
   devices_.set_first_pause(from_seconds(faults.reopen_after_s));
   // Short enough for stop packets and the emergency stop, long enough to leave the processor idle.
   poll_period_ = std::clamp<Duration>(stop_after / 4, 5ms, 50ms);
@@ -78,8 +83,9 @@ std::optional<LoopEnd> Loop::iterate() {
   receive_telemetry(now);
   reopen_lost_devices(now);
   update_status_light(now);
-  reports_.report_halt(rules_.halt(), now);
-  reports_.report_status_if_due(statistics_, rules_.halt(), pipeline_.adaptation(), now);
+  const std::uint32_t stop_number = external_.stop_number(rules_);
+  reports_.report_halt(rules_.halt(), stop_number, now);
+  reports_.report_status_if_due(statistics_, rules_.halt(), stop_number, pipeline_.adaptation(), now);
   take_live_settings();
   update_end(now);
   return end_;
@@ -172,6 +178,8 @@ void Loop::write_snapshot(const StepTrace& trace, const StepTiming& timing, Inst
   snapshot_.machine_sent = machine_sent;
   snapshot_.latency = timing.latency;
   snapshot_.halt = rules_.halt();
+  snapshot_.stop_number = external_.stop_number(rules_);
+  snapshot_.is_held = rules_.is_held();
   snapshot_.referee = external_.referee();
   if (!snapshot_.referee.score && settings_.score.read != nullptr) {
     snapshot_.referee.score = settings_.score.read(settings_.score.context);
@@ -212,7 +220,7 @@ void Loop::take_live_settings() {
 void Loop::take_external_input(Instant now) {
   external_.take(now, hal::MonotonicClock::read());
   external_.assign_teams(pipeline_);
-  rules_.apply_external(external_.halt(now, from_seconds(settings_.faults.referee_timeout_s)));
+  external_.apply_to(rules_, now, from_seconds(settings_.faults.referee_timeout_s));
 }
 
 void Loop::update_end(Instant now) {
@@ -249,10 +257,17 @@ void Loop::read_inputs(Instant now) {
   input_due_ = inputs ? inputs->next_poll_in : Duration::max();
   if (inputs && inputs->start_pressed) external_.on_start();
   rules_.apply_inputs(inputs, now);
+  check_radio(now);
+}
+
+void Loop::check_radio(Instant now) {
+  const bool is_open = devices_.is_open(Device::kRadio);
+  rules_.apply_radio(is_open ? std::nullopt : std::optional(devices_.time_lost(Device::kRadio, now)));
 }
 
 void Loop::stop_if_due(Instant now) {
   rules_.check_last_frame(now);
+  check_radio(now);
   if (!rules_.may_move() && now - last_packet_ >= poll_period_) send_stop(now);
 }
 

@@ -42,7 +42,7 @@ struct LoopSettings {
   bool telemetry = true;                           // receive telemetry from the robots
   bool start_button = false;                       // robots are stopped until it is pressed
   bool emergency_stop = true;                      // the board has one; robots are stopped while it cannot be read
-  bool hold_after_crash = false;                   // the previous run ended unexpectedly: robots wait for a start
+  HeldStops held{};                                // of the previous session or run: robots wait for a start
   const std::atomic<bool>* restart = nullptr;      // ends the loop with kRestart when it is set; null: never
   std::uint64_t first_number = 0;                  // of the first frame's snapshot
   LiveUpdate* live_update = nullptr;               // new settings while the loop runs; null: none
@@ -118,6 +118,8 @@ class Loop {
   [[nodiscard]] const LoopHeartbeat& heartbeat() const { return heartbeat_; }
   /// Bits of Halt.
   [[nodiscard]] std::uint16_t halt() const { return rules_.halt(); }
+  /// What the next session's robots wait for.
+  [[nodiscard]] HeldStops held() const { return rules_.held(); }
   /// The error that led to kFault or kDeviceLost.
   [[nodiscard]] const FaultReport& last_fault() const { return reports_.last_fault(); }
 
@@ -141,6 +143,7 @@ class Loop {
   void write_snapshot(const StepTrace& trace, const StepTiming& timing, Instant machine_sent);
 
   void read_inputs(Instant now);
+  void check_radio(Instant now);
   void send(const Packet& packet, bool is_stop, Instant now);
   void send_stop(Instant now);
   void on_reopened(Device device, Instant now);

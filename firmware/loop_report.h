@@ -51,6 +51,7 @@ struct StatusReport {
                 overloads = 0, faults = 0;
   std::uint64_t commands_expired = 0;  // times that a robot stopped because its external command was too old
   std::uint16_t halt = kHaltNone;
+  std::uint32_t stop_number = 0;  // ExternalInput::stop_number()
   AdaptationMode adaptation = AdaptationMode::kFollow;
   float brightness = 1.0f;  // of the light, relative to the calibration
   FixedVector<SeenRobot, kMaxRobots> robots;
@@ -71,10 +72,11 @@ struct FaultReport {
   void set_reason(std::string_view text);
 };
 
-/// Robots were stopped, or may move again.
+/// Robots were stopped, or may move again; or they are stopped as before and by another stop.
 struct HaltReport {
   double elapsed_s = 0.0;
   std::uint16_t halt = kHaltNone, before = kHaltNone;
+  std::uint32_t stop_number = 0;
 };
 
 /// A robot's battery has become low.

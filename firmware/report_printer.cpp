@@ -74,7 +74,8 @@ void ReportPrinter::print(const Report& report) {
     case Report::Kind::kFault:
       return print_event("error", fault_line(report.fault));
     case Report::Kind::kHalt:
-      if (settings_.on_halt) settings_.on_halt(report.halt.halt);
+      if (settings_.on_halt) settings_.on_halt(report.halt);
+      if (report.halt.halt == report.halt.before) return;
       return print_event(report.halt.halt == kHaltNone ? "info" : "warning", halt_line(report.halt));
     case Report::Kind::kBattery:
       return print_event("warning", battery_line(report.battery));

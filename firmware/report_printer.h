@@ -22,7 +22,7 @@ struct ReportPrinterSettings {
   // Gets every line but the status, with its level: info, warning or error; on the printer's thread. Empty: nobody.
   std::function<void(const char* level, const std::string& line)> on_event;
   std::function<void(const StatusReport&)> on_status;  // the same for the status
-  std::function<void(std::uint16_t halt)> on_halt;     // and for a halt that has begun, changed or ended
+  std::function<void(const HaltReport&)> on_halt;      // and for a halt that has begun, changed or ended
 };
 
 /// Takes the loop's reports from the ring on its own thread and prints them: the status to standard output, events to

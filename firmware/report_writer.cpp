@@ -14,16 +14,19 @@ void ReportWriter::add_step(const StepTrace& trace, Duration latency) {
   latency_.add(latency);
 }
 
-void ReportWriter::report_halt(std::uint16_t halt, Instant now) {
-  if (halt == halt_reported_) return;
+void ReportWriter::report_halt(std::uint16_t halt, std::uint32_t stop_number, Instant now) {
+  const bool is_known = halt == halt_reported_ && stop_number == stop_number_reported_;
+  // While robots may move, the number concerns nobody.
+  if (is_known || (halt == kHaltNone && halt_reported_ == kHaltNone)) return;
   report_.kind = Report::Kind::kHalt;
-  report_.halt = {elapsed_s(now), halt, halt_reported_};
+  report_.halt = {elapsed_s(now), halt, halt_reported_, stop_number};
   ring_.push(report_);
   halt_reported_ = halt;
+  stop_number_reported_ = stop_number;
 }
 
-void ReportWriter::report_status_if_due(const LoopStatistics& statistics, std::uint16_t halt, AdaptationMode adaptation,
-                                        Instant now) {
+void ReportWriter::report_status_if_due(const LoopStatistics& statistics, std::uint16_t halt, std::uint32_t stop_number,
+                                        AdaptationMode adaptation, Instant now) {
   if (now < next_status_) return;
   next_status_ += interval_;
   if (next_status_ <= now) next_status_ = now + interval_;  // the loop was delayed
@@ -47,6 +50,7 @@ void ReportWriter::report_status_if_due(const LoopStatistics& statistics, std::u
   status.faults = statistics.fault_count();
   status.commands_expired = statistics.external.commands_expired;
   status.halt = halt;
+  status.stop_number = stop_number;
   status.adaptation = adaptation;
   // Without new frames, the robots of the last frame no longer count as seen.
   if (last_trace_ != nullptr && good > 0) {

@@ -20,14 +20,14 @@ class ReportWriter {
   void begin(Instant now);
   /// Adds a processed frame. `trace` must be valid until the next call.
   void add_step(const StepTrace& trace, Duration latency);
-  void report_halt(std::uint16_t halt, Instant now);
+  void report_halt(std::uint16_t halt, std::uint32_t stop_number, Instant now);
   /// Reports a fault, at most once per interval for each device and code, and only once for
   /// FaultAction::kContinueWithout. `text`: device and cause.
   void report_fault(Device device, ErrorCode code, FaultAction action, std::string_view text, Instant now);
   /// Reports robots whose battery has become low since the last call.
   void report_batteries(const RobotReports& robots, Instant now);
-  void report_status_if_due(const LoopStatistics& statistics, std::uint16_t halt, AdaptationMode adaptation,
-                            Instant now);
+  void report_status_if_due(const LoopStatistics& statistics, std::uint16_t halt, std::uint32_t stop_number,
+                            AdaptationMode adaptation, Instant now);
 
   /// The last fault, without reports of reopened devices.
   [[nodiscard]] const FaultReport& last_fault() const { return last_fault_; }
@@ -43,6 +43,7 @@ class ReportWriter {
   std::array<std::array<bool, kErrorCodeCount>, kDeviceCount> fault_reported_{};  // since the last status
   bool continue_without_reported_ = false;
   std::uint16_t halt_reported_ = kHaltNoFrames;
+  std::uint32_t stop_number_reported_ = 0;
   std::array<bool, 128> battery_reported_{};  // by id
   const StepTrace* last_trace_ = nullptr;
   FaultReport last_fault_;

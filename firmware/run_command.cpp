@@ -61,10 +61,16 @@ bool is_failure(LoopEnd end) { return end == LoopEnd::kDeviceLost || end == Loop
 
 std::string hold_text(const hal::GpioSettings& gpio) {
   return std::string("the previous run ended unexpectedly: robots are stopped until ") +
-         (gpio.start_line != hal::kNoLine ? "the start button is pressed"
-                                          : "the service is restarted (systemctl restart touchline)") +
+         (gpio.start_line != hal::kNoLine
+              ? "the start button is pressed, or Start on the page Play"
+              : "the service is restarted (systemctl restart touchline), or Start is pressed on the page Play") +
          "\n";
 }
+
+struct FinishAtEnd {
+  hal::TextOutput& output;
+  ~FinishAtEnd() { static_cast<void>(output.finish(hal::TextOutput::kPatience)); }
+};
 
 /// What all sessions of a run share.
 struct RunContext {
@@ -76,12 +82,13 @@ struct RunContext {
   AdaptationRequests& adaptation;
   const std::atomic<std::uint32_t>& reload_requests;
   const std::atomic<bool>& stop;
-  std::vector<std::string>& refused;  // by the system, of the real-time settings
-  hal::TextOutput& output;
+  std::vector<std::string>& refused;        // by the system, of the real-time settings
+  std::shared_ptr<hal::TextOutput> output;  // shared with the console's thread for files, as `next` is
 
-  SessionSwitch next{};
-  SharedReloader reloader{};
-  LinePrinter lines{output};
+  // Shared with the console's thread for files, which outlives the run if the disk blocks it.
+  std::shared_ptr<SessionSwitch> next = std::make_shared<SessionSwitch>();
+  std::shared_ptr<SharedReloader> reloader = std::make_shared<SharedReloader>();
+  LinePrinter lines{};
   std::optional<ServiceNotifier> service{};
   std::optional<console::ConsoleThread> console_thread{};
 };
@@ -117,22 +124,25 @@ Result<std::unique_ptr<Session>> load_session(const SessionOptions& saved, const
   return session;
 }
 
-/// For the console's thread.
-Result<console::FilesUse> use_files(RunContext& run, const config::FilePaths& draft) {
-  Result<std::unique_ptr<Session>> next = load_session(run.command_line.session, draft, true, run.output);
-  if (!next.ok()) return next.error();
-  const Session& session = *next.value();
-  if (session.is_draft() && run.reloader.adjust_camera_only(session.files(), session.configuration())) {
-    return console::FilesUse::kAtOnce;
-  }
-  run.next.offer(std::move(next).value());
-  return console::FilesUse::kInNextSession;
+/// Owns all that it uses, because it is called on the console's thread for files.
+console::UseFiles use_files(const SessionOptions& saved, const RunContext& run) {
+  return [saved, next = run.next, reloader = run.reloader,
+          output = run.output](const config::FilePaths& draft) -> Result<console::FilesUse> {
+    Result<std::unique_ptr<Session>> loaded = load_session(saved, draft, true, *output);
+    if (!loaded.ok()) return loaded.error();
+    const Session& session = *loaded.value();
+    if (session.is_draft() && reloader->adjust_camera_only(session.files(), session.configuration())) {
+      return console::FilesUse::kAtOnce;
+    }
+    next->offer(std::move(loaded).value());
+    return console::FilesUse::kInNextSession;
+  };
 }
 
 Result<void> open_session(Session& session, RunContext& run) {
   session.set_adaptation_requests(run.adaptation);
   session.set_arena_time(run.is_paced ? ArenaTime::kPaced : ArenaTime::kFast);
-  session.set_restart(&run.next.is_waiting());
+  session.set_restart(&run.next->is_waiting());
   if (run.serves_console) run.console.attach(session, run.connections.snapshots());
   run.connections.attach(session);
   return session.open(LoopObserver{});
@@ -148,7 +158,7 @@ ReportPrinterSettings reporting_of(const Session& session, RunContext& run) {
   if (!run.connections.plan().empty()) reporting.network = [&run] { return run.connections.status_text(); };
   if (run.serves_console) {
     reporting.on_status = [&run](const StatusReport& status) { run.console.reports().set(status); };
-    reporting.on_halt = [&run](std::uint16_t halt) { run.console.reports().set_halt(halt); };
+    reporting.on_halt = [&run](const HaltReport& halt) { run.console.reports().set_halt(halt); };
     reporting.on_event = [&run](const char* level, const std::string& line) {
       run.console.reports().events.add(level, line);
     };
@@ -167,14 +177,14 @@ LoopEnd run_session(Session& session, RunContext& run, const std::string& error)
   }
   ConfigReloader reloader(session.files(), session.configuration(), session.devices().hal_devices().camera,
                           session.live_update());
-  run.reloader.attach(reloader);
+  run.reloader->attach(reloader);
   LoopEnd end = LoopEnd::kRequested;
   {
     // These threads are started before this thread gets its real-time priority, which they would inherit.
-    ReportPrinter printer(session.reports(), reporting_of(session, run), run.output);
+    ReportPrinter printer(session.reports(), reporting_of(session, run), *run.output);
     run.lines.set(&printer);
     const auto print_line = [&run](const std::string& line) { run.lines.print(line); };
-    const ReloadThread reload([&](const std::atomic<bool>& cancelled) { return run.reloader.reload(cancelled); },
+    const ReloadThread reload([&](const std::atomic<bool>& cancelled) { return run.reloader->reload(cancelled); },
                               run.reload_requests, print_line);
     const network::ConnectionThreads threads(run.connections, session.configuration(), print_line);
     if (run.serves_console && is_first) {
@@ -187,33 +197,29 @@ LoopEnd run_session(Session& session, RunContext& run, const std::string& error)
     for (std::string& hint : realtime_hints(realtime, is_realtime())) refused.push_back(std::move(hint));
     if (is_first) {
       run.refused.insert(run.refused.end(), refused.begin(), refused.end());
-      print_start(session, run.connections, run.console, run.refused, run.output);
+      print_start(session, run.connections, run.console, run.refused, *run.output);
     }
     end = touchline::run(session.loop(), *run.service, run.stop);
     normal.restore();
     if (end != LoopEnd::kRestart) run.console_thread.reset();
     run.lines.set(nullptr);
   }
-  run.reloader.detach();
+  run.reloader->detach();
   session.loop().close();
   return end;
 }
 
-/// Robots that were to stand until somebody acts stand in the next session too.
-bool must_wait_for_start(std::uint16_t halt) {
-  return (halt & (kHaltCrash | kHaltEmergency | kHaltUnreadableLine)) != 0;
-}
-
 /// Opens the session that waits or, if its devices cannot be opened, one with the saved files; `error` says why.
 Result<std::unique_ptr<Session>> begin_next(std::unique_ptr<Session> former, RunContext& run, std::string& error) {
-  std::unique_ptr<Session> next = run.next.take();
-  const bool holds = must_wait_for_start(former->loop().halt());
+  std::unique_ptr<Session> next = run.next->take();
+  // Robots that were to stand until somebody acts stand in the next session too.
+  const HeldStops held = former->loop().held();
   const std::uint64_t number = former->next_number();
   former.reset();  // its devices are needed
   // The next loop counts the requests from the beginning.
   run.adaptation.freeze = run.adaptation.reset = 0;
   const auto open = [&](Session& session) {
-    session.hold_after_crash(holds);
+    session.hold(held);
     session.set_first_number(number);
     return open_session(session, run);
   };
@@ -221,7 +227,7 @@ Result<std::unique_ptr<Session>> begin_next(std::unique_ptr<Session> former, Run
   if (opened.ok()) return next;
   error = opened.text();
   next.reset();
-  Result<std::unique_ptr<Session>> saved = load_session(run.command_line.session, {}, true, run.output);
+  Result<std::unique_ptr<Session>> saved = load_session(run.command_line.session, {}, true, *run.output);
   if (!saved.ok()) return saved;
   TOUCHLINE_TRY(open(*saved.value()));
   return saved;
@@ -239,7 +245,10 @@ bool wants_console(const CommandLine& command_line) {
 
 int run_command(const CommandLine& command_line) {
   // From here on nothing else is printed to: whoever holds up the terminal holds up no thread that stops robots.
-  hal::TextOutput output;
+  const auto shared_output = std::make_shared<hal::TextOutput>();
+  hal::TextOutput& output = *shared_output;
+  // Not its destructor: a thread that a disk blocks may keep it.
+  const FinishAtEnd finish_at_end{output};
   Result<std::unique_ptr<Session>> loaded = load_session(command_line.session, {}, wants_console(command_line), output);
   Result<network::NetworkPlan> plan =
       loaded.ok() ? network::plan_network(loaded.value()->configuration(), command_line.network) : loaded.error();
@@ -271,10 +280,10 @@ int run_command(const CommandLine& command_line) {
   AdaptationRequests& adaptation = handle_adaptation_signals();
   const std::atomic<std::uint32_t>& reload_requests = handle_reload_signal();
   const RunMarker marker = RunMarker::of_service();
-  session->hold_after_crash(marker.exists());
+  if (marker.exists()) session->hold({kHaltCrash});
   RunContext run{command_line, connections,     *console, serves_console, paced,
-                 adaptation,   reload_requests, stop,     refused,        output};
-  console->set_use_files([&run](const config::FilePaths& draft) { return use_files(run, draft); });
+                 adaptation,   reload_requests, stop,     refused,        shared_output};
+  console->set_use_files(use_files(command_line.session, run));
   if (const Result<void> opened = open_session(*session, run); !opened.ok()) {
     output.print_error(opened.text() + "\n");
     return kExitDeviceFailure;

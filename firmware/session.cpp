@@ -47,7 +47,7 @@ Result<void> Session::open(LoopObserver observer) {
   settings.telemetry = configuration_->board.radio.telemetry;
   settings.start_button = configuration_->board.gpio.start_line != hal::kNoLine;
   settings.emergency_stop = configuration_->board.gpio.emergency_stop_line != hal::kNoLine;
-  settings.hold_after_crash = hold_after_crash_;
+  settings.held = held_;
   settings.live_update = &live_update_;
   settings.external = external_;
   settings.external.console = console_;

@@ -59,8 +59,8 @@ class Session {
   }
   /// Requests to the adaptation while the loop runs; call it before open().
   void set_adaptation_requests(const AdaptationRequests& requests) { adaptation_ = &requests; }
-  /// Whether robots wait for a start because the previous run ended unexpectedly; call it before open().
-  void hold_after_crash(bool hold) { hold_after_crash_ = hold; }
+  /// Why robots wait for a start from the beginning; call it before open().
+  void hold(const HeldStops& held) { held_ = held; }
   /// Commands of other programs and messages of a referee; call it before open().
   void set_external_input(const ExternalInputSettings& settings) { external_ = settings; }
   /// How the time of a simulation passes; call it before open().
@@ -74,8 +74,8 @@ class Session {
   /// Gets a snapshot of every frame; null: none. Call it before open().
   void set_snapshots(SnapshotRing* snapshots) { snapshots_ = snapshots; }
   /// Input of the console, and the pictures that it asks for; call it before open().
-  void set_console(Mailbox<ConsoleInput>* input, PictureExchange* pictures) {
-    console_ = input;
+  void set_console(ConsoleLink* link, PictureExchange* pictures) {
+    console_ = link;
     pictures_ = pictures;
   }
   /// Passes new settings to the running loop (firmware/config_reloader.h).
@@ -102,12 +102,12 @@ class Session {
 
   SessionOptions options_;
   const AdaptationRequests* adaptation_ = nullptr;
-  bool hold_after_crash_ = false;
+  HeldStops held_;
   ExternalInputSettings external_;
   Pipeline::StageClock stage_clock_ = hal::MonotonicClock::read;
   SnapshotRing* snapshots_ = nullptr;
   GpioProxy* gpio_proxy_ = nullptr;
-  Mailbox<ConsoleInput>* console_ = nullptr;
+  ConsoleLink* console_ = nullptr;
   PictureExchange* pictures_ = nullptr;
   const std::atomic<bool>* restart_ = nullptr;
   std::uint64_t first_number_ = 0;

@@ -5,6 +5,7 @@
 #include <mutex>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "firmware/report_printer.h"
 #include "firmware/session.h"
@@ -35,29 +36,32 @@ class SessionSwitch {
   std::atomic<bool> is_waiting_{false};
 };
 
-/// Prints the lines of threads that live longer than the printer of a session.
+/// Prints the lines of threads that live longer than the printer of a session. Between two sessions they wait for the
+/// next printer: the console's thread must not wait for a terminal.
 class LinePrinter {
  public:
-  /// `output`: for the lines between two sessions.
-  explicit LinePrinter(hal::TextOutput& output) : output_(output) {}
   /// Null: there is none at the moment.
   void set(ReportPrinter* printer) {
     const std::scoped_lock lock(mutex_);
     printer_ = printer;
+    if (printer_ == nullptr) return;
+    for (const std::string& line : std::exchange(waiting_, {})) printer_->print_line(line);
   }
   void print(const std::string& line) {
     const std::scoped_lock lock(mutex_);
     if (printer_ != nullptr) {
       printer_->print_line(line);
-    } else {
-      output_.print_error(line + "\n");
+    } else if (waiting_.size() < kMaxWaiting) {
+      waiting_.push_back(line);
     }
   }
 
  private:
-  hal::TextOutput& output_;
   std::mutex mutex_;
   ReportPrinter* printer_ = nullptr;
+  std::vector<std::string> waiting_;
+  // Clients that come and go while devices are opened.
+  static constexpr std::size_t kMaxWaiting = 100;
 };
 
 }  // namespace touchline

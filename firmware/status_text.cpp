@@ -36,13 +36,16 @@ std::string halt_reasons(std::uint16_t halt) {
   add(kHaltStart, "waiting for the start button");
   add(kHaltReferee, "the referee stopped the game");
   add(kHaltSilence, "no message of the referee");
+  add(kHaltRadio, "the radio is away or was away for too long");
   if ((halt & kHaltSetupEnded) == 0) add(kHaltConsole, "stopped from the console");
   add(kHaltSetupEnded, "the setup was saved or left, press Start on the page");
+  add(kHaltDriver, "the driver's page was silent");
   add(kHaltSetup, "the board is being set up (page Set up of the console)");
   add(kHaltTeams, "the referee's team colors or heights do not fit the team file");
   add(kHaltCrash, (halt & kHaltStart) != 0
                       ? "the previous run ended unexpectedly"
-                      : "the previous run ended unexpectedly, restart the service to let robots move");
+                      : "the previous run ended unexpectedly, press Start on the page or restart the service to let "
+                        "robots move");
   return reasons;
 }
 

@@ -4,35 +4,50 @@
 
 namespace touchline {
 
-void StopRules::set_limits(Duration stop_after, bool resume_after_emergency) {
+StopRules::StopRules(const StopRuleSettings& settings)
+    : settings_(settings), held_(settings.held.reasons), held_number_(settings.held.number) {
+  const bool waits_for_button = settings.has_start_button && !settings.held.is_started;
+  held_ = static_cast<std::uint16_t>((held_ & ~kHaltStart) | (waits_for_button ? kHaltStart : kHaltNone));
+  if (is_held()) ++held_number_;
+}
+
+void StopRules::set_limits(Duration stop_after, Duration radio_outage, bool resume_after_emergency) {
   settings_.stop_after = stop_after;
+  settings_.radio_outage = radio_outage;
   settings_.resume_after_emergency = resume_after_emergency;
 }
 
 void StopRules::apply_inputs(const std::optional<hal::GpioInputs>& inputs, Instant now) {
-  hal::GpioInputs unreadable;
-  unreadable.emergency_stop = settings_.has_emergency_stop;
-  update_emergency(inputs.value_or(unreadable), now);
-  std::uint16_t halt = halt_ & (kHaltNoFrames | kExternalHalts);
-  if (emergency_) halt |= inputs ? kHaltEmergency : kHaltUnreadableLine;
-  if (!started_) halt |= kHaltStart;
-  if (settings_.hold_after_crash) halt |= kHaltCrash;
-  halt_ = halt;
-}
-
-void StopRules::update_emergency(const hal::GpioInputs& inputs, Instant now) {
-  if (inputs.emergency_stop) {
+  const bool is_pulled = inputs ? inputs->emergency_stop : settings_.has_emergency_stop;
+  is_readable_ = inputs.has_value();
+  if (is_pulled) {
     emergency_ = true;
     emergency_seen_ = now;
-    restarted_ = false;
-    return;
+  } else if (now - emergency_seen_ >= kEmergencyReleaseTime) {
+    emergency_ = false;
   }
-  if (inputs.start_pressed) {
-    started_ = restarted_ = true;
-    settings_.hold_after_crash = false;
-  }
-  const bool may_resume = settings_.resume_after_emergency || restarted_;
-  if (may_resume && now - emergency_seen_ >= kEmergencyReleaseTime) emergency_ = false;
+  hold(kHaltEmergency, is_pulled && !settings_.resume_after_emergency);
+  // A press while the switch is pulled has no effect.
+  if (inputs && inputs->start_pressed && !is_pulled) start();
+}
+
+void StopRules::apply_external(std::uint16_t reasons) {
+  set(kExternalHalts, false);
+  set(reasons & kExternalHalts, true);
+}
+
+void StopRules::apply_radio(std::optional<Duration> away) {
+  set(kHaltRadio, away.has_value());
+  hold(kHaltRadio, away && *away > settings_.radio_outage);
+}
+
+void StopRules::hold(Halt reason, bool cause) {
+  if (cause == ((causes_ & reason) != 0)) return;
+  causes_ = static_cast<std::uint16_t>(causes_ ^ reason);
+  held_ |= causes_;
+  // A start from before the end of a cause was meant for robots that could not move. A silent driver is heard again
+  // with its start.
+  if (cause || reason != kHaltDriver) ++held_number_;
 }
 
 void StopRules::accept_frame(Instant capture_time, Instant now) {
@@ -40,12 +55,19 @@ void StopRules::accept_frame(Instant capture_time, Instant now) {
   last_good_ = last_good_ ? std::max(*last_good_, captured) : captured;
 }
 
-void StopRules::apply_external(std::uint16_t reasons) {
-  halt_ = static_cast<std::uint16_t>((halt_ & ~kExternalHalts) | (reasons & kExternalHalts));
+std::uint16_t StopRules::halt() const {
+  auto halt = static_cast<std::uint16_t>(lasting_ | held_ | (emergency_ ? kHaltEmergency : kHaltNone));
+  if (is_readable_ || (halt & kHaltEmergency) == 0) return halt;
+  return static_cast<std::uint16_t>((halt & ~kHaltEmergency) | kHaltUnreadableLine);
 }
 
-void StopRules::set_stale(bool stale) {
-  halt_ = static_cast<std::uint16_t>((halt_ & ~kHaltNoFrames) | (stale ? kHaltNoFrames : kHaltNone));
+HeldStops StopRules::held() const {
+  const auto reasons = static_cast<std::uint16_t>(held_ | (emergency_ ? kHaltEmergency : kHaltNone));
+  return {reasons, held_number_, settings_.has_start_button && is_started()};
+}
+
+void StopRules::set(std::uint16_t reason, bool holds) {
+  lasting_ = static_cast<std::uint16_t>(holds ? lasting_ | reason : lasting_ & ~reason);
 }
 
 }  // namespace touchline

@@ -59,7 +59,9 @@ struct FaultSettings {
   double reopen_after_s = 0.5;
   double leave_after_s = 0.0;
   double referee_timeout_s = 1.0;
-  bool resume_after_emergency = true;
+  // The first attempt to reopen the radio follows after 0.5 s and takes some tenths: within this time a cable is back.
+  double radio_outage_s = 1.0;
+  bool resume_after_emergency = false;
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
@@ -85,11 +87,14 @@ struct FaultSettings {
                   .range = {0.2, 60.0},
                   .unit = "s",
                   .help = "Time without a message, of a referee that repeats them, after which robots are stopped"});
-    visit.flag(
-        self.resume_after_emergency,
-        {.name = "resume_after_emergency",
-         .help =
-             "Robots move again when the emergency stop is released; false: only after the start button or a restart"});
+    visit.number(self.radio_outage_s, {.name = "radio_outage_s",
+                                       .range = {0.0, 3600.0},
+                                       .unit = "s",
+                                       .help = "Longest outage of the radio after which robots go on by themselves; "
+                                               "after a longer one they wait for a start"});
+    visit.flag(self.resume_after_emergency, {.name = "resume_after_emergency",
+                                             .help = "Robots move again when the emergency stop is released; false: "
+                                                     "only after a start (start button, Start of the page, restart)"});
   }
 };
 

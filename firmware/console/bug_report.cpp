@@ -1,11 +1,10 @@
 #include "firmware/console/bug_report.h"
 
-#include <sys/resource.h>
-
 #include <array>
 #include <ctime>
 #include <exception>
 #include <filesystem>
+#include <memory>
 #include <utility>
 
 #include "firmware/console/tar_archive.h"
@@ -20,7 +19,6 @@ namespace {
 constexpr std::size_t kMaxVenuePictureBytes = std::size_t{8} << 20;
 // A state of 22 robots has 12 KB.
 constexpr std::size_t kStateBytes = std::size_t{64} * 1024;
-constexpr int kLowestPriority = 19;
 
 constexpr const char* kReadme =
     "A bug report of Touchline. It contains no token and no key, but the names of files and what the camera saw.\n"
@@ -166,22 +164,29 @@ std::string make_bug_report(const BugReportContent& content) {
 }
 
 void BugReportWorker::start(BugReportContent content) {
-  is_done_.store(false, std::memory_order_relaxed);
-  thread_ = std::thread([this, content = std::move(content)] {
-    // Of this thread only (on Linux). If it is refused, the report costs the others some time.
-    static_cast<void>(::setpriority(PRIO_PROCESS, 0, kLowestPriority));
+  is_busy_ = true;
+  is_done_ = false;
+  thread_.run([this, content = std::move(content)]() -> FileThread::Finish {
+    auto report = std::make_shared<BugReport>();
     try {
-      report_ = make_bug_report(content);
+      *report = {bug_report_name(content), make_bug_report(content)};
     } catch (const std::exception&) {
-      report_.clear();
+      *report = {};
     }
-    is_done_.store(true, std::memory_order_release);
+    return [this, report] {
+      report_ = std::move(*report);
+      is_done_ = true;
+    };
   });
 }
 
-std::string BugReportWorker::take() {
-  if (!thread_.joinable()) return {};
-  thread_.join();
+bool BugReportWorker::is_done() {
+  thread_.finish();
+  return is_done_;
+}
+
+BugReport BugReportWorker::take() {
+  is_busy_ = is_done_ = false;
   return std::exchange(report_, {});
 }
 

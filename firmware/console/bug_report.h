@@ -1,12 +1,11 @@
 #pragma once
 
-#include <atomic>
 #include <cstdint>
 #include <optional>
 #include <string>
-#include <thread>
 #include <vector>
 
+#include "firmware/console/file_thread.h"
 #include "firmware/console/messages.h"
 
 namespace touchline::console {
@@ -34,27 +33,27 @@ std::string bug_report_name(const BugReportContent& content);
 /// nothing. What cannot be read is missing, and README.txt says why. Throws std::bad_alloc if memory is short.
 std::string make_bug_report(const BugReportContent& content);
 
-/// Makes bug reports, one at a time, on a thread of the lowest priority.
+/// An archive and its name; both "": memory was short.
+struct BugReport {
+  std::string name, bytes;
+};
+
+/// Makes bug reports, one at a time, on a thread of the lowest priority. For the console's thread.
 class BugReportWorker {
  public:
-  BugReportWorker() = default;
-  ~BugReportWorker() { static_cast<void>(take()); }
-  BugReportWorker(const BugReportWorker&) = delete;
-  BugReportWorker& operator=(const BugReportWorker&) = delete;
-
   /// Until take().
-  [[nodiscard]] bool is_busy() const { return thread_.joinable(); }
-  /// Whether take() does not have to wait.
-  [[nodiscard]] bool is_done() const { return is_busy() && is_done_.load(std::memory_order_acquire); }
+  [[nodiscard]] bool is_busy() const { return is_busy_; }
+  /// Whether take() has a report.
+  [[nodiscard]] bool is_done();
   /// Call it only if it is not busy. Throws std::system_error if there is no thread.
   void start(BugReportContent content);
-  /// The report; "" if memory was short, or if it was not busy.
-  std::string take();
+  /// After is_done().
+  BugReport take();
 
  private:
-  std::string report_;
-  std::atomic<bool> is_done_{false};
-  std::thread thread_;
+  bool is_busy_ = false, is_done_ = false;
+  BugReport report_;
+  FileThread thread_{FileThread::Priority::kLowest};
 };
 
 }  // namespace touchline::console

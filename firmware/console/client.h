@@ -57,6 +57,7 @@ struct Client {
   std::uint16_t picture_width_px = 0;
   Instant next_state{}, next_picture{};
 
+  Instant heard{};            // its last message, or its connection
   bool is_stop_line = false;  // it may only stop, and is told nothing but answers
   bool wants_hello = true, wants_driver = true, wants_status = true;
   std::deque<Answer> answers;

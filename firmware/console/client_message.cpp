@@ -144,6 +144,12 @@ void read_adaptation(MemberReader& reader, ClientMessage& out) {
   }
 }
 
+void read_start(MemberReader& reader, ClientMessage& out) {
+  if (!reader.has("stop_number")) return;  // the hub answers it: older pages show only answers with their number
+  constexpr std::int64_t kLargest = std::numeric_limits<std::uint32_t>::max();
+  out.stop_number = static_cast<std::uint32_t>(reader.integer("stop_number", 0, kLargest));
+}
+
 void read_probe(MemberReader& reader, ClientMessage& out) {
   if (!out.request) reader.fail(failure(ErrorCode::kInconsistent, "\"request\" is missing"));
   out.pixel.u_px = static_cast<float>(reader.number("u_px", 0.0, double{kMaxFrameWidth}));
@@ -180,6 +186,7 @@ Result<ClientMessage> parse_client_message(std::string_view text) {
   if (out.kind == MessageKind::kSeen) {
     out.number = static_cast<std::uint64_t>(reader.integer("number", 0, std::int64_t{1} << 53));
   }
+  if (out.kind == MessageKind::kStart) read_start(reader, out);
   if (out.kind == MessageKind::kDrive) read_drive(reader, out);
   if (out.kind == MessageKind::kAdaptation) read_adaptation(reader, out);
   if (out.kind == MessageKind::kProbe) read_probe(reader, out);

@@ -59,6 +59,8 @@ struct ClientMessage {
 
   std::uint64_t number = 0;  // of kSeen: the picture
 
+  std::optional<std::uint32_t> stop_number;  // of kStart: the stop that it ends
+
   // kDrive
   RobotId id = kUnknownId;
   Twist twist;

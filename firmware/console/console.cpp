@@ -20,7 +20,7 @@ Scene scene_of(const Session& session, const std::string& version) {
 void Console::attach(Session& session, SnapshotRing& snapshots) {
   snapshots_ = &snapshots;
   session.set_snapshots(&snapshots);
-  session.set_console(&input_, &pictures_);
+  session.set_console(&loop_, &pictures_);
 }
 
 void Console::start(Session& session, AdaptationRequests* adaptation, const std::string& version, const Print& print) {
@@ -49,7 +49,7 @@ Result<void> Console::open(Session& session, AdaptationRequests* adaptation, con
     settings.access.token = std::move(token).value();
   }
   version_ = version;
-  hub_ = std::make_unique<Hub>(HubLinks{*snapshots_, pictures_, input_, reports_, adaptation, print, use_files_},
+  hub_ = std::make_unique<Hub>(HubLinks{*snapshots_, pictures_, loop_, reports_, adaptation, print, use_files_},
                                scene_of(session, version), HubSettings{plan_.picture_rate_hz, plan_.setup_socket});
   server_ = std::make_unique<WebServer>(*hub_, std::move(settings));
   return server_->open();
@@ -69,11 +69,12 @@ void Console::work(const Print& print) {
 
 void Console::begin_session(const Session& session, const std::string& error) {
   if (!thread_.joinable()) return;
+  Scene scene = scene_of(session, version_);
   std::unique_lock lock(task_mutex_);
   task_ = [&] {
     const hal::CameraInfo& camera = session.camera_info();
     pictures_.reallocate(picture_layout(camera.format, camera.width_px, camera.height_px).bytes);
-    hub_->begin_session(scene_of(session, version_), error);
+    hub_->begin_session(std::move(scene), error);
   };
   server_->wake();
   task_done_.wait(lock, [this] { return !task_; });

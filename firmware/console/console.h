@@ -53,7 +53,7 @@ class Console {
 
   const ConsolePlan plan_;
   PictureExchange pictures_;
-  Mailbox<ConsoleInput> input_;
+  ConsoleLink loop_;
   SharedReports reports_;
   SnapshotRing* snapshots_ = nullptr;
   std::unique_ptr<Hub> hub_;

@@ -9,18 +9,30 @@ Result<void> Driving::require_driver(ClientNumber client) const {
   return failure(ErrorCode::kPermission, "another client drives, or nobody: take over first");
 }
 
-void Driving::set_stopped(bool stopped) {
-  changed_ = changed_ || input_.stop != stopped || input_.setup_ended;
-  input_.stop = stopped;
-  input_.setup_ended = false;
-  // A command from before the stop must not move a robot after it.
+// A command from before a stop must not move a robot after it.
+void Driving::let_robots_stand() {
+  changed_ = true;
   for (ExternalCommand& command : input_.commands) command.twist = {};
+}
+
+void Driving::stop() {
+  input_.stop = true;
+  input_.setup_ended = false;
+  ++input_.stops;
+  let_robots_stand();
 }
 
 void Driving::stop_after_setup() {
   const bool was_stopped = input_.stop && !input_.setup_ended;
-  set_stopped(true);
+  stop();
   input_.setup_ended = !was_stopped;
+}
+
+bool Driving::set_held(std::uint32_t number, bool is_held) {
+  is_held_ = is_held;
+  if (std::exchange(held_number_, number) == number) return false;
+  let_robots_stand();
+  return true;
 }
 
 void Driving::clear_commands() {
@@ -28,21 +40,32 @@ void Driving::clear_commands() {
   input_.commands.clear();
 }
 
-Result<void> Driving::start(ClientNumber client) {
+Result<void> Driving::start(ClientNumber client, std::uint32_t number) {
   TOUCHLINE_TRY(require_driver(client));
-  set_stopped(false);
+  if (number != stop_number()) {
+    return failure(
+        ErrorCode::kInconsistent,
+        "it is meant for stop %u, and stop %u has come since: look why the robots are stopped, and start again", number,
+        stop_number());
+  }
+  input_.stop = false;
+  ++input_.starts;
+  input_.start_number = held_number_;
+  let_robots_stand();
   return {};
 }
 
 void Driving::take(ClientNumber client, Instant now) {
   driver_ = client;
-  heard_ = now;
-  is_silent_ = false;
+  input_.driver_heard = now;
+  changed_ = true;
 }
 
 Result<void> Driving::release(ClientNumber client) {
   TOUCHLINE_TRY(require_driver(client));
   driver_.reset();
+  input_.driver_heard.reset();
+  changed_ = true;
   clear_commands();
   return {};
 }
@@ -79,24 +102,18 @@ Result<void> Driving::give_back(ClientNumber client, RobotId id) {
   return {};
 }
 
-void Driving::hear(ClientNumber client, Instant now) {
+void Driving::hear(ClientNumber client, Instant arrived) {
   if (driver_ != client) return;
-  heard_ = now;
-  is_silent_ = false;
+  input_.driver_heard = arrived;
+  changed_ = true;
 }
 
 bool Driving::leave(ClientNumber client) {
   if (driver_ != client) return false;
   driver_.reset();
-  set_stopped(true);
+  input_.driver_heard.reset();
+  stop();
   clear_commands();
-  return true;
-}
-
-bool Driving::check_silence(Instant now) {
-  if (!driver_ || is_silent_ || now - heard_ <= kDriverSilence) return false;
-  is_silent_ = true;
-  set_stopped(true);
   return true;
 }
 

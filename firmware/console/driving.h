@@ -14,20 +14,22 @@ namespace touchline::console {
 /// Number of a client since the start of the server: 1, 2, ...
 using ClientNumber = std::uint32_t;
 
-// The page sends a ping every 0.3 s: three may be late.
-inline constexpr Duration kDriverSilence = std::chrono::seconds(1);
-
 /// Who may drive, whether everything is stopped, and the commands of the driven robots. Every client may stop; one at a
-/// time, the driver, may start and drive. Robots stop, until somebody starts them, if the driver's connection ends or
-/// it is silent for kDriverSilence. No I/O and no clock.
+/// time, the driver, may start and drive. Robots stop, until somebody starts them, if the driver's connection ends.
+/// That a driver is silent notices the loop, to which the input says when it was heard. No I/O and no clock.
+///
+/// Every stop has a number, and a start names the number of the stop that it ends: one that was on its way when another
+/// stop came ends nothing.
 class Driving {
  public:
   /// `robots`: ids of our robots.
   explicit Driving(std::vector<RobotId> robots) : robots_(std::move(robots)) {}
 
-  void stop() { set_stopped(true); }
+  void stop();
   /// After a setup, robots stand until a person says so.
   void stop_after_setup();
+  /// What the loop says: see ConsoleLink. Returns whether something has begun or ceased to hold the robots.
+  bool set_held(std::uint32_t number, bool is_held);
   /// Other files describe other robots: nobody is driven any more.
   void set_robots(std::vector<RobotId> robots) {
     robots_ = std::move(robots);
@@ -39,8 +41,9 @@ class Driving {
     return std::any_of(input_.commands.begin(), input_.commands.end(),
                        [now](const ExternalCommand& command) { return now - command.received <= kConsoleCommandAge; });
   }
-  /// kPermission: the client is not the driver. Robots that were driven stay with the console.
-  Result<void> start(ClientNumber client);
+  /// `number`: of the stop that the client knows. kPermission: the client is not the driver; kInconsistent: it is
+  /// another stop. Robots that were driven stay with the console.
+  Result<void> start(ClientNumber client, std::uint32_t number);
   /// The client becomes the driver, also if there is one.
   void take(ClientNumber client, Instant now);
   /// The driver gives up; its robots play by themselves again. kPermission: the client is not the driver.
@@ -52,29 +55,33 @@ class Driving {
 
   /// kPermission: the client is not the driver.
   [[nodiscard]] Result<void> require_driver(ClientNumber client) const;
-  /// A message of the client arrived, whatever it says.
-  void hear(ClientNumber client, Instant now);
+  /// A message of the client arrived at `arrived`, whatever it says.
+  void hear(ClientNumber client, Instant arrived);
   /// The client's connection has ended. Returns whether that stopped the robots.
   bool leave(ClientNumber client);
-  /// Returns whether the driver's silence has stopped the robots just now.
-  bool check_silence(Instant now);
 
   [[nodiscard]] std::optional<ClientNumber> driver() const { return driver_; }
-  [[nodiscard]] bool is_stopped() const { return input_.stop; }
+  /// Whether robots wait for a start.
+  [[nodiscard]] bool is_stopped() const { return input_.stop || is_held_; }
+  /// Of the stop in force, or of the last one.
+  [[nodiscard]] std::uint32_t stop_number() const { return input_.stops + held_number_; }
+  [[nodiscard]] bool is_silent(Instant now) const {
+    return input_.driver_heard && now - *input_.driver_heard > kDriverSilence;
+  }
   /// Whether the input has changed since the last call, and has to be passed to the loop.
   [[nodiscard]] bool take_change() { return std::exchange(changed_, false); }
   [[nodiscard]] const ConsoleInput& input() const { return input_; }
 
  private:
-  void set_stopped(bool stopped);
+  void let_robots_stand();
   void clear_commands();
 
   std::vector<RobotId> robots_;
   ConsoleInput input_;
   bool changed_ = false;
   std::optional<ClientNumber> driver_;
-  Instant heard_{};         // the driver's last message
-  bool is_silent_ = false;  // for too long; reported once
+  std::uint32_t held_number_ = 0;  // see ConsoleLink
+  bool is_held_ = false;
 };
 
 }  // namespace touchline::console

@@ -14,7 +14,7 @@ enum class FilesUse : std::uint8_t {
   kInNextSession,  // another session with them follows this one
 };
 
-/// Loads these files, or the saved ones if they are empty. Called on the console's thread.
+/// Loads these files, or the saved ones if they are empty. Called on a FileThread, whose rules for jobs hold.
 using UseFiles = std::function<Result<FilesUse>(const config::FilePaths& draft)>;
 
 }  // namespace touchline::console

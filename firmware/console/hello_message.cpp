@@ -1,5 +1,7 @@
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
+#include <system_error>
 
 #include "firmware/config/uncalibrated.h"
 #include "firmware/console/messages.h"
@@ -201,6 +203,14 @@ Scene scene_of(std::shared_ptr<const config::Configuration> configuration, const
   scene.version = std::move(version);
   // Checked when the files were read.
   static_cast<void>(scene.model.configure(scene.configuration->pipeline.camera));
+  const auto path = [](const config::Locations& where) {
+    std::error_code unknown;
+    const std::filesystem::path absolute = std::filesystem::absolute(where.file(), unknown);
+    return unknown ? where.file() : absolute.lexically_normal().string();
+  };
+  scene.files.board = path(scene.configuration->board_where);
+  scene.files.venue = path(scene.configuration->venue_where);
+  scene.files.team = path(scene.configuration->team_where);
   return scene;
 }
 

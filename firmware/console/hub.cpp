@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cstring>
+#include <tuple>
 
 #include "firmware/console/picture_scaler.h"
 
@@ -35,19 +36,17 @@ Hub::Hub(const HubLinks& links, Scene scene, const HubSettings& settings)
       pictures_(links.pictures, picture_period_),
       driving_(own_robots(scene_)),
       session_name_(std::to_string(unix_time_.to_unix(hal::MonotonicClock::read()).count())),
-      setup_(settings.setup_socket, clients_, links.print),
+      setup_(settings.setup_socket, clients_, links.print, files_),
       text_(kMessagePrefix + kFirstTextBytes) {
   setup_.set_hello(setup_hello_text(scene_));
   is_held_ = scene_.is_draft || !scene_.is_calibrated;
 }
 
 void Hub::tick(Instant now) {
+  files_.finish();
   pictures_.poll();
   feed_.read();
-  if (driving_.check_silence(now)) {
-    links_.print("console: robots are stopped, because the driver (client " + std::to_string(*driving_.driver()) +
-                 ") was silent for a second");
-  }
+  read_loop(now);
   update_setup_wish(now);
   pass_on();
   if (now >= next_second_) {
@@ -74,13 +73,22 @@ void Hub::tick(Instant now) {
   serve_setup(now);
 }
 
+void Hub::read_loop(Instant now) {
+  const bool is_held = links_.loop.is_held.load(std::memory_order_acquire);
+  const bool has_changed = driving_.set_held(links_.loop.held_number.load(std::memory_order_acquire), is_held);
+  if (has_changed && is_held && driving_.is_silent(now)) {
+    links_.print("console: robots are stopped, because the driver (client " + std::to_string(*driving_.driver()) +
+                 ") was silent for a second");
+  }
+}
+
 void Hub::read_reports(Instant now) {
   const std::uint64_t count = links_.reports.count();
   if (count == reports_read_) return;
   reports_read_ = count;
   heard_from_loop_ = now;
-  const std::uint16_t before = std::exchange(report_, links_.reports.get()).halt;
-  if (report_.halt == before) return;
+  const StatusReport before = std::exchange(report_, links_.reports.get());
+  if (report_.halt == before.halt && report_.stop_number == before.stop_number) return;
   // Without frames, clients learn it only so.
   for (Client& client : clients_) client.wants_status = true;
 }
@@ -88,13 +96,13 @@ void Hub::read_reports(Instant now) {
 Outgoing Hub::status_message(Instant now) {
   const bool is_known = reports_read_ > 0 && now - heard_from_loop_ <= kLoopSilence;
   return text_message([&](auto& json) {
-    write_status(json, scene_, feed_, report_, is_known ? std::optional(report_.halt) : std::nullopt, monitor_.status(),
-                 clients(), unix_s(now));
+    write_status(json, scene_, feed_, report_, is_known ? std::optional(report_.halt) : std::nullopt,
+                 driving_.is_stopped(), monitor_.status(), clients(), unix_s(now));
   });
 }
 
 void Hub::pass_on() {
-  if (driving_.take_change()) links_.input.put(input_now());
+  if (driving_.take_change()) links_.loop.input.put(input_now());
 }
 
 void Hub::announce_driver() {
@@ -107,10 +115,20 @@ std::size_t Hub::count_clients(bool stop_lines) const {
       clients_.begin(), clients_.end(), [=](const Client& client) { return client.is_stop_line == stop_lines; }));
 }
 
-Client* Hub::connect(Instant now, ClientProtocol protocol) {
+const Client* Hub::surplus_stop_line() const {
+  if (count_clients(true) < kMaxClients) return nullptr;
+  const auto silent = std::min_element(clients_.begin(), clients_.end(), [](const Client& a, const Client& b) {
+    return std::tuple(!a.is_stop_line, a.heard) < std::tuple(!b.is_stop_line, b.heard);
+  });
+  return &*silent;
+}
+
+Client* Hub::connect(Instant now, ClientProtocol protocol, bool has_token) {
   const bool is_stop_line = protocol == ClientProtocol::kStop;
-  if (count_clients(is_stop_line) >= kMaxClients) return nullptr;
+  const std::size_t places = kMaxClients + (has_token && !is_stop_line ? kPlacesForToken : 0);
+  if (count_clients(is_stop_line) >= places) return nullptr;
   Client& client = clients_.emplace_back(is_stop_line ? ++last_stop_line_ : ++last_number_);
+  client.heard = now;
   client.is_stop_line = is_stop_line;
   if (is_stop_line) return &client;
   if (protocol == ClientProtocol::kFoxglove) {
@@ -134,10 +152,11 @@ void Hub::disconnect(Client& client) {
   pass_on();
 }
 
-bool Hub::receive(Client& client, std::string_view text, Instant now) {
+bool Hub::receive(Client& client, std::string_view text, Instant arrived, Instant now) {
+  client.heard = arrived;
   if (!client.limit.pass(now)) return false;
   if (client.foxglove != nullptr) return receive_foxglove(client, text, now);
-  driving_.hear(client.number, now);
+  driving_.hear(client.number, arrived);
   const Result<ClientMessage> message = parse_client_message(text);
   // Without a number of the request, an error is answered too, because nobody would ever know otherwise.
   Answer answer;
@@ -148,8 +167,9 @@ bool Hub::receive(Client& client, std::string_view text, Instant now) {
   } else if (message.ok() && message.value().kind == ClientMessage::Kind::kSetup) {
     is_answered = !pass_to_setup(client, text, message.value(), answer);
   } else if (message.ok()) {
-    const Result<void> obeyed = obey(client, message.value(), now);
-    const bool is_answered_later = message.value().kind == ClientMessage::Kind::kProbe;
+    const Result<void> obeyed = obey(client, message.value(), arrived, now);
+    const bool is_loading = message.value().kind == ClientMessage::Kind::kUseSaved && order_.has_value();
+    const bool is_answered_later = message.value().kind == ClientMessage::Kind::kProbe || is_loading;
     is_answered = (message.value().request.has_value() && !is_answered_later) || !obeyed.ok();
     answer.to = message.value().request.value_or(0);
     if (!obeyed.ok()) answer.error = obeyed.text();
@@ -163,7 +183,7 @@ bool Hub::receive(Client& client, std::string_view text, Instant now) {
   return client.answers.size() <= kMaxWaitingAnswers;
 }
 
-Result<void> Hub::obey(Client& client, const ClientMessage& message, Instant now) {
+Result<void> Hub::obey(Client& client, const ClientMessage& message, Instant arrived, Instant now) {
   using Kind = ClientMessage::Kind;
   const std::string who = client.is_stop_line ? "a page" : "client " + std::to_string(client.number);
   switch (message.kind) {
@@ -176,18 +196,24 @@ Result<void> Hub::obey(Client& client, const ClientMessage& message, Instant now
     case Kind::kPing:
       return {};
     case Kind::kStop:
-      if (!driving_.is_stopped()) links_.print("console: " + who + " stopped the robots");
+      if (!driving_.input().stop) links_.print("console: " + who + " stopped the robots");
       driving_.stop();
       return {};
     case Kind::kStart: {
+      if (!message.stop_number) {
+        return failure(ErrorCode::kInconsistent,
+                       "\"stop_number\" is missing: a start names the stop that it ends, as the newest state or status "
+                       "tells it; reload the page");
+      }
+      read_loop(now);
       const bool was_stopped = driving_.is_stopped();
-      TOUCHLINE_TRY(driving_.start(client.number));
+      TOUCHLINE_TRY(driving_.start(client.number, *message.stop_number));
       if (was_stopped) links_.print("console: " + who + " started the robots");
       return {};
     }
     case Kind::kTake:
       if (driving_.driver() != client.number) links_.print("console: " + who + " drives");
-      driving_.take(client.number, now);
+      driving_.take(client.number, arrived);
       announce_driver();
       return {};
     case Kind::kRelease:
@@ -196,11 +222,11 @@ Result<void> Hub::obey(Client& client, const ClientMessage& message, Instant now
       return {};
     case Kind::kDrive:
       if (message.gives_back) return driving_.give_back(client.number, message.id);
-      return driving_.drive(client.number, message.id, message.twist, now);
+      return driving_.drive(client.number, message.id, message.twist, arrived);
     case Kind::kSetup:  // see pass_to_setup()
       return {};
     case Kind::kUseSaved:
-      return leave_setup(client);
+      return leave_setup(client, message.request.value_or(0));
     case Kind::kProbe:
       return accept_probe(client, message, now);
     case Kind::kScore:

@@ -14,6 +14,7 @@
 #include "firmware/console/client.h"
 #include "firmware/console/client_message.h"
 #include "firmware/console/event_log.h"
+#include "firmware/console/file_thread.h"
 #include "firmware/console/files_use.h"
 #include "firmware/console/findings_message.h"
 #include "firmware/console/foxglove_messages.h"
@@ -29,8 +30,9 @@
 
 namespace touchline::console {
 
-// A team at the field, and some who watch. Each may have a second connection for Stop.
-inline constexpr std::size_t kMaxClients = 16;
+// A team at the field, and some who watch. Each may have a second connection for Stop. Programs on this computer need
+// no token: whoever has one finds a place although they have taken all.
+inline constexpr std::size_t kMaxClients = 16, kPlacesForToken = 4;
 
 /// What the printer's thread knows and the console shows.
 class SharedReports {
@@ -41,9 +43,10 @@ class SharedReports {
     ++count_;
   }
   /// The reasons to halt have changed since the last status.
-  void set_halt(std::uint16_t halt) {
+  void set_halt(const HaltReport& halt) {
     const std::scoped_lock lock(mutex_);
-    report_.halt = halt;
+    report_.halt = halt.halt;
+    report_.stop_number = halt.stop_number;
     ++count_;
   }
   /// Number of reports.
@@ -85,7 +88,7 @@ using network::Print;
 struct HubLinks {
   SnapshotRing& snapshots;
   PictureExchange& pictures;
-  Mailbox<ConsoleInput>& input;
+  ConsoleLink& loop;
   SharedReports& reports;
   AdaptationRequests* adaptation;  // null: none
   Print print;                     // for a line of the log
@@ -113,10 +116,13 @@ class Hub {
   /// Call it every few milliseconds while somebody watches, else a few times a second.
   void tick(Instant now);
   /// Null: there are too many.
-  Client* connect(Instant now, ClientProtocol protocol);
+  Client* connect(Instant now, ClientProtocol protocol, bool has_token);
+  /// The line for Stop that has been silent for the longest time, if there is room for no other one; else null.
+  [[nodiscard]] const Client* surplus_stop_line() const;
   void disconnect(Client& client);
-  /// False: the client breaks the rules so far that it has to be disconnected.
-  bool receive(Client& client, std::string_view text, Instant now);
+  /// `arrived`: when the message came to the socket, at which it may have waited. False: the client breaks the rules so
+  /// far that it has to be disconnected.
+  bool receive(Client& client, std::string_view text, Instant arrived, Instant now);
   /// Whether there is a message for the client.
   [[nodiscard]] bool has_message(const Client& client, Instant now) const;
   /// The next message, the most urgent one first. Empty: there is none.
@@ -148,10 +154,13 @@ class Hub {
   /// Without connections for Stop.
   [[nodiscard]] std::size_t clients() const { return count_clients(false); }
   [[nodiscard]] const Driving& driving() const { return driving_; }
+  /// For what may wait for a disk. Its jobs' results are used in tick().
+  [[nodiscard]] FileThread& file_thread() { return files_; }
 
  private:
   [[nodiscard]] std::size_t count_clients(bool stop_lines) const;
-  Result<void> obey(Client& client, const ClientMessage& message, Instant now);
+  Result<void> obey(Client& client, const ClientMessage& message, Instant arrived, Instant now);
+  void read_loop(Instant now);
   void watch(Client& client, const ClientMessage& message, Instant now);
   Result<void> change_adaptation(const Client& client, AdaptationMode wanted);
   void pass_on();
@@ -160,9 +169,11 @@ class Hub {
   [[nodiscard]] Outgoing status_message(Instant now);
   void obey(const SetupOrder& order);
   Result<void> use(const SetupOrder& order);
+  void end_use(const Result<FilesUse>& used);
   void update_setup_wish(Instant now);
   void end_try(const char* reason);
-  Result<void> leave_setup(const Client& client);
+  Result<void> leave_setup(const Client& client, std::int64_t request);
+  void answer(const SetupOrder& order, const std::string& error);
   [[nodiscard]] ConsoleInput input_now() const;
   /// Whether the setup program will answer; else `answer` has the error.
   bool pass_to_setup(const Client& client, std::string_view text, const ClientMessage& message, Answer& answer);
@@ -216,13 +227,14 @@ class Hub {
   FrameFeed feed_;
   PictureSource pictures_;
   Driving driving_;
-  MachineMonitor monitor_;
+  FileThread files_;
+  MachineMonitor monitor_{files_};
   hal::UnixTimeOffset unix_time_ = hal::measure_unix_time_offset();
   const std::string session_name_;  // for Foxglove: another one after a restart
   Instant next_second_{};
   std::list<Client> clients_;
   SetupRelay setup_;
-  std::optional<SetupOrder> order_;  // a session for it is about to begin
+  std::optional<SetupOrder> order_;  // its files are being loaded, or a session for it is about to begin
   bool is_held_ = false;             // a draft is or was in use, and the saved files are not in use again
   bool is_trying_ = false;           // robots play with the draft
   SetupWish wish_ = SetupWish::kNone;

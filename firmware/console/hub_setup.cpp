@@ -1,5 +1,6 @@
 #include <algorithm>
-#include <filesystem>
+#include <exception>
+#include <memory>
 #include <nlohmann/json.hpp>
 
 #include "firmware/console/hub.h"
@@ -13,18 +14,12 @@ constexpr char kLoadingFiles[] = "other files are being loaded";
 }  // namespace
 
 std::string setup_hello_text(const Scene& scene) {
-  const config::Configuration& configuration = *scene.configuration;
-  const auto path = [](const config::Locations& where) {
-    std::error_code unknown;
-    const std::filesystem::path absolute = std::filesystem::absolute(where.file(), unknown);
-    return unknown ? where.file() : absolute.lexically_normal().string();
-  };
   const nlohmann::json hello{{"type", "hello"},
                              {"protocol", 1},
                              {"version", scene.version},
-                             {"board", path(configuration.board_where)},
-                             {"venue", path(configuration.venue_where)},
-                             {"team", path(configuration.team_where)},
+                             {"board", scene.files.board},
+                             {"venue", scene.files.venue},
+                             {"team", scene.files.team},
                              {"using", word_of_files(scene)},
                              {"calibrated", scene.is_calibrated},
                              {"camera",
@@ -65,11 +60,11 @@ void Hub::begin_session(Scene scene, const std::string& error) {
   is_held_ = is_held_ || scene_.is_draft || !scene_.is_calibrated;
   for (Client& client : clients_) client.wants_hello = true;
   setup_.set_hello(setup_hello_text(scene_));
-  if (order_) setup_.answer(*order_, error, scene_.is_calibrated);
+  if (order_) answer(*order_, error);
   order_.reset();
   if (!error.empty()) links_.print("console: setup: " + error);
   wish_ = is_held_ ? SetupWish::kStand : SetupWish::kNone;
-  links_.input.put(input_now());
+  links_.loop.input.put(input_now());
 }
 
 void Hub::obey(const SetupOrder& order) {
@@ -109,28 +104,49 @@ Result<void> Hub::use(const SetupOrder& order) {
   if (order.kind == SetupOrder::Kind::kUseDraft) is_held_ = true;
   end_try("the files have changed");
   // Robots stand already while the files are being read.
+  order_ = order;
   update_setup_wish(hal::MonotonicClock::read());
   pass_on();
-  TOUCHLINE_TRY_ASSIGN(const FilesUse used, links_.use_files(order.files));
-  if (used == FilesUse::kInNextSession) {
-    order_ = order;
-  } else {
-    setup_.answer(order, "", scene_.is_calibrated);
-  }
+  files_.run([this, use = links_.use_files, draft = order.files]() -> FileThread::Finish {
+    const auto used = std::make_shared<Result<FilesUse>>(failure(ErrorCode::kFull, "memory is short"));
+    try {
+      *used = use(draft);
+    } catch (const std::exception&) {
+    }
+    return [this, used] { end_use(*used); };
+  });
   return {};
 }
 
-Result<void> Hub::leave_setup(const Client& client) {
+void Hub::end_use(const Result<FilesUse>& used) {
+  // begin_session() answers; it may have done so already.
+  if (!order_ || (used.ok() && used.value() == FilesUse::kInNextSession)) return;
+  answer(*std::exchange(order_, std::nullopt), used.text());
+  if (!used.ok()) links_.print("console: setup: " + used.text());
+}
+
+void Hub::answer(const SetupOrder& order, const std::string& error) {
+  setup_.answer(order, error, scene_.is_calibrated);
+  const auto client =
+      std::find_if(clients_.begin(), clients_.end(), [&](const Client& one) { return one.number == order.client; });
+  if (client == clients_.end() || (order.to_client == 0 && error.empty())) return;
+  client->answers.push_back({order.to_client, error});
+}
+
+Result<void> Hub::leave_setup(const Client& client, std::int64_t request) {
   TOUCHLINE_TRY(driving_.require_driver(client.number));
   if (!is_held_) return {};
-  return use({});
+  SetupOrder order;
+  order.client = client.number;
+  order.to_client = request;
+  return use(order);
 }
 
 void Hub::update_setup_wish(Instant now) {
   if (!setup_.is_running() || driving_.is_stopped()) end_try("a stop ended the try");
   const bool may_move = setup_.is_running() && scene_.is_draft && !order_ && (is_trying_ || driving_.is_driving(now));
   const SetupWish wish = !is_held_ ? SetupWish::kNone : may_move ? SetupWish::kPermit : SetupWish::kStand;
-  if (std::exchange(wish_, wish) != wish) links_.input.put(input_now());
+  if (std::exchange(wish_, wish) != wish) links_.loop.input.put(input_now());
 }
 
 ConsoleInput Hub::input_now() const {

@@ -44,8 +44,20 @@ void MachineMonitor::measure(Instant now) {
   if (has_before && passed_s > 0.0) status_.cpu_percent = 100.0 * (cpu_s - cpu_s_) / passed_s;
   cpu_s_ = cpu_s;
   measured_ = now;
-  status_.temperature_c = temperature_c();
-  status_.memory_mb = resident_memory_mb();
+  if (is_reading_) {  // a second was not enough
+    status_.temperature_c.reset();
+    return;
+  }
+  is_reading_ = true;
+  files_.run([this]() -> FileThread::Finish {
+    const std::optional<double> temperature = temperature_c();
+    const double memory_mb = resident_memory_mb();
+    return [this, temperature, memory_mb] {
+      is_reading_ = false;
+      status_.temperature_c = temperature;
+      status_.memory_mb = memory_mb;
+    };
+  });
 }
 
 }  // namespace touchline::console

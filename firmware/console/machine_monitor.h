@@ -1,18 +1,26 @@
 #pragma once
 
 #include "core/time.h"
+#include "firmware/console/file_thread.h"
 #include "firmware/console/messages.h"
 
 namespace touchline::console {
 
-/// Measures processor time, memory and temperature of this program's computer.
+/// Measures processor time, memory and temperature of this program's computer. For the console's thread.
 class MachineMonitor {
  public:
+  /// `files` reads the kernel's files, because a sensor may be slow. It calls nothing of this object after its end.
+  explicit MachineMonitor(FileThread& files) : files_(files) {}
+  MachineMonitor(const MachineMonitor&) = delete;
+  MachineMonitor& operator=(const MachineMonitor&) = delete;
+
   /// Call it about once a second.
   void measure(Instant now);
   [[nodiscard]] const MachineStatus& status() const { return status_; }
 
  private:
+  FileThread& files_;
+  bool is_reading_ = false;
   Instant measured_{};
   double cpu_s_ = 0.0;
   MachineStatus status_;

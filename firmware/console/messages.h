@@ -27,7 +27,9 @@ struct Scene {
   std::string version;  // of the program
   CameraModel model;    // of the configuration
   bool is_draft = false, is_calibrated = true;
+  config::FilePaths files;  // of the configuration, absolute
 };
+/// Asks the system for the current folder: not for the console's thread while it serves.
 Scene scene_of(std::shared_ptr<const config::Configuration> configuration, const hal::CameraInfo& camera,
                std::string version);
 
@@ -61,10 +63,10 @@ void write_hello(report::JsonWriter& json, const Scene& scene, bool has_setup, s
 /// `console`: whose commands the console gives; `told`: the score that a person told, used if no referee tells it.
 void write_state(report::JsonWriter& json, const Scene& scene, const Snapshot& snapshot, const ConsoleInput& console,
                  const hal::UnixTimeOffset& unix_time, const std::optional<Score>& told = {});
-/// `halt`: bits of Halt; nullopt: not known.
+/// `halt`: bits of Halt; nullopt: not known. `waits_for_start`: a start ends at least one of these reasons.
 void write_status(report::JsonWriter& json, const Scene& scene, const FrameFeed& feed, const StatusReport& report,
-                  std::optional<std::uint16_t> halt, const MachineStatus& machine, std::size_t clients,
-                  double now_unix_s);
+                  std::optional<std::uint16_t> halt, bool waits_for_start, const MachineStatus& machine,
+                  std::size_t clients, double now_unix_s);
 /// Unix time of the capture.
 double captured_unix_s(const Snapshot& snapshot, const hal::UnixTimeOffset& unix_time);
 void write_event(report::JsonWriter& json, const Event& event);

@@ -4,14 +4,17 @@
 #include <array>
 #include <filesystem>
 #include <system_error>
+#include <utility>
+
+#include "hal/files/input_file.h"
 
 namespace touchline::console {
 namespace {
 
 namespace fs = std::filesystem;
 
-// The built page has some 10 files.
-constexpr std::size_t kMaxPageFiles = 500;
+// The built page has some 10 files and half a megabyte. Assets of earlier builds stay until this is full.
+constexpr std::size_t kMaxPageFiles = 500, kMaxPageBytes = std::size_t{16} << 20;
 // From build/PRESET/firmware up to the sources.
 constexpr int kFoldersAbove = 5;
 
@@ -37,21 +40,31 @@ std::string content_type(const fs::path& path) {
 
 }  // namespace
 
-void PageFiles::scan() {
-  files_.clear();
-  if (folder_.empty()) return;
+PageFiles::PageFiles(const std::string& folder, const PageFiles* former) {
+  if (folder.empty()) return;
   std::error_code error;
-  for (fs::recursive_directory_iterator entry(folder_, error), end; !error && entry != end; entry.increment(error)) {
+  for (fs::recursive_directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
     // A link could lead out of the folder.
     if (entry->is_symlink(error) || !entry->is_regular_file(error)) continue;
     const fs::path& path = entry->path();
-    files_["/" + path.lexically_relative(folder_).generic_string()] = {path.string(), content_type(path)};
-    if (files_.size() >= kMaxPageFiles) break;
+    Result<std::string> content = hal::read_file(path.string(), kMaxPageBytes);
+    // A file that is being written is there at the next time.
+    if (!content.ok()) continue;
+    add("/" + path.lexically_relative(folder).generic_string(), {std::move(content).value(), content_type(path)});
   }
-  if (const auto index = files_.find("/index.html"); index != files_.end()) files_["/"] = index->second;
+  const auto add_asset = [this](const auto& entry) {
+    if (entry.first.starts_with("/assets/")) add(entry.first, entry.second);
+  };
+  if (former != nullptr) std::for_each(former->files_.begin(), former->files_.end(), add_asset);
+  if (const PageFile* const index = find("/index.html")) add("/", *index);
   // Browsers ask for this name where no page names an icon, such as for a picture alone.
-  if (const auto icon = files_.find("/favicon.svg"); icon != files_.end())
-    files_.try_emplace("/favicon.ico", icon->second);
+  if (const PageFile* const icon = find("/favicon.svg")) add("/favicon.ico", *icon);
+}
+
+void PageFiles::add(std::string address, PageFile file) {
+  if (files_.size() >= kMaxPageFiles || bytes_ + file.content.size() > kMaxPageBytes) return;
+  const std::size_t bytes = file.content.size();
+  if (files_.try_emplace(std::move(address), std::move(file)).second) bytes_ += bytes;
 }
 
 const PageFile* PageFiles::find(std::string_view address) const {
@@ -75,12 +88,12 @@ std::string find_page_folder() {
 }
 
 std::string_view missing_page() {
-  return R"(<!doctype html><html lang="en"><meta charset="utf-8"><title>Touchline</title>
+  return R"(<!doctype html><html lang="en"><meta charset="utf-8"><meta http-equiv="refresh" content="5"><title>Touchline</title>
 <style>body{font:16px/1.5 sans-serif;max-width:40em;margin:3em auto;padding:0 1em}code{background:#8883;padding:.1em .3em}</style>
 <h1>The page is not built</h1>
 <p>Touchline runs, but the console's page is missing. To build it, in the folder of the sources, run</p>
 <p><code>tools/console/build</code></p>
-<p>Then load this page again. It needs node 18 or later (<code>apt install nodejs npm</code>). The picture alone:
+<p>Then this page loads by itself. The build needs node 18 or later (<code>apt install nodejs npm</code>). The picture alone:
 <a href="/snapshot.jpg">snapshot</a>, <a href="/stream.mjpg">stream</a>.</p></html>
 )";
 }

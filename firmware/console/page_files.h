@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <map>
 #include <string>
 #include <string_view>
@@ -8,26 +9,30 @@ namespace touchline::console {
 
 /// A file of the page.
 struct PageFile {
-  std::string path, content_type;
+  std::string content, content_type;
 };
 
-/// The files of the built page by the path of their address, such as "/assets/index-3f2a.js". Only files that were
-/// found in the folder are served, so that no address leads out of it.
+/// The files of the built page by the path of their address, such as "/assets/index-3f2a.js". They are read at once and
+/// kept, so that a request waits for no disk. Only files that were found in the folder are served, so that no address
+/// leads out of it.
 class PageFiles {
  public:
-  /// `folder`: "" if there is none.
-  explicit PageFiles(std::string folder) : folder_(std::move(folder)) { scan(); }
+  PageFiles() = default;
+  /// `folder`: "" if there is none. Of `former`, unless null, the assets are kept that the folder has no longer: a
+  /// browser that got the former page is about to ask for them. Reads files: not for the console's thread while it
+  /// serves.
+  explicit PageFiles(const std::string& folder, const PageFiles* former = nullptr);
 
-  /// Looks for the files again: the page may have been built meanwhile.
-  void scan();
   /// Null: there is no such file.
   [[nodiscard]] const PageFile* find(std::string_view address) const;
   /// Whether there is a page.
   [[nodiscard]] bool empty() const { return find("/") == nullptr; }
 
  private:
-  std::string folder_;
+  void add(std::string address, PageFile file);
+
   std::map<std::string, PageFile, std::less<>> files_;
+  std::size_t bytes_ = 0;
 };
 
 /// The folder of the built page: that of the installation, else tools/console/dist above the program's folder. "" if

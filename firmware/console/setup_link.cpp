@@ -5,6 +5,7 @@
 #include <array>
 #include <cerrno>
 #include <cstring>
+#include <memory>
 #include <utility>
 
 namespace touchline::console {
@@ -35,11 +36,27 @@ void append_length(std::vector<std::byte>& to, std::size_t length) {
   for (std::size_t i = 0; i < sizeof(std::uint32_t); ++i) to.push_back(static_cast<std::byte>(length >> (8 * i)));
 }
 
+// Not open: the program is not there.
+hal::Descriptor connected_to(const std::string& path) {
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  if (path.size() >= sizeof(address.sun_path)) return {};
+  std::memcpy(address.sun_path, path.data(), path.size());
+  hal::Descriptor descriptor(::socket(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
+  if (!descriptor.is_open()) return {};
+  ::setsockopt(descriptor.get(), SOL_SOCKET, SO_SNDBUF, &kSendBufferBytes, sizeof(kSendBufferBytes));
+  // A Unix socket is connected at once or not at all.
+  if (::connect(descriptor.get(), reinterpret_cast<const sockaddr*>(&address), sizeof(address)) != 0) return {};
+  return descriptor;
+}
+
 }  // namespace
 
 Result<void> SetupLink::serve(Instant now) {
   if (!is_connected() && now >= next_attempt_) connect(now);
   if (!is_connected()) return {};
+  if (is_new_) progress_ = now;
+  is_new_ = false;
   Result<void> served = write(now);
   if (served.ok()) served = read();
   const bool waits_for_program = is_sending() || !has_answered_;
@@ -53,17 +70,19 @@ Result<void> SetupLink::serve(Instant now) {
 
 void SetupLink::connect(Instant now) {
   next_attempt_ = now + kConnectPause;
-  sockaddr_un address{};
-  address.sun_family = AF_UNIX;
-  if (path_.empty() || path_.size() >= sizeof(address.sun_path)) return;
-  std::memcpy(address.sun_path, path_.data(), path_.size());
-  hal::Descriptor descriptor(::socket(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
-  if (!descriptor.is_open()) return;
-  ::setsockopt(descriptor.get(), SOL_SOCKET, SO_SNDBUF, &kSendBufferBytes, sizeof(kSendBufferBytes));
-  // A Unix socket is connected at once or not at all.
-  if (::connect(descriptor.get(), reinterpret_cast<const sockaddr*>(&address), sizeof(address)) != 0) return;
-  socket_ = std::move(descriptor);
-  progress_ = now;
+  if (path_.empty() || std::exchange(is_connecting_, true)) return;
+  files_.run([this, path = path_]() -> FileThread::Finish {
+    // A function object must be copyable.
+    const auto socket = std::make_shared<hal::Descriptor>(connected_to(path));
+    return [this, socket] { begin(std::move(*socket)); };
+  });
+}
+
+void SetupLink::begin(hal::Descriptor socket) {
+  is_connecting_ = false;
+  if (!socket.is_open()) return;
+  socket_ = std::move(socket);
+  is_new_ = true;
   ++connections_;
 }
 

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/time.h"
+#include "firmware/console/file_thread.h"
 #include "hal/linux/network/descriptor.h"
 #include "hal/result.h"
 
@@ -31,8 +32,11 @@ struct SetupMessage {
 /// failure. No call blocks.
 class SetupLink {
  public:
-  /// "": there is no setup program.
-  explicit SetupLink(std::string path) : path_(std::move(path)) {}
+  /// "": there is no setup program. `files` looks for the socket, whose folder may be on a disk; it calls nothing of
+  /// this object after its end.
+  SetupLink(std::string path, FileThread& files) : path_(std::move(path)), files_(files) {}
+  SetupLink(const SetupLink&) = delete;
+  SetupLink& operator=(const SetupLink&) = delete;
 
   /// Connects, writes and reads, as far as possible at the moment. Call it every few milliseconds while something is
   /// exchanged. An error says why the connection has just ended; a program that is not there is none.
@@ -53,11 +57,14 @@ class SetupLink {
 
  private:
   void connect(Instant now);
+  void begin(hal::Descriptor socket);
   Result<void> write(Instant now);
   Result<void> read();
   Result<void> split();
 
   const std::string path_;
+  FileThread& files_;
+  bool is_connecting_ = false, is_new_ = false;
   hal::Descriptor socket_;
   Instant next_attempt_{}, progress_{};  // since `progress_` the program has neither read nor answered
   bool has_answered_ = false;

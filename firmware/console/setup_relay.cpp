@@ -54,8 +54,8 @@ std::string text_of(const Json& object) { return object.dump(-1, ' ', false, Jso
 
 }  // namespace
 
-SetupRelay::SetupRelay(std::string socket, std::list<Client>& clients, network::Print print)
-    : link_(std::move(socket)), clients_(clients), print_(std::move(print)) {}
+SetupRelay::SetupRelay(std::string socket, std::list<Client>& clients, network::Print print, FileThread& files)
+    : link_(std::move(socket), files), clients_(clients), print_(std::move(print)) {}
 
 void SetupRelay::set_hello(std::string text) {
   hello_ = std::move(text);

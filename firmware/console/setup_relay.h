@@ -23,7 +23,9 @@ namespace touchline::console {
 struct SetupOrder {
   enum class Kind : std::uint8_t { kUseSaved, kUseDraft, kTry, kEndTry } kind = Kind::kUseSaved;
   std::int64_t request = 0;
-  config::FilePaths files;  // of kUseDraft
+  config::FilePaths files;     // of kUseDraft
+  ClientNumber client = 0;     // that ordered it itself; 0: the setup program did
+  std::int64_t to_client = 0;  // number of its request; 0: it is told errors only
 };
 
 /// Passes messages between the clients of the console and the setup program (docs/console-protocol.md), and answers
@@ -31,7 +33,7 @@ struct SetupOrder {
 class SetupRelay {
  public:
   /// `socket`: of the setup program; "": there is none. `clients` outlives the relay.
-  SetupRelay(std::string socket, std::list<Client>& clients, network::Print print);
+  SetupRelay(std::string socket, std::list<Client>& clients, network::Print print, FileThread& files);
 
   /// What the program is told first; "{}" as long as it is not set.
   void set_hello(std::string text);

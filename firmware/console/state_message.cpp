@@ -24,7 +24,7 @@ struct HaltWord {
   Halt bit;
   std::string_view word;
 };
-constexpr std::array<HaltWord, 11> kHaltWords{{{kHaltNoFrames, "no_frames"},
+constexpr std::array<HaltWord, 13> kHaltWords{{{kHaltNoFrames, "no_frames"},
                                                {kHaltEmergency, "emergency"},
                                                {kHaltUnreadableLine, "unreadable_line"},
                                                {kHaltStart, "start"},
@@ -34,6 +34,8 @@ constexpr std::array<HaltWord, 11> kHaltWords{{{kHaltNoFrames, "no_frames"},
                                                {kHaltSilence, "silence"},
                                                {kHaltConsole, "console"},
                                                {kHaltSetup, "setup"},
+                                               {kHaltRadio, "radio"},
+                                               {kHaltDriver, "driver"},
                                                {kHaltSetupEnded, "setup_ended"}}};
 
 std::string_view word_of_phase(GamePhase phase) {
@@ -225,6 +227,10 @@ void write_state(JsonWriter& json, const Scene& scene, const Snapshot& snapshot,
   json.key("stop");
   json.boolean(snapshot.commands.stop);
   write_halt(json, snapshot.halt);
+  json.key("stop_number");
+  json.integer(snapshot.stop_number);
+  json.key("waits_for_start");
+  json.boolean(snapshot.is_held || (snapshot.halt & kHaltConsole) != 0);
   json.key("referee");
   json.begin_object();
   json.key("phase");

@@ -101,8 +101,8 @@ void add_histogram(std::string& text, const LatencyBins& latency) {
 }  // namespace
 
 void write_status(JsonWriter& json, const Scene& scene, const FrameFeed& feed, const StatusReport& report,
-                  std::optional<std::uint16_t> halt, const MachineStatus& machine, std::size_t clients,
-                  double now_unix_s) {
+                  std::optional<std::uint16_t> halt, bool waits_for_start, const MachineStatus& machine,
+                  std::size_t clients, double now_unix_s) {
   json.begin_object();
   json.key("type");
   json.string("status");
@@ -126,6 +126,10 @@ void write_status(JsonWriter& json, const Scene& scene, const FrameFeed& feed, c
     json.key("halt");
     json.null();
   }
+  json.key("stop_number");
+  json.integer(report.stop_number);
+  json.key("waits_for_start");
+  json.boolean(waits_for_start);
   write_count(json, "overloads", report.overloads);
   write_count(json, "faults", report.faults);
   write_number(json, "cpu_percent", machine.cpu_percent, 0.1);

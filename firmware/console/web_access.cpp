@@ -56,6 +56,12 @@ std::optional<WebServer::Implementation::Refusal> WebServer::Implementation::che
   return std::nullopt;
 }
 
+bool WebServer::Implementation::has_token(lws* connection, Purpose purpose) const {
+  const std::string cookie = header_of(connection, WSI_TOKEN_HTTP_COOKIE);
+  return is_token(token_of_cookie(cookie), settings_.access) ||
+         (purpose == Purpose::kFoxglove && is_token(token_argument_of(connection), settings_.access));
+}
+
 int WebServer::Implementation::login(lws* connection) {
   if (!is_token(token_argument_of(connection), settings_.access)) {
     return answer(connection, HTTP_STATUS_FORBIDDEN, "text/plain; charset=utf-8", "The token is wrong.\n");
@@ -65,7 +71,8 @@ int WebServer::Implementation::login(lws* connection) {
   // A page, because a redirect after a link from elsewhere would not carry the cookie.
   constexpr std::string_view kPage =
       R"(<!doctype html><html lang="en"><meta charset="utf-8"><meta http-equiv="refresh" content="0; url=/"><a href="/">Console</a></html>)";
-  return answer(connection, HTTP_STATUS_OK, "text/html; charset=utf-8", kPage, "set-cookie:", cookie);
+  return answer(connection, HTTP_STATUS_OK, "text/html; charset=utf-8", kPage,
+                {.name = "set-cookie:", .value = cookie});
 }
 
 }  // namespace touchline::console

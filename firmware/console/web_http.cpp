@@ -32,13 +32,17 @@ struct HeaderBuffer {
 
 int WebServer::Implementation::on_http(lws* connection, lws_callback_reasons reason, void* in) {
   switch (reason) {
+    case LWS_CALLBACK_SERVER_NEW_CLIENT_INSTANTIATED:
+      admit(connection);
+      return 0;
     case LWS_CALLBACK_HTTP:
+      if (const auto visitor = visitors_.find(connection); visitor != visitors_.end()) {
+        visitor->second.since = hal::MonotonicClock::read();
+      }
       return begin_request(connection, static_cast<const char*>(in));
     case LWS_CALLBACK_HTTP_WRITEABLE:
       waiting_.erase(connection);
       return write_request(connection);
-    case LWS_CALLBACK_HTTP_FILE_COMPLETION:
-      return complete(connection);
     case LWS_CALLBACK_CLOSED_HTTP:
     case LWS_CALLBACK_WSI_DESTROY:
       forget(connection);
@@ -68,8 +72,8 @@ int WebServer::Implementation::begin_request(lws* connection, std::string_view p
   if (path == "/stream.mjpg") return begin_pictures(connection, HttpRequest::Kind::kStream);
   if (path == "/bug-report") return begin_bug_report(connection);
   if (path == "/metrics") return answer(connection, HTTP_STATUS_OK, "text/plain; version=0.0.4", hub_.metrics());
-  if (is_page) files_.scan();
-  const PageFile* const file = files_.find(path);
+  if (is_page) read_files_again();
+  const PageFile* const file = files_->find(path);
   if (file != nullptr) return serve_page(connection, *file, path.starts_with("/assets/"));
   if (is_page) return answer(connection, HTTP_STATUS_OK, kHtml, missing_page());
   return answer(connection, HTTP_STATUS_NOT_FOUND, kPlainText, "There is no such page.\n");
@@ -77,12 +81,25 @@ int WebServer::Implementation::begin_request(lws* connection, std::string_view p
 
 int WebServer::Implementation::serve_page(lws* connection, const PageFile& file, bool is_asset) {
   // Names of assets contain a hash of their content.
-  const std::string header =
-      is_asset ? "cache-control: public, max-age=31536000, immutable\r\n" : "cache-control: no-cache\r\n";
-  const int begun = lws_serve_http_file(connection, file.path.c_str(), file.content_type.c_str(), header.c_str(),
-                                        static_cast<int>(header.size()));
-  if (begun < 0) return -1;
-  return begun > 0 ? complete(connection) : 0;
+  constexpr const char* kForever = "public, max-age=31536000, immutable";
+  return answer(connection, HTTP_STATUS_OK, file.content_type.c_str(), file.content,
+                {.cache_control = is_asset ? kForever : "no-cache"});
+}
+
+// The page may have been built meanwhile: the next request gets it.
+void WebServer::Implementation::read_files_again() {
+  if (std::exchange(reads_files_, true)) return;
+  hub_.file_thread().run([this, folder = settings_.page_folder, former = files_]() -> FileThread::Finish {
+    std::shared_ptr<const PageFiles> files;
+    try {
+      files = std::make_shared<const PageFiles>(folder, former.get());
+    } catch (const std::exception&) {  // memory is short: the former ones are served
+    }
+    return [this, files] {
+      reads_files_ = false;
+      if (files != nullptr) files_ = files;
+    };
+  });
 }
 
 int WebServer::Implementation::complete(lws* connection) {
@@ -90,7 +107,7 @@ int WebServer::Implementation::complete(lws* connection) {
 }
 
 int WebServer::Implementation::answer(lws* connection, unsigned status, const char* type, std::string_view body,
-                                      const char* header, std::string_view value) {
+                                      const AnswerHeaders& further) {
   HeaderBuffer headers;
   const auto add = [&](const char* name, std::string_view text) {
     return lws_add_http_header_by_name(connection, reinterpret_cast<const unsigned char*>(name),
@@ -98,7 +115,7 @@ int WebServer::Implementation::answer(lws* connection, unsigned status, const ch
                                        static_cast<int>(text.size()), &headers.next, headers.end) != 0;
   };
   if (lws_add_http_common_headers(connection, status, type, body.size(), &headers.next, headers.end) != 0 ||
-      add("cache-control:", "no-store") || (header != nullptr && add(header, value)) ||
+      add("cache-control:", further.cache_control) || (further.name != nullptr && add(further.name, further.value)) ||
       lws_finalize_write_http_header(connection, headers.begin, &headers.next, headers.end) != 0) {
     return -1;
   }
@@ -156,17 +173,17 @@ int WebServer::Implementation::write_bug_report(lws* connection, HttpRequest& re
   if (!request.is_made) {
     BugReportContent content = hub_.bug_report_content(request.picture, now);
     content.secret = settings_.access.token;
-    report_name_ = bug_report_name(content);
     request.is_made = true;
     reporter_.start(std::move(content));
     return 0;
   }
-  const std::string report = reporter_.take();
-  if (report.empty()) {
+  const BugReport report = reporter_.take();
+  if (report.bytes.empty()) {
     return answer(connection, HTTP_STATUS_INTERNAL_SERVER_ERROR, kPlainText, "Memory is too short for a report.\n");
   }
-  const int answered = answer(connection, HTTP_STATUS_OK, "application/gzip", report,
-                              "content-disposition:", "attachment; filename=\"" + report_name_ + ".tar.gz\"");
+  const std::string file_name = "attachment; filename=\"" + report.name + ".tar.gz\"";
+  const int answered = answer(connection, HTTP_STATUS_OK, "application/gzip", report.bytes,
+                              {.name = "content-disposition:", .value = file_name});
   request.kind = HttpRequest::Kind::kBugReport;
   return answered;
 }
@@ -190,7 +207,7 @@ int WebServer::Implementation::write_request(lws* connection) {
     return write_snapshot(connection, request, hal::MonotonicClock::read());
   if (request.kind == HttpRequest::Kind::kBugReport)
     return write_bug_report(connection, request, hal::MonotonicClock::read());
-  return write_body(connection, request, request.body.size());
+  return write_body(connection, request, kBodyPart);
 }
 
 int WebServer::Implementation::write_body(lws* connection, HttpRequest& request, std::size_t most) {

@@ -15,11 +15,11 @@ using namespace std::chrono_literals;
 
 // While somebody watches: a small part of a frame's period. While a driver may fall silent: in time for that.
 constexpr Duration kWatchedPeriod = 8ms, kIdlePeriod = 200ms;
-// Sockets and requests of a page, four streams, and those of libwebsockets itself.
-constexpr unsigned kMaxDescriptors = 72;
+// Clients, lines for Stop, visitors (web_visitors.cpp), five long requests, some of libwebsockets itself, and room for
+// connections that are being closed.
+constexpr unsigned kMaxDescriptors = 160;
 // As many requests as connections, so that connections that say nothing keep nobody waiting.
 constexpr unsigned kHttpHeaderBytes = 4096, kHeaderPool = kMaxDescriptors;
-constexpr unsigned kHandshakeTimeS = 5;
 constexpr int kKeepAliveS = 5;
 constexpr std::size_t kReceiveBytes = 4096;
 
@@ -67,7 +67,7 @@ std::string header_of(lws* connection, lws_token_indexes token) {
 WebServer::Implementation::Implementation(Hub& hub, WebServerSettings settings)
     : hub_(hub),
       settings_(std::move(settings)),
-      files_(settings_.page_folder),
+      files_(std::make_shared<const PageFiles>(settings_.page_folder)),
       idle_policy_{nullptr, 0, 0, settings_.patience.ask_after_s, settings_.patience.close_after_s, 0} {
   timer_.owner = this;
 }
@@ -104,7 +104,7 @@ Result<void> WebServer::Implementation::open() {
   info.fd_limit_per_thread = kMaxDescriptors;
   info.max_http_header_data = kHttpHeaderBytes;
   info.max_http_header_pool = kHeaderPool;
-  info.timeout_secs = kHandshakeTimeS;
+  info.timeout_secs = settings_.patience.request_s;
   info.pt_serv_buf_size = kReceiveBytes;
   info.retry_and_idle_policy = &idle_policy_;
   context_ = lws_create_context(&info);
@@ -182,11 +182,12 @@ void WebServer::Implementation::close_unread(Instant now) {
   }
   for (lws* const connection : unread) {
     waiting_.erase(connection);
-    lws_set_timeout(connection, PENDING_TIMEOUT_USER_OK, LWS_TO_KILL_ASYNC);
+    close(connection);
   }
 }
 
 void WebServer::Implementation::forget(lws* connection) {
+  visitors_.erase(connection);
   waiting_.erase(connection);
   requests_.erase(connection);
   const auto socket = sockets_.find(connection);

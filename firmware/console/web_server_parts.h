@@ -3,6 +3,7 @@
 #include <libwebsockets.h>
 
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 
@@ -25,11 +26,25 @@ struct HttpRequest {
   bool is_made = false;        // the bug report, or it is being made
 };
 
+/// Headers of an answer beside the usual ones.
+struct AnswerHeaders {
+  const char* cache_control = "no-store";
+  const char* name = nullptr;  // with its colon; null: no further header
+  std::string_view value{};
+};
+
 /// A WebSocket.
 struct Socket {
   Client* client = nullptr;
   std::uint64_t confirmed_before = 0;  // bytes that the other computer had confirmed before the first message
   std::string received;                // beginning of a message that has not arrived completely
+};
+
+/// A connection that is no WebSocket.
+struct Visitor {
+  std::string address;
+  Instant since{};  // it was accepted, or said something last
+  bool is_closing = false;
 };
 
 /// What libwebsockets calls. Connections are found by their handle.
@@ -55,6 +70,15 @@ class WebServer::Implementation {
   void ask_to_write(lws* connection);
   void forget(lws* connection);
 
+  // web_visitors.cpp
+  void admit(lws* connection);
+  /// Closes the visitor that matters least, if there are too many.
+  void limit_visitors();
+  [[nodiscard]] bool is_long_request(lws* connection) const;
+  /// Makes room for another line for Stop: the one that has been silent for the longest time goes.
+  void limit_stop_lines();
+  void close(lws* connection);
+
   // web_access.cpp
   /// Nothing if the request is permitted, else the status and the text of the answer.
   struct Refusal {
@@ -63,13 +87,15 @@ class WebServer::Implementation {
   };
   enum class Purpose : std::uint8_t { kConsole, kNavigation, kFoxglove };
   [[nodiscard]] std::optional<Refusal> check(lws* connection, Purpose purpose) const;
+  [[nodiscard]] bool has_token(lws* connection, Purpose purpose) const;
   int login(lws* connection);
 
   // web_http.cpp
   int begin_request(lws* connection, std::string_view path);
+  void read_files_again();
   int serve_page(lws* connection, const PageFile& file, bool is_asset);
-  int answer(lws* connection, unsigned status, const char* type, std::string_view body, const char* header = nullptr,
-             std::string_view value = {});
+  int answer(lws* connection, unsigned status, const char* type, std::string_view body,
+             const AnswerHeaders& further = {});
   int begin_pictures(lws* connection, HttpRequest::Kind kind);
   int begin_bug_report(lws* connection);
   int write_bug_report(lws* connection, HttpRequest& request, Instant now);
@@ -95,14 +121,15 @@ class WebServer::Implementation {
 
   Hub& hub_;
   const WebServerSettings settings_;
-  PageFiles files_;
+  std::shared_ptr<const PageFiles> files_;
+  bool reads_files_ = false;
   const lws_retry_bo_t idle_policy_;
   lws_context* context_ = nullptr;
   lws_vhost* host_ = nullptr;
   Timer timer_{};
   std::map<lws*, HttpRequest> requests_;
   BugReportWorker reporter_;
-  std::string report_name_;  // of the report that is made
+  std::map<lws*, Visitor> visitors_;
   std::map<lws*, Socket> sockets_;
   std::map<lws*, Instant> waiting_;  // to be written to, since when
 };

@@ -25,6 +25,15 @@ Link link_of(lws* connection) {
   return {std::chrono::microseconds(information.tcpi_min_rtt), information.tcpi_bytes_acked};
 }
 
+// When the last bytes of the connection arrived in the kernel. Older bytes may be read only now, because this thread
+// was busy; a message must not look newer for that.
+Instant arrival_at(lws* connection, Instant now) {
+  tcp_info information{};
+  socklen_t size = sizeof(information);
+  if (::getsockopt(lws_get_socket_fd(connection), IPPROTO_TCP, TCP_INFO, &information, &size) != 0) return now;
+  return now - std::chrono::milliseconds(information.tcpi_last_data_recv);
+}
+
 // Of a message from the server (RFC 6455, section 5.2).
 std::size_t frame_header_bytes(std::size_t size) { return size < 126 ? 2 : size < 65536 ? 4 : 10; }
 
@@ -63,7 +72,11 @@ int WebServer::Implementation::on_socket(lws* connection, lws_callback_reasons r
 }
 
 int WebServer::Implementation::accept_socket(lws* connection) {
-  Client* const client = hub_.connect(hal::MonotonicClock::read(), protocol_of(connection));
+  visitors_.erase(connection);
+  const ClientProtocol protocol = protocol_of(connection);
+  if (protocol == ClientProtocol::kStop) limit_stop_lines();
+  const Purpose purpose = protocol == ClientProtocol::kFoxglove ? Purpose::kFoxglove : Purpose::kConsole;
+  Client* const client = hub_.connect(hal::MonotonicClock::read(), protocol, has_token(connection, purpose));
   if (client == nullptr) {
     // "Try again later" (RFC 6455, registered as 1013).
     return end_socket(connection, static_cast<lws_close_status>(1013), "too many clients");
@@ -101,7 +114,7 @@ int WebServer::Implementation::receive(lws* connection, std::string_view part) {
   const std::string text = std::move(socket.received);
   socket.received.clear();
   const Instant now = hal::MonotonicClock::read();
-  if (!hub_.receive(*socket.client, text, now)) {
+  if (!hub_.receive(*socket.client, text, arrival_at(connection, now), now)) {
     return end_socket(connection, LWS_CLOSE_STATUS_POLICY_VIOLATION, "too many messages");
   }
   // What the message asks for, and what it changes for the others.

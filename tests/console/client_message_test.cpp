@@ -32,7 +32,9 @@ TEST(ClientMessageParser, ReadsEachType) {
   EXPECT_EQ(parsed(R"({"type":"adaptation","action":"reset"})").adaptation, AdaptationMode::kOff);
   EXPECT_EQ(parsed(R"({"type":"take"})").kind, Kind::kTake);
   EXPECT_EQ(parsed(R"({"type":"release"})").kind, Kind::kRelease);
-  EXPECT_EQ(parsed(R"({"type":"start"})").kind, Kind::kStart);
+  EXPECT_EQ(parsed(R"({"type":"start","stop_number":3})").kind, Kind::kStart);
+  EXPECT_EQ(parsed(R"({"type":"start","stop_number":3})").stop_number, 3U);
+  EXPECT_FALSE(parsed(R"({"type":"start"})").stop_number.has_value()) << "of an older page; the hub refuses it";
   EXPECT_EQ(parsed(R"({"type":"ping"})").kind, Kind::kPing);
   EXPECT_FALSE(message.findings.any());
   message = parsed(R"({"type":"watch","state_hz":0,"findings":["light","classes"]})");

@@ -19,11 +19,11 @@ TEST_F(DrivingTest, EverybodyStopsAndOnlyTheDriverStarts) {
   driving.stop();
   EXPECT_TRUE(driving.input().stop);
   EXPECT_TRUE(driving.take_change());
-  EXPECT_EQ(driving.start(1).code(), ErrorCode::kPermission);
+  EXPECT_EQ(driving.start(1, 1).code(), ErrorCode::kPermission);
   driving.take(1, kBegin);
-  EXPECT_EQ(driving.start(2).code(), ErrorCode::kPermission);
+  EXPECT_EQ(driving.start(2, 1).code(), ErrorCode::kPermission);
   EXPECT_TRUE(driving.input().stop);
-  EXPECT_TRUE(driving.start(1).ok());
+  EXPECT_TRUE(driving.start(1, 1).ok());
   EXPECT_FALSE(driving.input().stop);
   EXPECT_TRUE(driving.take_change());
   EXPECT_FALSE(driving.take_change());
@@ -40,10 +40,27 @@ TEST_F(DrivingTest, SaysWhetherTheEndOfASetupOrAPersonStoppedTheRobots) {
   EXPECT_TRUE(driving.take_change());
   driving.stop_after_setup();
   EXPECT_FALSE(driving.input().setup_ended) << "and that stop holds";
-  EXPECT_TRUE(driving.start(1).ok());
+  EXPECT_TRUE(driving.start(1, driving.stop_number()).ok());
   driving.stop_after_setup();
   EXPECT_TRUE(driving.leave(1));
   EXPECT_FALSE(driving.input().setup_ended) << "the driver has gone";
+}
+
+TEST_F(DrivingTest, AStartNamesTheStopThatItEnds) {
+  driving.take(1, kBegin);
+  driving.stop();
+  driving.stop();  // somebody else, while the robots stand already
+  EXPECT_EQ(driving.start(1, 1).code(), ErrorCode::kInconsistent);
+  EXPECT_TRUE(driving.is_stopped());
+  EXPECT_TRUE(driving.start(1, 2).ok());
+  EXPECT_FALSE(driving.is_stopped());
+  EXPECT_TRUE(driving.set_held(1, true));
+  EXPECT_FALSE(driving.set_held(1, true));
+  EXPECT_TRUE(driving.is_stopped()) << "by the loop";
+  EXPECT_EQ(driving.start(1, 2).code(), ErrorCode::kInconsistent);
+  ASSERT_TRUE(driving.start(1, 3).ok());
+  EXPECT_EQ(driving.input().starts, 2U);
+  EXPECT_EQ(driving.input().start_number, 1U) << "for the loop";
 }
 
 TEST_F(DrivingTest, OnlyTheDriverDrivesRobotsThatExist) {
@@ -67,7 +84,7 @@ TEST_F(DrivingTest, ACommandFromBeforeAStopMovesNothingAfterIt) {
   driving.take(1, kBegin);
   ASSERT_TRUE(driving.drive(1, 3, {0.5f, 1.0f}, kBegin).ok());
   driving.stop();
-  ASSERT_TRUE(driving.start(1).ok());
+  ASSERT_TRUE(driving.start(1, driving.stop_number()).ok());
   ASSERT_EQ(driving.input().commands.size(), 1U);
   EXPECT_EQ(driving.input().commands[0].twist.v_mps, 0.0f);
   EXPECT_EQ(driving.input().commands[0].twist.w_radps, 0.0f);
@@ -89,21 +106,21 @@ TEST_F(DrivingTest, ADriverWhoGivesUpStopsNothing) {
   EXPECT_TRUE(driving.release(1).ok());
   EXPECT_FALSE(driving.is_stopped());
   EXPECT_TRUE(driving.input().commands.empty());
-  EXPECT_FALSE(driving.check_silence(kBegin + 10s)) << "nobody drives";
+  EXPECT_FALSE(driving.is_silent(kBegin + 10s)) << "nobody drives";
+  EXPECT_FALSE(driving.input().driver_heard.has_value());
 }
 
-TEST_F(DrivingTest, ADriverWhoIsSilentForASecondStopsTheRobotsOnce) {
+TEST_F(DrivingTest, TheLoopIsToldWhenTheDriverWasHeard) {
   driving.take(1, kBegin);
-  EXPECT_FALSE(driving.check_silence(kBegin + 1s));
+  EXPECT_TRUE(driving.take_change());
+  EXPECT_EQ(driving.input().driver_heard, kBegin);
   driving.hear(2, kBegin + 1s);  // another client
-  EXPECT_TRUE(driving.check_silence(kBegin + 1s + 1us));
-  EXPECT_TRUE(driving.is_stopped());
-  EXPECT_FALSE(driving.check_silence(kBegin + 2s)) << "reported once";
-  EXPECT_EQ(driving.driver(), 1U) << "it may start again";
-  driving.hear(1, kBegin + 5s);
-  ASSERT_TRUE(driving.start(1).ok());
-  EXPECT_FALSE(driving.check_silence(kBegin + 6s));
-  EXPECT_TRUE(driving.check_silence(kBegin + 6s + 1us));
+  EXPECT_FALSE(driving.take_change());
+  driving.hear(1, kBegin + 1s);
+  EXPECT_TRUE(driving.take_change());
+  EXPECT_EQ(driving.input().driver_heard, kBegin + 1s);
+  EXPECT_FALSE(driving.is_silent(kBegin + 2s));
+  EXPECT_TRUE(driving.is_silent(kBegin + 2s + 1us));
 }
 
 }  // namespace

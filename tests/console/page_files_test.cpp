@@ -13,15 +13,15 @@ TEST(PageFiles, OnlyFilesOfTheFolderAreFound) {
   const std::filesystem::path folder = above / "dist";
   std::filesystem::create_directories(folder / "assets");
   std::ofstream(above / "secret.txt") << "secret";
-  PageFiles files(folder.string());
-  EXPECT_TRUE(files.empty());
+  const PageFiles before(folder.string());
+  EXPECT_TRUE(before.empty());
   std::ofstream(folder / "index.html") << "page";
   std::ofstream(folder / "favicon.svg") << "icon";
   std::ofstream(folder / "assets/main-1a2b.js") << "code";
   std::filesystem::create_symlink(above / "secret.txt", folder / "link.txt");
   std::filesystem::create_symlink(above, folder / "above");
-  EXPECT_TRUE(files.empty()) << "before the scan";
-  files.scan();
+  EXPECT_TRUE(before.empty()) << "they are read once";
+  const PageFiles files(folder.string());
   EXPECT_FALSE(files.empty());
   ASSERT_NE(files.find("/"), nullptr);
   EXPECT_EQ(files.find("/")->content_type, "text/html; charset=utf-8");
@@ -33,6 +33,16 @@ TEST(PageFiles, OnlyFilesOfTheFolderAreFound) {
                                     "/link.txt", "/above/secret.txt", "//index.html", "/index.html/"}) {
     EXPECT_EQ(files.find(address), nullptr) << address;
   }
+  // Another build: who has the former page asks for its assets.
+  std::filesystem::remove(folder / "assets/main-1a2b.js");
+  std::ofstream(folder / "assets/main-9f9f.js") << "other code";
+  std::ofstream(folder / "index.html") << "other page";
+  EXPECT_EQ(files.find("/")->content, "page");
+  const PageFiles next(folder.string(), &files);
+  EXPECT_EQ(next.find("/")->content, "other page");
+  EXPECT_EQ(next.find("/assets/main-1a2b.js")->content, "code");
+  EXPECT_EQ(next.find("/assets/main-9f9f.js")->content, "other code");
+  EXPECT_EQ(PageFiles(folder.string()).find("/assets/main-1a2b.js"), nullptr);
   std::filesystem::remove_all(above);
   EXPECT_TRUE(PageFiles("").empty());
 }

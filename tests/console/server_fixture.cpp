@@ -2,6 +2,8 @@
 
 #include <random>
 
+#include "firmware/external_input.h"
+
 namespace touchline::console {
 namespace {
 
@@ -28,7 +30,7 @@ void ConsoleServer::start() {
   camera.rate_hz = 100.0;
   pictures_.allocate(std::size_t{3} * kWidth * kHeight);
   const Print print = [this](const std::string& line) { reports.events.add("info", line); };
-  hub_ = std::make_unique<Hub>(HubLinks{*snapshots_, pictures_, mailbox_, reports, &adaptation, print, use_files},
+  hub_ = std::make_unique<Hub>(HubLinks{*snapshots_, pictures_, link_, reports, &adaptation, print, use_files},
                                scene_of(configuration_, camera, "1.2.3"), HubSettings{picture_rate_hz, setup_socket});
   server_ = std::make_unique<WebServer>(*hub_, settings);
   const Result<void> opened = server_->open();
@@ -37,7 +39,12 @@ void ConsoleServer::start() {
   console_ = std::thread([this] {
     while (!end_) {
       server_->serve();
-      if (task_) std::exchange(task_, nullptr)();
+      std::function<void()> task;
+      {
+        const std::scoped_lock lock(mutex_);
+        task.swap(task_);
+      }
+      if (task) task();
     }
   });
 }
@@ -53,6 +60,7 @@ std::array<std::uint8_t, 3> ConsoleServer::patch_value() const {
 }
 
 void ConsoleServer::begin_session_later(bool is_draft, bool is_calibrated, std::string error) {
+  const std::scoped_lock lock(mutex_);
   task_ = [this, is_draft, is_calibrated, error = std::move(error)] {
     hal::CameraInfo camera;
     camera.width_px = kWidth;
@@ -111,21 +119,33 @@ void ConsoleServer::run_loop() {
     track.id = static_cast<RobotId>(id);
     static_cast<void>(snapshot->tracks.robots.push_back(track));
   }
+  ExternalInputSettings external;
+  external.console = &link_;
+  ExternalInput input(external);
+  StopRules rules({.stop_after = std::chrono::hours(1)});
+  const Instant begin = hal::MonotonicClock::read();
+  rules.accept_frame(begin, begin);
+  rules.check_last_frame(begin);
   while (!end_) {
     std::this_thread::sleep_for(kFramePeriod);
-    if (!camera_delivers) continue;
-    ConsoleInput taken;
-    if (mailbox_.take(taken)) {
-      const std::scoped_lock lock(mutex_);
-      input_ = taken;
-    }
     const Instant now = hal::MonotonicClock::read();
+    input.take(now, now);
+    input.apply_to(rules, now, std::chrono::seconds(1));
+    halt_ = rules.halt();
+    stop_number_ = input.stop_number(rules);
+    {
+      const std::scoped_lock lock(mutex_);
+      input_ = input.console();
+    }
+    if (!camera_delivers) continue;
     snapshot->number = frames;
     snapshot->frame_sequence = static_cast<std::uint32_t>(snapshot->number);
     snapshot->captured = snapshot->received = now - std::chrono::milliseconds(5);
     snapshot->sent = snapshot->machine_sent = now;
     snapshot->latency = std::chrono::milliseconds(5);
-    snapshot->halt = input().stop ? std::uint16_t{kHaltConsole} : std::uint16_t{kHaltNone};
+    snapshot->halt = rules.halt();
+    snapshot->stop_number = stop_number_;
+    snapshot->is_held = rules.is_held();
     snapshots_->write(*snapshot);
     if (pictures_.is_wanted()) {
       if (pipeline_) pictures_.put_findings(*pipeline_, pipeline_->step(frame));

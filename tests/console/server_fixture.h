@@ -29,8 +29,11 @@ class ConsoleServer : public ::testing::Test {
     const std::scoped_lock lock(mutex_);
     return input_;
   }
-  /// Lets a session begin, as the main thread does. Call it in `use_files`, on the console's thread: the hub is told
-  /// with its next turn.
+  /// Why the loop has robots stand; bits of Halt.
+  [[nodiscard]] std::uint16_t halt() const { return halt_; }
+  /// The member of a start that names the stop in force, as a page has it from the newest state.
+  [[nodiscard]] std::string stop_in_force() const { return "\"stop_number\":" + std::to_string(stop_number_); }
+  /// Lets a session begin, as the main thread does. Call it in `use_files`: the hub is told with its next turn.
   void begin_session_later(bool is_draft, bool is_calibrated, std::string error = {});
   /// Waits until the loop has got this, for at most half a minute.
   template <class Condition>
@@ -66,9 +69,11 @@ class ConsoleServer : public ::testing::Test {
   std::unique_ptr<Pipeline> pipeline_;
   std::unique_ptr<SnapshotRing> snapshots_ = std::make_unique<SnapshotRing>();
   PictureExchange pictures_;
-  Mailbox<ConsoleInput> mailbox_;
+  ConsoleLink link_;
   mutable std::mutex mutex_;
   ConsoleInput input_;  // as the loop has taken it
+  std::atomic<std::uint16_t> halt_{kHaltNone};
+  std::atomic<std::uint32_t> stop_number_{0};
   std::unique_ptr<Hub> hub_;
   std::function<void()> task_;  // of the console's thread
   std::unique_ptr<WebServer> server_;

@@ -324,7 +324,7 @@ TEST_F(SetupRelayTest, WithADraftRobotsStandExceptOneThatIsDrivenAndATry) {
   const json ended = peer->read_type("tried").text;
   EXPECT_EQ(ended["ok"], false) << "and the program is told";
   EXPECT_EQ(ended["error"], "a stop ended the try");
-  EXPECT_EQ(ask(driver, "start", {}, 7)["ok"], true);
+  EXPECT_EQ(ask(driver, "start", stop_in_force(), 7)["ok"], true);
   EXPECT_TRUE(eventually([&] { return input().setup == SetupWish::kStand && !input().stop; }));
 
   peer->send(R"({"type":"try","request":8,"on":true})");

@@ -6,6 +6,7 @@
 #include <sys/time.h>
 #include <unistd.h>
 #include <array>
+#include <cerrno>
 
 namespace touchline::console {
 namespace {
@@ -32,10 +33,22 @@ SocketClient::SocketClient(ServerAddress server) : socket_(::socket(AF_INET, SOC
   address.sin_family = AF_INET;
   address.sin_port = htons(server.port);
   ::inet_pton(AF_INET, server.host, &address.sin_addr);
+  if (server.from != nullptr) {
+    sockaddr_in own{};
+    own.sin_family = AF_INET;
+    ::inet_pton(AF_INET, server.from, &own.sin_addr);
+    EXPECT_EQ(::bind(socket_, reinterpret_cast<const sockaddr*>(&own), sizeof(own)), 0);
+  }
   EXPECT_EQ(::connect(socket_, reinterpret_cast<const sockaddr*>(&address), sizeof(address)), 0);
 }
 
 SocketClient::~SocketClient() { ::close(socket_); }
+
+bool SocketClient::is_open() const {
+  char byte = 0;
+  const ssize_t size = ::recv(socket_, &byte, 1, MSG_PEEK | MSG_DONTWAIT);
+  return size > 0 || (size < 0 && (errno == EAGAIN || errno == EWOULDBLOCK));
+}
 
 void SocketClient::send(std::string_view bytes) const {
   while (!bytes.empty()) {

@@ -9,10 +9,12 @@ namespace touchline::console {
 
 /// Of a server; on this computer unless it is said.
 struct ServerAddress {
-  ServerAddress(std::uint16_t port_, const char* host_ = "127.0.0.1")  // NOLINT(google-explicit-constructor)
-      : port(port_), host(host_) {}
+  ServerAddress(std::uint16_t port_, const char* host_ = "127.0.0.1",  // NOLINT(google-explicit-constructor)
+                const char* from_ = nullptr)
+      : port(port_), host(host_), from(from_) {}
   std::uint16_t port;
   const char* host;  // in numbers
+  const char* from;  // the client's own address; null: any
 };
 
 /// A client that shares no code with the server: HTTP/1.1 and WebSocket (RFC 6455) on a blocking socket. A wait ends
@@ -25,6 +27,8 @@ class SocketClient {
   SocketClient& operator=(const SocketClient&) = delete;
 
   void send(std::string_view bytes) const;
+  /// Whether the other side has not closed the connection. Never waits.
+  [[nodiscard]] bool is_open() const;
   /// Makes the receive buffer as small as the kernel permits, so that the TCP window closes soon when nothing is read.
   void shrink_window() const;
   /// Everything until the other side closes the connection, or until `end` has arrived.

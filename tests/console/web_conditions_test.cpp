@@ -96,7 +96,7 @@ TEST_F(WebConditions, AConnectionWhoseOtherSideIsGoneIsClosed) {
   EXPECT_TRUE(eventually([&] { return count_clients(watcher) == 2; }));
   // Neither side is told. The driver's silence stops the robots before the connection is given up.
   link.freeze();
-  EXPECT_TRUE(eventually([&] { return count_clients(watcher) > 0 && input().stop; }));
+  EXPECT_TRUE(eventually([&] { return count_clients(watcher) > 0 && halt() == kHaltDriver; }));
   EXPECT_TRUE(eventually([&] { return count_clients(watcher) == 1; }));
 }
 
@@ -110,19 +110,19 @@ TEST_F(WebConditions, ADriverThatWasLostDoesNotDriveOnWhenItIsBack) {
   link.freeze();
   for (int i = 0; i < 60; ++i)
     driver.send_text(text_of("drive", forward));  // three seconds of a page that does not know
-  EXPECT_TRUE(eventually([&] { return input().stop; }));
+  EXPECT_TRUE(eventually([&] { return halt() == kHaltDriver; }));
   // The link is found again: what was sent meanwhile arrives at once, and moves nothing.
   link.thaw();
   EXPECT_EQ(ask_with(driver, 3, "ping")["ok"], true) << "the connection has survived";
-  EXPECT_TRUE(input().stop);
+  EXPECT_EQ(halt(), kHaltDriver);
   // A page that has to connect anew is another client, and has to take control and start.
   SocketPage again(port());
   EXPECT_EQ(ask_with(again, 4, "drive", forward)["ok"], false);
-  EXPECT_EQ(ask_with(again, 5, "start")["ok"], false);
+  EXPECT_EQ(ask_with(again, 5, "start", stop_in_force())["ok"], false);
   EXPECT_EQ(ask_with(again, 6, "take")["ok"], true);
-  EXPECT_TRUE(input().stop);
-  EXPECT_EQ(ask_with(again, 7, "start")["ok"], true);
-  EXPECT_TRUE(eventually([&] { return !input().stop; }));
+  EXPECT_EQ(halt(), kHaltDriver);
+  EXPECT_EQ(ask_with(again, 7, "start", stop_in_force())["ok"], true);
+  EXPECT_TRUE(eventually([&] { return halt() == kHaltNone; }));
 }
 
 TEST_F(WebConditions, OverASlowLinkThePictureShrinksAndAStopIsConfirmedInTime) {
@@ -187,11 +187,11 @@ TEST_F(WebConditions, WithoutFramesTheStatusTellsWhyRobotsAreStopped) {
   report.halt = kHaltNoFrames | kHaltConsole;
   reports.set(report);
   while (halt_of_next_status() == nullptr) reports.set(report);
-  reports.set_halt(kHaltNoFrames);
+  reports.set_halt({0.0, kHaltNoFrames, kHaltNone, 1});
   nlohmann::json halt = halt_of_next_status();
   // A status that was on its way may be the former one.
   for (int i = 0; i < 3 && halt != nlohmann::json{"no_frames"}; ++i, halt = halt_of_next_status()) {
-    reports.set_halt(kHaltNoFrames);
+    reports.set_halt({0.0, kHaltNoFrames, kHaltNone, 1});
   }
   EXPECT_EQ(halt, nlohmann::json{"no_frames"});
   EXPECT_TRUE(eventually([&] { return halt_of_next_status() == nullptr; })) << "the loop hangs: nothing is known";

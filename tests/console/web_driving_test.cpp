@@ -63,12 +63,53 @@ TEST_F(WebDriving, AStopOfAnyClientReachesTheNextFrame) {
   do state = read_json(watcher, "state");
   while (state["number"].get<std::uint64_t>() <= answered + 1);
   EXPECT_EQ(state["halt"], nlohmann::json::array({"console"}));
-  const nlohmann::json refused = ask(watcher, "start");
+  EXPECT_EQ(state["stop_number"], 1);
+  EXPECT_EQ(state["waits_for_start"], true);
+  const nlohmann::json refused = ask(watcher, "start", stop_in_force());
   EXPECT_EQ(refused["ok"], false);
   EXPECT_NE(refused["error"].get<std::string>().find("take over"), std::string::npos);
   EXPECT_TRUE(input().stop);
-  EXPECT_EQ(ask(driver, "start")["ok"], true);
+  EXPECT_EQ(ask(driver, "start", stop_in_force())["ok"], true);
   EXPECT_TRUE(eventually([&] { return !input().stop; }));
+}
+
+// Six people at the field: one presses Start while another presses Stop.
+TEST_F(WebDriving, AStartEndsOnlyTheStopThatItsPageHasShown) {
+  start();
+  SocketPage driver(port());
+  std::vector<std::unique_ptr<SocketPage>> others;
+  for (int i = 0; i < 5; ++i) others.push_back(std::make_unique<SocketPage>(port()));
+  EXPECT_EQ(ask(driver, "take")["ok"], true);
+  for (std::size_t round = 1; round <= 60; ++round) {
+    EXPECT_EQ(ask(driver, "stop")["ok"], true);
+    ASSERT_TRUE(eventually([&] { return stop_in_force() == "\"stop_number\":" + std::to_string(2 * round - 1); }))
+        << stop_in_force() << " " << halt();
+    const std::string shown = stop_in_force();
+    EXPECT_EQ(ask(*others[round % others.size()], "stop")["ok"], true);
+    const nlohmann::json answer = ask(driver, "start", shown);
+    EXPECT_EQ(answer["ok"], false) << "round " << round;
+    EXPECT_NE(answer["error"].get<std::string>().find("has come since"), std::string::npos) << answer;
+  }
+  const std::uint64_t answered = frames;
+  EXPECT_TRUE(eventually([&] { return frames > answered + 1; }));
+  EXPECT_TRUE(input().stop);
+  const nlohmann::json without = ask(driver, "start");
+  EXPECT_EQ(without["ok"], false);
+  EXPECT_NE(without["error"].get<std::string>().find("names the stop"), std::string::npos) << without;
+  EXPECT_EQ(ask(driver, "start", stop_in_force())["ok"], true);
+  EXPECT_TRUE(eventually([&] { return halt() == kHaltNone; }));
+}
+
+TEST_F(WebDriving, AStartFromBeforeASilenceDoesNotEndIt) {
+  start();
+  SocketPage driver(port());
+  EXPECT_EQ(ask(driver, "take")["ok"], true);
+  const std::string before = stop_in_force();
+  EXPECT_TRUE(eventually([&] { return halt() == kHaltDriver; }));
+  EXPECT_EQ(ask(driver, "start", before)["ok"], false);
+  EXPECT_EQ(halt(), kHaltDriver);
+  EXPECT_EQ(ask(driver, "start", stop_in_force())["ok"], true);
+  EXPECT_TRUE(eventually([&] { return halt() == kHaltNone; }));
 }
 
 // A second connection on which nothing waits behind states and pictures.
@@ -78,14 +119,17 @@ TEST_F(WebDriving, AStopLineStopsAndDoesNothingElse) {
   ASSERT_EQ(line.status(), 101);
   EXPECT_EQ(ask(driver, "take")["ok"], true);
   EXPECT_EQ(ask(driver, "stop")["ok"], true);
-  for (const auto& [type, members] : std::vector<std::pair<const char*, const char*>>{
-           {"start", ""}, {"take", ""}, {"watch", R"("state_hz":60)"}, {"setup", R"("command":"begin")"}}) {
+  for (const auto& [type, members] :
+       std::vector<std::pair<const char*, const char*>>{{"start", R"("stop_number":1)"},
+                                                        {"take", ""},
+                                                        {"watch", R"("state_hz":60)"},
+                                                        {"setup", R"("command":"begin")"}}) {
     const nlohmann::json answer = ask(line, type, members);
     EXPECT_EQ(answer["ok"], false) << type;
     EXPECT_NE(answer["error"].get<std::string>().find("\"stop\" and \"ping\" only"), std::string::npos) << answer;
   }
   EXPECT_TRUE(eventually([&] { return input().stop; }));
-  EXPECT_EQ(ask(driver, "start")["ok"], true);
+  EXPECT_EQ(ask(driver, "start", stop_in_force())["ok"], true);
   EXPECT_TRUE(eventually([&] { return !input().stop; }));
   // It is told nothing but answers.
   for (int number = 0; number < 3; ++number) {
@@ -126,7 +170,7 @@ TEST_F(WebDriving, ASilentDriverStopsTheRobotsAndAnotherClientDoesNotKeepThemMov
   int turn = 0;
   EXPECT_TRUE(eventually([&] {
     if (++turn % 20 == 0) watcher.send_text(text_of("ping"));
-    return input().stop;
+    return halt() == kHaltDriver;
   }));
   EXPECT_GE(hal::MonotonicClock::read() - taken, 950ms);
   nlohmann::json event;

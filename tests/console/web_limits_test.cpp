@@ -1,5 +1,8 @@
 #include <gtest/gtest.h>
+#include <unistd.h>
 
+#include <filesystem>
+#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "tests/console/server_fixture.h"
@@ -15,6 +18,16 @@ class WebLimits : public ConsoleServer {
       const SocketMessage message = page.read();
       if (message.opcode == 8 || message.opcode == 0) return message.close_code();
     }
+  }
+  [[nodiscard]] std::unique_ptr<SocketPage> open_line() const {
+    return std::make_unique<SocketPage>(port(), "", "/ws", "touchline.stop.1");
+  }
+  static bool answers(SocketPage& line) {
+    line.send_text(text_of("ping", R"("request":1)"));
+    return line.read().opcode == 1;
+  }
+  static std::filesystem::path folder() {
+    return std::filesystem::temp_directory_path() / ("limits-" + std::to_string(::getpid()));
   }
   /// Whether the server still serves.
   void expect_alive() {
@@ -94,14 +107,10 @@ TEST_F(WebLimits, ThereAreSixteenClients) {
 TEST_F(WebLimits, StopLinesTakeNoPlacesOfClientsAndAreAsMany) {
   start();
   std::vector<std::unique_ptr<SocketPage>> sockets;
-  const auto open_line = [&] { return std::make_unique<SocketPage>(port(), "", "/ws", "touchline.stop.1"); };
   for (std::size_t i = 0; i < kMaxClients; ++i) {
     sockets.push_back(open_line());
-    sockets.back()->send_text(text_of("ping", R"("request":1)"));
-    ASSERT_EQ(sockets.back()->read().opcode, 1) << i;
+    EXPECT_TRUE(answers(*sockets.back())) << i;
   }
-  const std::unique_ptr<SocketPage> surplus = open_line();
-  EXPECT_EQ(close_code_of(*surplus), 1013);
   for (std::size_t i = 0; i < kMaxClients; ++i) {
     sockets.push_back(std::make_unique<SocketPage>(port()));
     ASSERT_EQ(sockets.back()->read().opcode, 1) << i;
@@ -109,6 +118,75 @@ TEST_F(WebLimits, StopLinesTakeNoPlacesOfClientsAndAreAsMany) {
   const std::optional<std::string> status = sockets.back()->read_type("status");
   ASSERT_TRUE(status.has_value());
   EXPECT_EQ(nlohmann::json::parse(*status)["clients"], kMaxClients);
+}
+
+TEST_F(WebLimits, AnotherStopLineTakesThePlaceOfTheOneThatWasSilentLongest) {
+  start();
+  std::vector<std::unique_ptr<SocketPage>> lines;
+  for (std::size_t i = 0; i < kMaxClients; ++i) {
+    lines.push_back(open_line());
+    EXPECT_TRUE(answers(*lines.back()));
+  }
+  EXPECT_TRUE(answers(*lines[0])) << "a page asks every second";
+  const std::unique_ptr<SocketPage> another = open_line();
+  another->send_text(text_of("stop", R"("request":1)"));
+  EXPECT_EQ(another->read().opcode, 1);
+  EXPECT_TRUE(eventually([&] { return input().stop; }));
+  EXPECT_TRUE(answers(*lines[0]));
+  EXPECT_TRUE(eventually([&] { return !lines[1]->socket().is_open(); }));
+  for (std::size_t i = 2; i < kMaxClients; ++i) EXPECT_TRUE(answers(*lines[i])) << i;
+}
+
+TEST_F(WebLimits, IdleConnectionsKeepNeitherANewPageNorAStopOut) {
+  settings.patience.request_s = 600;  // none of them is closed because of its age
+  std::filesystem::create_directories(folder());
+  std::ofstream(folder() / "index.html") << "page";
+  settings.page_folder = folder().string();
+  start();
+  std::vector<std::unique_ptr<SocketClient>> idle;
+  const auto connect_idle = [&] {
+    for (int i = 0; i < 150; ++i) idle.push_back(std::make_unique<SocketClient>(port()));
+  };
+  connect_idle();
+  EXPECT_EQ(get(port(), "/").body, "page");
+  SocketPage page(port());
+  EXPECT_EQ(page.read().opcode, 1);
+  connect_idle();
+  const std::unique_ptr<SocketPage> line = open_line();
+  line->send_text(text_of("stop", R"("request":1)"));
+  EXPECT_EQ(line->read().opcode, 1);
+  EXPECT_TRUE(eventually([&] { return input().stop; }));
+  EXPECT_TRUE(idle.back()->is_open()) << "only as many are closed as necessary, the oldest first";
+  EXPECT_FALSE(idle.front()->is_open());
+  std::filesystem::remove_all(folder());
+}
+
+TEST_F(WebLimits, TheAddressWithTheMostConnectionsLosesThem) {
+  settings.patience.request_s = 600;
+  start();
+  const SocketClient other({port(), "127.0.0.1", "127.0.0.2"});
+  std::vector<std::unique_ptr<SocketClient>> idle;
+  for (int i = 0; i < 150; ++i) idle.push_back(std::make_unique<SocketClient>(port()));
+  EXPECT_EQ(get(port(), "/metrics").status, 200) << "all before it were accepted";
+  EXPECT_TRUE(eventually([&] { return !idle.front()->is_open(); }));
+  EXPECT_TRUE(other.is_open()) << "although it is the oldest";
+}
+
+TEST_F(WebLimits, WhoeverHasTheTokenFindsAPlaceWhenOthersHaveTakenAll) {
+  settings.access.token = std::string(64, 'a');
+  start();
+  std::vector<std::unique_ptr<SocketPage>> pages;
+  for (std::size_t i = 0; i < kMaxClients; ++i) {
+    pages.push_back(std::make_unique<SocketPage>(port()));
+    ASSERT_EQ(pages.back()->read().opcode, 1) << i;
+  }
+  const std::string cookie = "Cookie: touchline_token=" + settings.access.token + "\r\n";
+  for (std::size_t i = 0; i < kPlacesForToken; ++i) {
+    pages.push_back(std::make_unique<SocketPage>(port(), cookie));
+    ASSERT_EQ(pages.back()->read().opcode, 1) << i;
+  }
+  SocketPage surplus(port(), cookie);
+  EXPECT_EQ(close_code_of(surplus), 1013);
 }
 
 TEST_F(WebLimits, AClientThatNeverReadsIsDroppedAndOthersNoticeNothing) {

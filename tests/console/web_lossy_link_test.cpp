@@ -89,13 +89,14 @@ TEST_F(WebLossyLink, ThePictureShrinksAndStopsArriveInTime) {
   EXPECT_GT(reader.first(), 4 * kBytesPerPeriod);
 
   const auto ask_driver = [&](const char* type) {
-    driver->send_text(text_of(type, "\"request\":1"));
+    driver->send_text(text_of(type, "\"request\":1," + stop_in_force()));
     return driver->read_type("answer").value_or("").find("\"ok\":true") != std::string::npos;
   };
   constexpr std::size_t kStops = 12;
   std::vector<double> times_s;
   for (std::size_t i = 0; i < kStops; ++i) {
-    EXPECT_TRUE(ask_driver("take") && ask_driver("start") && ask_driver("release"));
+    // The second copy of the last stop may reach the loop only now.
+    EXPECT_TRUE(ask_driver("take") && eventually([&] { return ask_driver("start"); }) && ask_driver("release"));
     EXPECT_TRUE(eventually([&] { return !input().stop; }));
     // At another place of the pictures' rhythm each time.
     std::this_thread::sleep_for(100ms + 37ms * (i % 5));

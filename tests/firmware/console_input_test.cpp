@@ -32,18 +32,18 @@ class ConsoleInputTest : public ::testing::Test {
     input.emplace(settings);
   }
   Mailbox<ExternalCommands> commands;
-  Mailbox<ConsoleInput> console;
+  ConsoleLink console;
   std::optional<ExternalInput> input;
 };
 
 TEST_F(ConsoleInputTest, AStopIsAReasonToHaltUntilItIsTakenBack) {
   EXPECT_EQ(input->halt(kLoopTime, 1s), kHaltNone);
-  console.put({true, {}});
+  console.input.put({true, {}});
   input->take(kLoopTime, kMachineTime);
   EXPECT_EQ(input->halt(kLoopTime, 1s), kHaltConsole);
   input->take(kLoopTime + 1h, kMachineTime + 1h);
   EXPECT_EQ(input->halt(kLoopTime + 1h, 1s), kHaltConsole) << "also if the console's thread is gone";
-  console.put({false, {}});
+  console.input.put({false, {}});
   input->take(kLoopTime + 1h, kMachineTime + 1h);
   EXPECT_EQ(input->halt(kLoopTime + 1h, 1s), kHaltNone);
 }
@@ -52,7 +52,7 @@ TEST_F(ConsoleInputTest, AStopIsAReasonToHaltUntilItIsTakenBack) {
 TEST_F(ConsoleInputTest, TheEndOfASetupIsAReasonOfItsOwn) {
   ConsoleInput wanted;
   wanted.stop = wanted.setup_ended = true;
-  console.put(wanted);
+  console.input.put(wanted);
   input->take(kLoopTime, kMachineTime);
   EXPECT_EQ(input->halt(kLoopTime, 1s), kHaltConsole | kHaltSetupEnded);
 }
@@ -63,11 +63,22 @@ TEST_F(ConsoleInputTest, AStartLetsAnotherRefereeBeFollowed) {
   settings.console = &console;
   settings.referee_releases = &releases;
   input.emplace(settings);
-  for (const auto& [stop, expected] : {std::pair{false, 0U}, {true, 0U}, {true, 0U}, {false, 1U}, {false, 1U}}) {
-    console.put({stop, {}});
+  StopRules rules({});
+  ConsoleInput wanted;
+  const auto expect_releases = [&](std::uint32_t expected) {
+    console.input.put(wanted);
     input->take(kLoopTime, kMachineTime);
+    input->apply_to(rules, kLoopTime, 1s);
     EXPECT_EQ(releases, expected);
-  }
+  };
+  expect_releases(0);
+  wanted.stop = true;
+  expect_releases(0);
+  wanted.stop = false;
+  ++wanted.starts;
+  wanted.start_number = rules.held_number();
+  expect_releases(1);
+  expect_releases(1);
 }
 
 TEST_F(ConsoleInputTest, ADraftOfTheFilesMovesNothingUnlessTheConsolePermits) {
@@ -79,7 +90,7 @@ TEST_F(ConsoleInputTest, ADraftOfTheFilesMovesNothingUnlessTheConsolePermits) {
     EXPECT_EQ(input->halt(kLoopTime, 1s), mode == SetupMode::kCalibrated ? kHaltNone : kHaltSetup) << "at first";
     ConsoleInput wanted;
     wanted.setup = wish;
-    console.put(wanted);
+    console.input.put(wanted);
     input->take(kLoopTime, kMachineTime);
     return input->halt(kLoopTime, 1s);
   };
@@ -98,14 +109,14 @@ TEST_F(ConsoleInputTest, TheConsoleComesBeforeOtherPrograms) {
   commands.put(table);
   ConsoleInput wanted;
   wanted.commands.push_back(turn(2, 9.0f, kMachineTime));
-  console.put(wanted);
+  console.input.put(wanted);
   input->take(kLoopTime, kMachineTime);
   ASSERT_EQ(input->commands().size(), 2U);
   EXPECT_EQ(input->commands()[0].id, 2);
   EXPECT_EQ(input->commands()[0].twist.w_radps, 9.0f);
   EXPECT_EQ(input->commands()[1].id, 1);
   EXPECT_EQ(input->commands()[1].twist.w_radps, 1.0f);
-  console.put({});
+  console.input.put({});
   input->take(kLoopTime, kMachineTime);
   ASSERT_EQ(input->commands().size(), 2U);
   EXPECT_EQ(input->commands()[1].twist.w_radps, 2.0f) << "given back";
@@ -114,11 +125,78 @@ TEST_F(ConsoleInputTest, TheConsoleComesBeforeOtherPrograms) {
 TEST_F(ConsoleInputTest, ACommandCountsForThreeTenthsOfASecond) {
   ConsoleInput wanted;
   wanted.commands.push_back(turn(2, 9.0f, kMachineTime));
-  console.put(wanted);
+  console.input.put(wanted);
   input->take(kLoopTime, kMachineTime + 300ms);
   EXPECT_EQ(input->commands()[0].received, kLoopTime) << "as new";
   input->take(kLoopTime + 1ms, kMachineTime + 300ms + 1ns);
   EXPECT_EQ(input->commands()[0].received, Instant{}) << "too old for every limit";
+}
+
+StopRules rules_without_reasons() {
+  StopRules rules({.stop_after = 1h, .has_emergency_stop = false});
+  rules.accept_frame(kLoopTime, kLoopTime);
+  rules.check_last_frame(kLoopTime);
+  return rules;
+}
+
+TEST_F(ConsoleInputTest, ADriverThatIsSilentForASecondStopsRobotsWhateverTheConsolesThreadDoes) {
+  StopRules rules = rules_without_reasons();
+  const auto halt_after = [&](Duration time) {
+    input->take(kLoopTime + time, kMachineTime + time);
+    input->apply_to(rules, kLoopTime + time, 1s);
+    return rules.halt();
+  };
+  ConsoleInput wanted;
+  console.input.put(wanted);
+  EXPECT_EQ(halt_after(1h), kHaltNone) << "nobody drives";
+  wanted.driver_heard = kMachineTime;
+  console.input.put(wanted);
+  // From here on the console's thread hangs.
+  EXPECT_EQ(halt_after(1s), kHaltNone);
+  const std::uint32_t before = console.held_number;
+  EXPECT_FALSE(console.is_held);
+  EXPECT_EQ(halt_after(1s + 1ns), kHaltDriver);
+  EXPECT_EQ(console.held_number, before + 1) << "the console learns it when it goes on";
+  EXPECT_TRUE(console.is_held);
+  // It goes on. Neither what waited in the socket nor a start that was meant for an earlier stop moves robots.
+  wanted.driver_heard = kMachineTime + 5s;
+  wanted.starts = 1;
+  wanted.start_number = before;
+  console.input.put(wanted);
+  EXPECT_EQ(halt_after(5s), kHaltDriver);
+  EXPECT_EQ(halt_after(5s + 10ms), kHaltDriver);
+  wanted.starts = 2;
+  wanted.start_number = before + 1;
+  console.input.put(wanted);
+  EXPECT_EQ(halt_after(5s + 20ms), kHaltNone);
+  // A start counts once.
+  EXPECT_EQ(halt_after(7s), kHaltDriver);
+  wanted.driver_heard.reset();
+  console.input.put(wanted);
+  EXPECT_EQ(halt_after(8s), kHaltDriver) << "until a start, also if the driver has gone";
+}
+
+TEST_F(ConsoleInputTest, AStartOfAnEarlierSessionIsNotOneOfThisSession) {
+  ConsoleInput wanted;
+  wanted.starts = 1;
+  console.input.put(wanted);
+  StopRules former = rules_without_reasons();
+  input->take(kLoopTime, kMachineTime);
+  input->apply_to(former, kLoopTime, 1s);
+  StopRuleSettings next;
+  next.stop_after = 1h;
+  next.has_emergency_stop = false;
+  next.held = former.held();
+  next.held.reasons = kHaltCrash;
+  StopRules rules(next);
+  wanted.start_number = rules.held_number();
+  ExternalInputSettings settings;
+  settings.console = &console;
+  ExternalInput other(settings);
+  console.input.put(wanted);
+  other.take(kLoopTime, kMachineTime);
+  other.apply_to(rules, kLoopTime, 1s);
+  EXPECT_EQ(rules.halt() & kHaltCrash, kHaltCrash);
 }
 
 class ConsoleLoop : public LoopTest {
@@ -128,7 +206,7 @@ class ConsoleLoop : public LoopTest {
     settings.pictures = &pictures;
     camera.show_robot();
   }
-  Mailbox<ConsoleInput> console;
+  ConsoleLink console;
   PictureExchange pictures;
 };
 
@@ -137,16 +215,77 @@ TEST_F(ConsoleLoop, AStopDoesNotWaitForTheNextFrameAndEndsWithAStart) {
   run_until(1.0);
   EXPECT_FALSE(all_stop(0.0, 1.0));
   const std::size_t sent = radio.sent.size();
-  console.put({true, {}});
+  console.input.put({true, {}});
   static_cast<void>(loop->iterate());
   ASSERT_GT(radio.sent.size(), sent);
   EXPECT_TRUE(radio.sent[sent].stop);
   EXPECT_NEAR(radio.sent[sent].at_s, 1.0, 1e-6);
   run_until(2.0);
   EXPECT_TRUE(all_stop(1.001, 2.0));
-  console.put({false, {}});
+  console.input.put({false, {}});
   run_until(3.0);
   EXPECT_FALSE(all_stop(2.03, 3.0));
+}
+
+// CLOCK_MONOTONIC passes while the test runs, but not by an hour.
+TEST_F(ConsoleLoop, ASilentDriverStopsRobotsWithoutAnyHelpOfTheConsole) {
+  ConsoleInput driven;
+  driven.driver_heard = hal::MonotonicClock::read() + 1h;
+  console.input.put(driven);
+  start();
+  run_until(1.0);
+  EXPECT_FALSE(all_stop(0.0, 1.0));
+  driven.driver_heard = hal::MonotonicClock::read() - kDriverSilence - 1ms;
+  console.input.put(driven);
+  run_until(2.0);
+  EXPECT_TRUE(all_stop(1.001, 2.0));
+  EXPECT_EQ(loop->halt(), kHaltDriver);
+}
+
+TEST_F(ConsoleLoop, AStartOfTheDriverEndsAnEmergencyAsTheButtonDoes) {
+  settings.faults.resume_after_emergency = false;
+  settings.start_button = true;
+  gpio.pull(1.0, 1.5);
+  start();
+  ConsoleInput input;
+  const auto press_start = [&](std::uint32_t number) {
+    ++input.starts;
+    input.start_number = number;
+    console.input.put(input);
+  };
+  run_until(0.5);
+  EXPECT_EQ(loop->halt(), kHaltStart);
+  press_start(console.held_number);
+  run_until(0.9);
+  EXPECT_FALSE(all_stop(0.55, 0.9));
+  const std::uint32_t before = console.held_number;
+  run_until(1.6);
+  press_start(before);  // it was on its way when the switch was pulled
+  run_until(2.0);
+  EXPECT_TRUE(all_stop(1.001, 2.0));
+  EXPECT_EQ(loop->halt(), kHaltEmergency);
+  press_start(console.held_number);
+  run_until(3.0);
+  EXPECT_FALSE(all_stop(2.03, 3.0));
+}
+
+TEST_F(ConsoleLoop, AnotherStopOfStandingRobotsIsReportedWithItsNumber) {
+  camera.add({1.0, 9.0, ErrorCode::kTimeout});  // without frames, clients learn it from reports
+  start();
+  ConsoleInput stopped;
+  stopped.stop = true;
+  for (const double until_s : {2.0, 2.2}) {
+    ++stopped.stops;
+    console.input.put(stopped);
+    run_until(until_s);
+  }
+  std::vector<std::uint32_t> numbers;
+  for (const Report& report : reports()) {
+    if (report.kind == Report::Kind::kHalt && report.halt.halt != kHaltNone) numbers.push_back(report.halt.stop_number);
+  }
+  ASSERT_GE(numbers.size(), 2U);
+  EXPECT_EQ(numbers.back(), 2U);
+  EXPECT_EQ(*(numbers.end() - 2), 1U);
 }
 
 TEST_F(ConsoleLoop, APictureIsCopiedOnlyIfItIsWanted) {

@@ -36,6 +36,7 @@ PipelineParameters fake_camera_parameters() {
 
 LoopTest::LoopTest() {
   settings.faults.camera_timeout_s = 5.0;
+  settings.faults.resume_after_emergency = true;
   settings.radio_delay = std::chrono::milliseconds(20);
 }
 

@@ -259,5 +259,35 @@ TEST_F(LoopTest, ALostRadioIsReopenedWhileFramesContinue) {
   EXPECT_FALSE(all_stop(1.6, 3.0));
 }
 
+TEST_F(LoopTest, WhileTheRadioIsAwayNothingSaysThatRobotsMayMove) {
+  settings.faults.radio_outage_s = 1.0;
+  radio.add({1.0, 1.4, ErrorCode::kDisconnected});  // back with the first attempt, 0.5 s after the loss
+  start();
+  run_until(1.2);
+  EXPECT_EQ(loop->halt(), kHaltRadio);
+  run_until(3.0);
+  EXPECT_EQ(loop->halt(), kHaltNone) << "no start is needed";
+  EXPECT_FALSE(all_stop(1.6, 3.0));
+  std::vector<std::uint16_t> halts;
+  for (const Report& report : reports()) {
+    if (report.kind == Report::Kind::kHalt) halts.push_back(report.halt.halt);
+  }
+  EXPECT_EQ(halts, (std::vector<std::uint16_t>{kHaltNone, kHaltRadio, kHaltNone}));
+}
+
+TEST_F(LoopTest, AfterALongOutageOfTheRadioRobotsWaitForAStart) {
+  settings.faults.radio_outage_s = 1.0;
+  radio.add({1.0, 2.2, ErrorCode::kDisconnected});  // back with the second attempt, 1.5 s after the loss
+  gpio.press(2.3);                                  // too early
+  gpio.press(5.0);
+  start();
+  run_until(4.9);
+  EXPECT_EQ(loop->statistics().reopened[1], 1U);
+  EXPECT_EQ(loop->halt(), kHaltRadio);
+  EXPECT_TRUE(all_stop(2.6, 4.9));
+  run_until(6.0);
+  EXPECT_FALSE(all_stop(5.1, 6.0));
+}
+
 }  // namespace
 }  // namespace touchline::testing

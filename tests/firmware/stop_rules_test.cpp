@@ -2,6 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <utility>
+
+#include "firmware/config/board_file.h"
+
 namespace touchline {
 namespace {
 
@@ -16,6 +20,8 @@ constexpr hal::GpioInputs kPressed{false, true, Duration::max()};
 StopRuleSettings settings() {
   StopRuleSettings settings;
   settings.stop_after = 200ms;
+  settings.radio_outage = 1s;
+  settings.resume_after_emergency = true;
   return settings;
 }
 
@@ -45,7 +51,7 @@ TEST(StopRules, AnOldFrameStopsRobots) {
   EXPECT_TRUE(rules.may_move()) << "its age is exactly the limit";
   rules.check_last_frame(after_start(0.2001));
   EXPECT_EQ(rules.halt(), kHaltNoFrames);
-  rules.set_limits(300ms, true);
+  rules.set_limits(300ms, 1s, true);
   rules.check_last_frame(after_start(0.3));
   EXPECT_TRUE(rules.may_move());
   rules.check_frame(after_start(0.0), after_start(0.31));
@@ -90,6 +96,113 @@ TEST(StopRules, AnEmergencyMayNeedAStart) {
   EXPECT_EQ(rules.halt() & kHaltEmergency, 0);
 }
 
+TEST(StopRules, ByDefaultAnEmergencyNeedsAStart) {
+  EXPECT_FALSE(StopRuleSettings{}.resume_after_emergency);
+  EXPECT_FALSE(config::FaultSettings{}.resume_after_emergency);
+}
+
+TEST(StopRules, OtherSettingsDoNotEndAnEmergencyThatNeedsAStart) {
+  StopRuleSettings latched = settings();
+  latched.resume_after_emergency = false;
+  StopRules rules = playing(latched);
+  rules.apply_inputs(kPulled, after_start(0.0));
+  rules.set_limits(200ms, 1s, true);  // the file was read again while the switch is pulled
+  rules.apply_inputs(kPulled, after_start(0.05));
+  rules.apply_inputs(kAtRest, after_start(0.5));
+  EXPECT_EQ(rules.halt(), kHaltEmergency);
+  rules.apply_inputs(kPressed, after_start(1.0));
+  EXPECT_EQ(rules.halt(), kHaltNone);
+  rules.apply_inputs(kPulled, after_start(1.0));
+  rules.set_limits(200ms, 1s, false);
+  rules.apply_inputs(kPulled, after_start(1.1));
+  rules.apply_inputs(kAtRest, after_start(1.5));
+  EXPECT_EQ(rules.halt(), kHaltEmergency) << "pulled under the old setting, released under the new one";
+}
+
+TEST(StopRules, AStartOfThePageIsOneOfTheButton) {
+  StopRuleSettings waiting = settings();
+  waiting.resume_after_emergency = false;
+  waiting.has_start_button = true;
+  waiting.held.reasons = kHaltCrash;
+  StopRules rules = playing(waiting);
+  EXPECT_EQ(rules.halt(), kHaltStart | kHaltCrash);
+  rules.start();
+  EXPECT_EQ(rules.halt(), kHaltNone);
+  EXPECT_TRUE(rules.is_started());
+  rules.apply_inputs(kPulled, after_start(0.0));
+  rules.start();
+  rules.apply_inputs(kAtRest, after_start(0.5));
+  EXPECT_EQ(rules.halt(), kHaltEmergency) << "a start while the switch is pulled has no effect";
+  rules.start();
+  EXPECT_EQ(rules.halt(), kHaltNone);
+}
+
+TEST(StopRules, AStopHasAnotherNumberThanTheOneBefore) {
+  StopRuleSettings latched = settings();
+  latched.resume_after_emergency = false;
+  StopRules rules = playing(latched);
+  EXPECT_FALSE(rules.is_held());
+  std::uint32_t last = rules.held_number();
+  const auto is_new = [&] { return std::exchange(last, rules.held_number()) != rules.held_number(); };
+  for (int i = 0; i < 2; ++i) {
+    rules.apply_inputs(kPulled, after_start(2.0 * i));
+    EXPECT_TRUE(is_new());
+    EXPECT_TRUE(rules.is_held());
+    rules.apply_inputs(kPulled, after_start(2.0 * i + 0.5));
+    EXPECT_FALSE(is_new());
+    rules.apply_inputs(kAtRest, after_start(2.0 * i + 1.0));
+    EXPECT_TRUE(is_new()) << "a start from before the release does not end it";
+  }
+  rules.start();
+  EXPECT_FALSE(is_new());
+  EXPECT_FALSE(rules.is_held());
+  rules.hold(kHaltDriver, true);
+  EXPECT_TRUE(is_new());
+  rules.hold(kHaltDriver, false);
+  EXPECT_FALSE(is_new()) << "with the driver's start it is heard again";
+  EXPECT_EQ(rules.halt(), kHaltDriver);
+}
+
+TEST(StopRules, WhatHoldsUntilAStartHoldsInTheNextSession) {
+  StopRuleSettings latched = settings();
+  latched.resume_after_emergency = false;
+  latched.has_start_button = true;
+  StopRules former = playing(latched);
+  former.apply_inputs(kPressed, after_start(0.0));
+  former.hold(kHaltDriver, true);
+  former.apply_inputs(kPulled, after_start(0.0));
+  former.apply_inputs(kAtRest, after_start(0.15));
+  StopRuleSettings next = settings();  // with other files: robots go on after an emergency
+  next.has_start_button = true;
+  next.held = former.held();
+  StopRules rules = playing(next);
+  EXPECT_EQ(rules.halt(), kHaltEmergency | kHaltDriver) << "the button was pressed before";
+  EXPECT_GT(rules.held_number(), former.held_number());
+  rules.start();
+  EXPECT_EQ(rules.halt(), kHaltNone);
+  StopRules pulled = playing();
+  pulled.apply_inputs(kPulled, after_start(0.0));
+  EXPECT_EQ(pulled.held().reasons, kHaltEmergency) << "nobody knows whether it is pulled meanwhile";
+}
+
+TEST(StopRules, AShortOutageOfTheRadioNeedsNoStart) {
+  StopRules rules = playing();
+  rules.apply_radio(std::nullopt);
+  EXPECT_TRUE(rules.may_move());
+  rules.apply_radio(0s);
+  EXPECT_EQ(rules.halt(), kHaltRadio);
+  rules.apply_radio(1s);
+  rules.apply_radio(std::nullopt);
+  EXPECT_TRUE(rules.may_move()) << "exactly the limit";
+  rules.apply_radio(1s + 1ns);
+  rules.start();
+  EXPECT_EQ(rules.halt(), kHaltRadio) << "a start while it is away";
+  rules.apply_radio(std::nullopt);
+  EXPECT_EQ(rules.halt(), kHaltRadio);
+  rules.start();
+  EXPECT_TRUE(rules.may_move());
+}
+
 TEST(StopRules, AnEmergencyStopThatCannotBeReadCountsAsPulled) {
   StopRules rules = playing();
   rules.apply_inputs(std::nullopt, after_start(0.0));
@@ -119,7 +232,7 @@ TEST(StopRules, RobotsWaitForTheStartButton) {
 
 TEST(StopRules, AfterACrashRobotsWaitForAStart) {
   StopRuleSettings crashed = settings();
-  crashed.hold_after_crash = true;
+  crashed.held.reasons = kHaltCrash;
   StopRules rules = playing(crashed);
   EXPECT_EQ(rules.halt(), kHaltCrash);
   rules.accept_frame(after_start(100.0), after_start(100.0));

@@ -132,7 +132,7 @@ TEST_F(ThreadsReportPrinter, ABlockedTerminalHoldsUpNobody) {
     {
       ReportPrinterSettings printer_settings;
       printer_settings.on_status = [&](const StatusReport&) { ++statuses; };
-      printer_settings.on_halt = [&](std::uint16_t) { ++halts; };
+      printer_settings.on_halt = [&](const HaltReport&) { ++halts; };
       const ReportPrinter printer(*ring, printer_settings, output);
       run_until(3.1);
       loop->send_final_stops();

@@ -18,6 +18,7 @@ export class Game {
   number = 0;
   time = 0;
   halt = new Set();
+  stops = 0;
   events = [{ type: 'event', time_s: Date.now() / 1000, level: 'info', text: 'simulated game of the page\'s rehearsal server' }];
   score = { own: 1, opponent: 0 };
   driven = null;
@@ -40,9 +41,12 @@ export class Game {
   stop(client) {
     if (!this.halt.has('console')) this.log('warning', `robots halted: Stop was pressed on screen ${client}`);
     this.halt.add('console');
+    this.stops += 1;
   }
 
-  start() {
+  /** Returns why not; undefined: started. */
+  start(stopNumber) {
+    if (stopNumber !== this.stops) return `it is meant for stop ${stopNumber}, and stop ${this.stops} has come since: look why the robots are stopped, and start again`;
     this.halt.delete('console');
     this.log('info', 'robots may move');
   }
@@ -114,7 +118,7 @@ export class Game {
         action: { x_m: robot.x + 0.05 * robot.v * Math.cos(robot.heading), y_m: robot.y + 0.05 * robot.v * Math.sin(robot.heading), heading_rad: robot.heading + 0.05 * robot.w },
       })),
       commands: this.robots.filter((robot) => robot.team === 'own').map((robot) => ({ id: robot.id, left_mps: robot.v - robot.w * 0.0375, right_mps: robot.v + robot.w * 0.0375, source: this.driven?.id === robot.id ? 'console' : 'play' })),
-      stop: this.halt.size > 0, halt: [...this.halt], referee: { phase: 'no referee' }, score: this.score, brightness: 1.02, stages_ms: [0.31, 0.12, 0.08, 0.05, 0.01],
+      stop: this.halt.size > 0, halt: [...this.halt], stop_number: this.stops, waits_for_start: this.halt.has('console'), referee: { phase: 'no referee' }, score: this.score, brightness: 1.02, stages_ms: [0.31, 0.12, 0.08, 0.05, 0.01],
       roles: [{ id: 0, role: 'goalkeeper' }, { id: 2, role: 'attacker' }, { id: 1, role: 'supporter' }, { id: 3, role: 'supporter' }, { id: 4, role: 'supporter' }],
     };
   }
@@ -127,7 +131,7 @@ export class Game {
     return {
       type: 'status', time_s: Date.now() / 1000, elapsed_s: this.time, rate_hz: 60, latency: { start: summary(this.number), minute: summary(Math.min(3600, this.number)) },
       deadline_ms: 16.67, deadlines_missed: 0, frames: this.number, frames_lost: 0, overloads: 0, faults: 0, cpu_percent: 18, temperature_c: null, memory_mb: 46,
-      radio: { packets: this.number, dropped: 0, refused: 0, stop_packets: 5 }, adaptation: this.adaptation, clients,
+      radio: { packets: this.number, dropped: 0, refused: 0, stop_packets: 5 }, adaptation: this.adaptation, clients, halt: [...this.halt], stop_number: this.stops, waits_for_start: this.halt.has('console'),
       telemetry: [0, 1, 2, 3, 4].map((id) => ({ id, battery_v: 7.9 - id * 0.12, battery_low: id === 4, link_percent: 99 - id, age_s: 0.2 + 0.1 * id })),
     };
   }

@@ -70,16 +70,24 @@ async function runSetup(socket, client, message) {
 const sockets = new WebSocketServer({ server, path: '/ws' });
 
 sockets.on('connection', (socket) => {
+  if (socket.protocol === 'touchline.stop.1') {
+    socket.on('message', (data) => {
+      const message = JSON.parse(data.toString());
+      if (message.type === 'stop') game.stop(0);
+      if (message.request) send(socket, { type: 'answer', to: message.request, ok: true });
+    });
+    return;
+  }
   const client = { number: nextClient++, picture: null, state_hz: 15, waiting: 0, nextState: 0, nextPicture: 0 };
   clients.set(socket, client);
-  send(socket, { ...game.hello(), protocol: Number(values.protocol), version: values.version, you: client.number, setup: setupRuns, ...JSON.parse(values.hello) });
+  send(socket, { ...game.hello(), protocol: Number(values.protocol), version: values.version, you: client.number, setup: setupRuns, stop_line: true, ...JSON.parse(values.hello) });
   for (const event of game.events) send(socket, event);
   tellDriver();
   socket.on('close', () => {
     clients.delete(socket);
     if (driver === client.number) {
       driver = null;
-      game.halt.add('console');
+      game.stop(client.number);
       tellDriver();
     }
   });
@@ -104,7 +112,7 @@ sockets.on('connection', (socket) => {
     else if (['start', 'drive', 'adaptation'].includes(message.type)) {
       if (driver !== client.number) error = 'another screen has control';
       else if (message.type === 'adaptation') game.adaptation = { freeze: 'frozen', follow: 'follow', reset: 'off' }[message.action];
-      else if (message.type === 'start') game.start();
+      else if (message.type === 'start') error = game.start(message.stop_number);
       else if (message.give_back) game.driven = null;
       else game.drive(message.id, message.speed_mps, message.turn_radps);
     }

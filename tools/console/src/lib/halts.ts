@@ -6,14 +6,16 @@ export interface HaltText {
 const HALT_TEXTS: Record<string, HaltText> = {
   console: { reason: 'Stop was pressed, or the page with control has gone', remedy: 'The driver can press Start.' },
   no_frames: { reason: 'no picture from the camera', remedy: 'Check the camera and its cable. Robots move again with the first good picture.' },
-  emergency: { reason: 'the emergency stop is pulled', remedy: 'Release the switch at the board. This page cannot release it.' },
+  emergency: { reason: 'the emergency stop is pulled, or was pulled', remedy: 'Release the switch at the board. This page cannot release it. Then the driver can press Start.' },
   unreadable_line: { reason: 'the emergency stop cannot be read', remedy: 'Check the wire of the emergency stop and the GPIO lines of the board file.' },
-  start: { reason: 'the start button was not pressed yet', remedy: 'Press the start button at the board.' },
-  crash: { reason: 'the last run ended unexpectedly', remedy: 'Look at the event log. Then press the start button or restart the service.' },
+  start: { reason: 'the start button was not pressed yet', remedy: 'Press the start button at the board, or Start on this page.' },
+  crash: { reason: 'the last run ended unexpectedly', remedy: 'Look at the event log. Then press Start on this page or at the board, or restart the service.' },
   referee: { reason: 'the referee stopped the game', remedy: 'Robots move again when the referee continues the game.' },
   teams: { reason: 'the referee asks for team colors or heights that the team file does not have', remedy: 'Correct the team file or the referee\'s settings.' },
   setup_ended: { reason: 'the setup was saved or left', remedy: 'The driver can press Start.' },
   setup: { reason: 'the board is being set up', remedy: 'Save or discard the setup on the page Set up.' },
+  radio: { reason: 'the radio is away, or was away for too long', remedy: 'Check the radio and its cable. If robots stay stopped when it is back, the driver can press Start.' },
+  driver: { reason: 'the page with control was silent', remedy: 'Look at its connection. The driver can press Start.' },
   silence: { reason: 'no message from the referee', remedy: 'Check the network to the referee\'s computer.' },
 };
 

@@ -148,6 +148,8 @@ export interface State {
   commands: Command[];
   stop: boolean; // the packet tells all robots to stop
   halt: string[]; // reasons: words of HALT_TEXTS
+  stop_number?: number; // of the stop in force; a start names it
+  waits_for_start?: boolean; // a start ends one of the reasons
   referee?: { phase: string };
   roles?: { id: number; role: 'goalkeeper' | 'attacker' | 'supporter' }[];
   score?: { own: number; opponent: number; source?: 'referee' | 'console' } | null;
@@ -202,6 +204,8 @@ export interface Status {
   time_s: number;
   elapsed_s: number;
   halt?: string[] | null; // also without frames; null: the board's loop is silent
+  stop_number?: number;
+  waits_for_start?: boolean;
   rate_hz: number;
   latency: { start: LatencySummary; minute: LatencySummary };
   deadline_ms?: number;
@@ -249,7 +253,7 @@ export type ClientMessage =
   | ({ type: 'setup' } & SetupCommand)
   | { type: 'seen'; number: number }
   | { type: 'stop' }
-  | { type: 'start' }
+  | { type: 'start'; stop_number: number }
   | { type: 'take' }
   | { type: 'release' }
   | { type: 'ping' }

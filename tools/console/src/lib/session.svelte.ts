@@ -70,11 +70,15 @@ class Session {
   /** Seconds since the last state arrived, by this device's steady clock. */
   silence_s = $derived(Math.max(0, (this.now_ms - this.lastData_ms) / 1000));
   statusStale = $derived(this.phase !== 'open' || this.now_ms - this.lastStatus_ms > 3000);
-  /** Why robots are stopped, [] if they may move; null: not known. Without frames the status tells it. */
-  halt = $derived.by((): string[] | null => {
-    if (this.state && !this.stale) return this.state.halt;
-    return (this.phase === 'open' && this.now_ms - this.lastStatus_ms <= STATUS_HALT_MS && this.status?.halt) || null;
+  /** The message that `halt` is from. */
+  private newest = $derived.by((): State | Status | null => {
+    if (this.state && !this.stale) return this.state;
+    return this.phase === 'open' && this.now_ms - this.lastStatus_ms <= STATUS_HALT_MS ? this.status : null;
   });
+  /** Why robots are stopped, [] if they may move; null: not known. Without frames the status tells it. */
+  halt = $derived(this.newest?.halt ?? null);
+  /** Whether a start ends at least one of the reasons in `halt`. */
+  waitsForStart = $derived(this.newest?.waits_for_start ?? this.halt?.includes('console') ?? false);
   /** The saved files are not calibrated: nothing can be recognized until somebody sets the board up. */
   isBare = $derived(this.hello?.calibrated === false && this.hello.using !== 'draft');
   pixelMap = $derived(this.hello?.projection ? new PixelMap(this.hello.projection) : null);
@@ -95,7 +99,7 @@ class Session {
   private readonly connection: Connection;
   /** For Stop alone: when a link loses packets, what waits to be sent again on one connection does not delay the other. */
   private readonly stopLine: Connection;
-  private hasStopLine = false;
+  private stopOnLine = 0; // number of the last stop there
 
   constructor() {
     const url = new URL('ws', location.href);
@@ -112,13 +116,15 @@ class Session {
     const ignore = () => {};
     this.stopLine = new Connection(
       url.href,
-      { opened: ignore, lost: ignore, message: ignore, picture: ignore, valueGrid: ignore, setupPicture: ignore },
+      { opened: ignore, lost: ignore, message: (message) => this.receiveOnStopLine(message), picture: ignore, valueGrid: ignore, setupPicture: ignore },
       (address) => new WebSocket(address, 'touchline.stop.1'),
     );
   }
 
   start(): void {
     this.connection.open();
+    // Before the server says what it can: it has places for Stop, also when it has none for another page.
+    this.stopLine.open();
     setInterval(() => (this.now_ms = performance.now()), 200);
     // Robots stop when the driver is silent for a second.
     setInterval(() => this.driver.you && this.connection.tell({ type: 'ping' }), 300);
@@ -166,13 +172,19 @@ class Session {
   requestStop(): void {
     const request = new StopRequest(this.state?.number ?? -1, performance.now());
     request.passed(this.connection.send({ type: 'stop' }));
-    this.stopLine.tell({ type: 'stop' });
+    this.stopOnLine = this.stopLine.send({ type: 'stop' });
     this.stop = { request };
   }
 
   requestStart(): void {
+    // Of the stop that this page shows. Another one that has come since stays.
+    const stop_number = this.newest?.stop_number;
+    if (stop_number === undefined) {
+      this.problem = 'Start: it is not known why the robots are stopped.';
+      return;
+    }
     this.stop = null;
-    this.ask({ type: 'start' }, 'Start');
+    this.ask({ type: 'start', stop_number }, 'Start');
   }
 
   takeControl(): void {
@@ -297,6 +309,12 @@ class Session {
     }
   }
 
+  private receiveOnStopLine(message: ServerMessage): void {
+    if (message.type !== 'answer' || !message.ok || !this.stop || message.to !== this.stopOnLine) return;
+    this.stop.request.answered = true;
+    this.stop = { request: this.stop.request };
+  }
+
   private receiveHello(hello: Hello): void {
     if (hello.protocol !== PROTOCOL) {
       this.serverProtocol = hello.protocol;
@@ -308,9 +326,7 @@ class Session {
     this.serverProtocol = null;
     if (this.bootVersion !== null && this.bootVersion !== hello.version) this.newVersion = hello.version;
     this.bootVersion ??= hello.version;
-    if (hello.stop_line && !this.hasStopLine) this.stopLine.open();
-    if (!hello.stop_line && this.hasStopLine) this.stopLine.close();
-    this.hasStopLine = hello.stop_line ?? false;
+    if (!hello.stop_line) this.stopLine.close();
     if (this.phase === 'lost') {
       const gap_s = (performance.now() - this.lost_ms) / 1000;
       this.returned = `The connection is back after ${gap_s < 1 ? 'less than a second' : `${Math.round(gap_s)} s`}.${this.lostControl ? ' The robots were stopped, because this page had control. Take control again to start them.' : ''}`;

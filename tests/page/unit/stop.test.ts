@@ -55,7 +55,7 @@ test('without frames, only a status after the answer confirms a stop', () => {
 });
 
 test('every halt has words, also one that this page does not know', () => {
-  assert.equal(haltReasons(['emergency', 'no_frames']), 'the emergency stop is pulled, no picture from the camera');
+  assert.equal(haltReasons(['emergency', 'no_frames']), 'the emergency stop is pulled, or was pulled, no picture from the camera');
   assert.equal(haltText('toString').reason, 'toString');
   assert.equal(haltText('meteor').reason, 'meteor');
   assert.equal(haltReasons(['setup', 'console'], true).split(',')[0], 'the board is not set up yet');

@@ -1,15 +1,10 @@
 #include "tools/programs/replay/replay.h"
 
-#include <fcntl.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
-#include <sys/syscall.h>
 #include <sys/sysmacros.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <cmath>
-#include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <numbers>
@@ -380,99 +375,6 @@ TEST_F(Replay, NamesTheFirstFileOfAnotherFormat) {
   for (const char* name : {"frame10.bmp", "frame9.bmp", "frame11.tif"})
     std::ofstream(folder / ("in/" + std::string(name)));
   expect_refused("no picture of a format that is read (png, ppm, pgm, jpg, jpeg); frame9.bmp is of another one");
-}
-
-// Signals to the program while it waits for another one.
-class ReplayOfFifo : public Replay {
- protected:
-  // Starts the program, sends SIGTERM when it waits, and expects that it says so and leaves nothing behind.
-  void expect_stopped(const std::string& input, const std::string& output) {
-    write_flat("a.png");
-    const std::string messages = folder / "messages.txt";
-    const pid_t process = ::fork();
-    if (process == 0) {
-      const int file = ::open(messages.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0600);
-      for (const int stream : {STDOUT_FILENO, STDERR_FILENO}) ::dup2(file, stream);
-      ::execl(TOUCHLINE_REPLAY, "touchline-replay", input.c_str(), "--venue", options.venue.c_str(), "--team",
-              options.team.c_str(), "--out", output.c_str(), nullptr);
-      ::_exit(127);
-    }
-    const auto is_waiting = [&] {
-      std::ifstream file("/proc/" + std::to_string(process) + "/syscall");  // "running", or a number
-      long number = -1;
-      file >> number;
-#ifdef SYS_poll  // not on 64-bit ARM
-      if (number == SYS_poll) return true;
-#endif
-      return number == SYS_ppoll || number == SYS_clock_nanosleep;
-    };
-    constexpr useconds_t kPause_us = 10'000;
-    for (int i = 0; i < 3000 && !is_waiting(); ++i) ::usleep(kPause_us);
-    ::kill(process, SIGTERM);
-    int status = 0;
-    bool ended = false;
-    for (int i = 0; i < 1000 && !ended; ++i) {
-      ended = ::waitpid(process, &status, WNOHANG) == process;
-      if (!ended) ::usleep(kPause_us);
-    }
-    EXPECT_TRUE(ended) << "SIGTERM must end the program";
-    if (!ended) {
-      ::kill(process, SIGKILL);
-      ::waitpid(process, &status, 0);
-    }
-    EXPECT_EQ(WIFEXITED(status) ? WEXITSTATUS(status) : -1, 1);
-    std::ifstream said(messages);
-    EXPECT_EQ(std::string(std::istreambuf_iterator<char>(said), {}),
-              "touchline-replay: stopped; no output was written\n");
-  }
-};
-
-TEST_F(ReplayOfFifo, SignalsEndTheWaitForAWriter) {
-  const std::string fifo = folder / "fifo";
-  ASSERT_EQ(::mkfifo(fifo.c_str(), 0600), 0);
-  expect_stopped(fifo, folder / "r.jsonl");
-  EXPECT_FALSE(std::filesystem::exists(folder / "r.jsonl"));
-}
-
-TEST_F(ReplayOfFifo, SignalsEndTheWaitForMoreOfTheVideo) {
-  const std::string fifo = folder / "fifo";
-  ASSERT_EQ(::mkfifo(fifo.c_str(), 0600), 0);
-  const int writer = ::open(fifo.c_str(), O_RDWR | O_CLOEXEC);
-  const std::string begin = "YUV4MPEG2 W320 H240 F30:1 C420jpeg\nFRAME\n";
-  ASSERT_EQ(::write(writer, begin.data(), begin.size()), static_cast<ssize_t>(begin.size()));
-  expect_stopped(fifo, folder / "r.jsonl");
-  ::close(writer);
-}
-
-TEST_F(ReplayOfFifo, SignalsEndTheWaitForAReaderOfTheResult) {
-  const std::string fifo = folder / "fifo";
-  ASSERT_EQ(::mkfifo(fifo.c_str(), 0600), 0);
-  expect_stopped(options.input, fifo);
-}
-
-TEST_F(ReplayOfFifo, SignalsEndTheWaitForAFullPipe) {
-  const std::string fifo = folder / "fifo";
-  ASSERT_EQ(::mkfifo(fifo.c_str(), 0600), 0);
-  const int reader = ::open(fifo.c_str(), O_RDWR | O_CLOEXEC | O_NONBLOCK);
-  while (::write(reader, "full", 4) > 0) {
-  }
-  expect_stopped(options.input, fifo);
-  ::close(reader);
-}
-
-TEST_F(ReplayOfFifo, AVideoComesThroughAFifo) {
-  write_flat("a.png");
-  const std::string fifo = folder / "fifo", frame(std::size_t{320} * 240 * 3 / 2, 'x');
-  ASSERT_EQ(::mkfifo(fifo.c_str(), 0600), 0);
-  std::thread writer([&] {
-    std::ofstream out(fifo);
-    out << "YUV4MPEG2 W320 H240 F30:1 C420jpeg\n";
-    for (int i = 0; i < 3; ++i) out << "FRAME\n" << frame;
-  });
-  options.input = fifo;
-  EXPECT_TRUE(run()) << error;
-  writer.join();
-  EXPECT_EQ(summary.frames, 3u);
 }
 
 TEST(ReplayProgram, AWrongCommandLineGivesExitCode64) {

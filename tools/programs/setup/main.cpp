@@ -2,8 +2,6 @@
 #include <sys/signalfd.h>
 #include <CLI/CLI.hpp>
 
-#include <cstdio>
-
 #include "hal/linux/standard_descriptors.h"
 #include "tools/programs/command_line/command_line.h"
 #include "tools/programs/setup/setup_program.h"
@@ -34,12 +32,14 @@ int main(int argc, char** argv) {
   ::sigprocmask(SIG_BLOCK, &ends, nullptr);
   const touchline::hal::Descriptor signals(::signalfd(-1, &ends, SFD_CLOEXEC | SFD_NONBLOCK));
 
-  touchline::setup::SetupProgram program(options);
+  // After the mask of signals, which its thread inherits.
+  touchline::hal::TextOutput output;
+  touchline::setup::SetupProgram program(options, output);
   if (const touchline::Result<void> opened = program.open(); !opened.ok()) {
-    return touchline::fail("touchline-setup", opened.text());
+    output.print_error("touchline-setup: " + opened.text() + "\n");
+    return touchline::kExitBadFile;
   }
-  std::printf("touchline-setup: serves %s\n", options.socket.c_str());
-  std::fflush(stdout);
+  output.print("touchline-setup: serves " + options.socket + "\n");
   program.run(signals.get());
   return touchline::kExitOk;
 }

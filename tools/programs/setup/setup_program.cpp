@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cstdio>
 #include <filesystem>
 
 #include "tools/programs/setup/camera_frame.h"
@@ -42,7 +41,10 @@ std::string picture_header(std::uint32_t id, std::uint32_t width_px, std::uint32
 
 }  // namespace
 
-SetupProgram::SetupProgram(SetupOptions options) : options_(std::move(options)), draft_(options_.folder) {}
+SetupProgram::SetupProgram(SetupOptions options, hal::TextOutput& output)
+    : options_(std::move(options)), output_(output), draft_(options_.folder) {}
+
+void SetupProgram::print(const std::string& text) { output_.print_error("touchline-setup: " + text + "\n"); }
 
 Result<void> SetupProgram::open() {
   std::error_code error;
@@ -51,13 +53,13 @@ Result<void> SetupProgram::open() {
     return failure(ErrorCode::kPermission, "%s: cannot be made: %s", options_.folder.c_str(), error.message().c_str());
   }
   const Result<std::vector<std::string>> finished = finish_saving(options_.folder + "/saving.json");
-  if (!finished.ok()) std::fprintf(stderr, "touchline-setup: %s\n", finished.text().c_str());
+  if (!finished.ok()) print(finished.text());
   if (finished.ok()) {
     for (const std::string& path : finished.value()) {
-      std::fprintf(stderr,
-                   "touchline-setup: %s: a save was interrupted, and somebody has changed this file since: it stays as "
-                   "it is; check whether it fits the others\n",
-                   path.c_str());
+      print(path +
+            ": a save was interrupted, and somebody has changed this file since: it stays as it is; check whether it "
+            "fits "
+            "the others");
     }
   }
   TOUCHLINE_TRY(listener_.open(options_.socket));
@@ -99,7 +101,7 @@ void SetupProgram::receive_from_firmware() {
   const Result<void> received = firmware_.receive();
   for (;;) {
     Result<std::optional<Message>> message = firmware_.next();
-    if (!message.ok()) std::fprintf(stderr, "touchline-setup: the firmware's message: %s\n", message.text().c_str());
+    if (!message.ok()) print("the firmware's message: " + message.text());
     if (!message.ok() || !message.value()) break;
     handle(*message.value());
   }
@@ -180,7 +182,7 @@ void SetupProgram::answer(const Asker& asker, const Result<nlohmann::json>& resu
 void SetupProgram::send(const nlohmann::json& content, std::string_view bytes) {
   if (!firmware_.is_open()) return;
   const Result<void> sent = firmware_.send(content, bytes);
-  if (!sent.ok()) std::fprintf(stderr, "touchline-setup: the firmware: %s\n", sent.text().c_str());
+  if (!sent.ok()) print("the firmware: " + sent.text());
 }
 
 void SetupProgram::send_state() {

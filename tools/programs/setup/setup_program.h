@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "hal/files/text_output.h"
 #include "hal/linux/network/unix_listener.h"
 #include "hal/result.h"
 #include "tools/programs/setup/arguments.h"
@@ -44,7 +45,8 @@ struct RunningJob {
 /// process of its own. Serves one connection, that of the firmware; a new one replaces it.
 class SetupProgram {
  public:
-  explicit SetupProgram(SetupOptions options);
+  /// `output`: for its log, which nobody needs to read.
+  SetupProgram(SetupOptions options, hal::TextOutput& output);
   /// Finishes an interrupted save and listens. Errors of finish_saving() and hal::UnixListener.
   Result<void> open();
   /// Serves until `signals` (of signalfd) can be read.
@@ -119,7 +121,10 @@ class SetupProgram {
   Result<nlohmann::json> change_text(const std::string& step, const std::string& file, Result<std::string> text,
                                      bool replaces_last = false);
 
+  void print(const std::string& text);
+
   SetupOptions options_;
+  hal::TextOutput& output_;
   Draft draft_;
   hal::UnixListener listener_;
   MessageLink firmware_;

@@ -9,6 +9,7 @@
 namespace touchline::config {
 
 /// "where: key: message". `where`: "file:line" or "file"; `key`: path of the key. Both may be empty.
+/// Control characters in key and message, which a file may contain, are shown as numbers (backslash, u, four digits).
 std::string error_line(std::string_view where, std::string_view key, std::string_view message);
 
 /// Collects the errors of the configuration files, so that a person can correct them together.

@@ -33,6 +33,14 @@ TEST_F(ConfigFiles, AWordOfAnEarlierVersionSaysWhatToDo) {
       "are gone, because they were no faster than those for AVX2; remove the line\n");
 }
 
+TEST_F(ConfigFiles, ControlCharactersOfAFileAreShownAsNumbers) {
+  replace("board.toml", "backend = \"none\"", "backend = \"none\\u001b[2J\\nboard.toml: fine\\u009b\"");
+  EXPECT_EQ(
+      refusal(),
+      "board.toml:14: radio.backend: \"none\\u001b[2J\\u000aboard.toml: fine\\u009b\" is not one of mock, serial, "
+      "none\n");
+}
+
 TEST_F(ConfigFiles, UnknownSectionIsReportedAsAnUnknownKey) {
   replace("venue.toml", "[picture]", "[pictures]");
   EXPECT_EQ(refusal(),

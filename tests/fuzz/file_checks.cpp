@@ -17,8 +17,13 @@ void require_lines(const Result<T>& result) {
   if (result.ok()) return;
   require(result.code() != ErrorCode::kOk, "an error has a code");
   require(!result.error().text.empty(), "an error has a text");
-  for (const char c : result.error().text.view()) {
+  const std::string_view text = result.error().text.view();
+  for (const char c : text) {
     require(c == '\n' || (static_cast<unsigned char>(c) >= ' ' && c != '\x7f'), "the text has no control characters");
+  }
+  for (std::size_t at = text.find('\xc2'); at < text.size(); at = text.find('\xc2', at + 1)) {
+    const auto next = static_cast<unsigned char>(at + 1 < text.size() ? text[at + 1] : ' ');
+    require(next < 0x80 || next > 0x9f, "the text has no control characters above U+0080");
   }
 }
 

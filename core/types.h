@@ -129,6 +129,7 @@ struct Region {
   PixelPoint centroid;
   PixelBox box;
   ColorId color = kBackground;
+  bool is_cut = false;  // an overload dropped runs that touch it: it may be a part of a larger region
 };
 /// In raster order of their first pixel.
 using Regions = FixedVector<Region, kMaxRegions>;
@@ -162,6 +163,7 @@ enum class IdDoubt : std::uint8_t {
   kUnknownColors,     // no robot of its team has these colors
   kInaccuratePlaces,  // its patches are not where a marker has them
   kOtherOutline,      // its team patch seems to be a part of another surface
+  kOverload,          // an overload cut a part off its patches, and pixels do not show their outlines
 };
 /// A short lower-case English phrase ("two ids are possible"); "" for kNone.
 const char* describe(IdDoubt doubt) noexcept;

@@ -255,6 +255,13 @@ struct BallTrack {
   float confidence = 0.0f;  // see Confidence
 };
 
+/// Where the track expects the ball in the next frame.
+struct ExpectedBall {
+  bool known = false;
+  FieldPoint position;
+  float sigma_m = 0.0f;  // standard deviation along one axis
+};
+
 struct Tracks {
   Instant capture_time{}, action_time{};
   BallTrack ball;

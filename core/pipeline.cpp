@@ -26,22 +26,6 @@ class StageTimer {
   Instant begin_{};
 };
 
-// A prediction over a longer time says little.
-constexpr double kMaxExpectation_s = 0.25;
-
-ExpectedBall expected_ball(const Tracks& tracks, Instant now) {
-  const BallTrack& ball = tracks.ball;
-  const double dt = seconds(now - tracks.capture_time);
-  if (ball.state == TrackState::kLost || ball.state == TrackState::kNew || dt <= 0.0 ||
-      seconds(now - ball.last_seen) > kMaxExpectation_s) {
-    return {};
-  }
-  const auto ahead = static_cast<float>(dt);
-  return {true,
-          {ball.position.x_m + ahead * ball.velocity.x_m, ball.position.y_m + ahead * ball.velocity.y_m},
-          ball.sigma_m};
-}
-
 }  // namespace
 
 Status Pipeline::configure(const PipelineParameters& parameters, StageClock clock) {
@@ -50,7 +34,6 @@ Status Pipeline::configure(const PipelineParameters& parameters, StageClock cloc
   team_number_ = parameters.team_number;
   monitor_.configure(parameters.low_battery_v);
   trace_.reports = {};
-  trace_.tracks.ball = {};
   if (Status s = scanner_.configure(parameters.scan); !s.ok()) return s;
   if (Status s = camera_.configure(parameters.camera); !s.ok()) return s;
   if (Status s = matcher_.configure(parameters.marker, camera_); !s.ok()) return s;
@@ -104,8 +87,8 @@ const StepTrace& Pipeline::step(const Frame& frame) {
   }
   {
     const StageTimer t = timer(Stage::kMarker);
-    matcher_.match(&frame, adaptation_.expected_gain(scanner_), expected_ball(trace_.tracks, frame.capture_time),
-                   trace_.runs, trace_.regions, trace_.sightings);
+    matcher_.match(&frame, adaptation_.expected_gain(scanner_), tracker_.expected_ball(frame.capture_time), trace_.runs,
+                   trace_.regions, trace_.sightings);
     // A frame that the scan rejected has no regions and no sightings.
     patch_center_fit_.refine(frame, trace_.sightings);
     ball_center_fit_.refine(frame, trace_.sightings);
@@ -151,7 +134,6 @@ void Pipeline::stop_from(Instant acts_at) {
 
 void Pipeline::reset() {
   tracker_.reset();
-  trace_.tracks.ball = {};
   controller_.reset();
 }
 

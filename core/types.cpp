@@ -63,6 +63,8 @@ const char* describe(IdDoubt doubt) noexcept {
       return "its patches are not where a marker has them";
     case IdDoubt::kOtherOutline:
       return "its team patch has another outline";
+    case IdDoubt::kOverload:
+      return "an overload cut off a part of its patches";
   }
   return "unknown";
 }

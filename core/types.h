@@ -129,6 +129,7 @@ struct Region {
   PixelPoint centroid;
   PixelBox box;
   ColorId color = kBackground;
+  bool is_cut = false;  // an overload dropped runs that touch it: it may be a part of a larger region
 };
 /// In raster order of their first pixel.
 using Regions = FixedVector<Region, kMaxRegions>;
@@ -162,6 +163,7 @@ enum class IdDoubt : std::uint8_t {
   kUnknownColors,     // no robot of its team has these colors
   kInaccuratePlaces,  // its patches are not where a marker has them
   kOtherOutline,      // its team patch seems to be a part of another surface
+  kOverload,          // an overload cut a part off its patches, and pixels do not show their outlines
 };
 /// A short lower-case English phrase ("two ids are possible"); "" for kNone.
 const char* describe(IdDoubt doubt) noexcept;
@@ -251,6 +253,13 @@ struct BallTrack {
   float innovation2 = -1.0f;  // as for robots, with 2 degrees of freedom
   Instant last_seen{};
   float confidence = 0.0f;  // see Confidence
+};
+
+/// Where the track expects the ball in the next frame.
+struct ExpectedBall {
+  bool known = false;
+  FieldPoint position;
+  float sigma_m = 0.0f;  // standard deviation along one axis
 };
 
 struct Tracks {

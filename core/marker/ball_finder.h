@@ -19,13 +19,6 @@ struct BallParameters {
 /// The ball as a circular patch at the height of its center.
 PatchPlace outline_of(const BallParameters& ball);
 
-/// Where the track expects the ball in this frame.
-struct ExpectedBall {
-  bool known = false;
-  FieldPoint position;
-  float sigma_m = 0;  // standard deviation along one axis
-};
-
 /// Finds the ball.
 ///
 /// Without a frame: the candidate whose area fits best and whose region looks like a disk. Candidates on the top of a
@@ -35,10 +28,10 @@ struct ExpectedBall {
 /// they fell into: how well a disk of the ball's size is filled, whether its color ends where the disk ends, whether
 /// its outline is that of a disk, whether patches of a robot are beside it, and how much its color differs from the
 /// typical one. Pixels on the top of a robot
-/// do not count, because they hide the ball. A track adds its expectation; if no region is the ball, the place that it
-/// expects is examined, too. The confidence is the probability of a candidate against all others and no ball; a ball
-/// with less than kMinConfidence is not reported. The work is bounded: at most kMaxLooks patches and the expected
-/// place.
+/// do not count, because they hide the ball. A track adds its expectation; if no region is there, the place is
+/// examined, too, and a ball there makes others unlikely. The confidence is the probability of a candidate against all
+/// others and no ball; a ball with less than kMinConfidence is not reported. The work is bounded: at most kMaxLooks
+/// patches and the expected place.
 class BallFinder {
  public:
   static constexpr float kMinConfidence = 0.6f;
@@ -80,6 +73,8 @@ class BallFinder {
   [[nodiscard]] float log_odds_of(const BallAppearance& shown, float prior, ColorSpace space) const;
   [[nodiscard]] float place_log_odds(const Scene& now, PixelPoint center, const Sightings& seen) const;
   [[nodiscard]] float expectation_log_odds(const Scene& now, PixelPoint center) const;
+  // Whether there is a candidate at the same place.
+  static bool is_listed(const Candidate& candidate, float radius_px, const Candidates& candidates);
   [[nodiscard]] bool shows_enough(const Scene& now, const BallAppearance& shown) const;
 
   BallParameters ball_;

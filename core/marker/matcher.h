@@ -70,6 +70,8 @@ class Matcher {
   void report_unpaired(bool with_pixels, Sightings& out);
   void drop_tentative(Sightings& out);
   void drop_surplus(Sightings& out);
+  [[nodiscard]] bool is_cut(const RobotSighting& robot, const BoxSighting& box, const Regions& regions) const;
+  void doubt_cut_patches(const Frame* frame, const Regions& regions, Sightings& out);
   void weigh_unnamed(const Frame& frame, Sightings& out);
   [[nodiscard]] bool is_on_robot(const TeamPatch& patch, const Sightings& out) const;
   [[nodiscard]] std::size_t free_places(Team team, const Sightings& out) const;

@@ -340,6 +340,15 @@ bool has_team_outline(const Frame& frame, const CameraModel& camera, const Marke
   return shares.inside >= kLeastInside && shares.outside >= kLeastOutside;
 }
 
+bool has_all_outlines(const Frame& frame, const CameraModel& camera, const MarkerLayout& layout,
+                      const RobotSighting& robot) {
+  const TopView view(frame, camera, layout, robot);
+  if (!view.is_visible()) return false;
+  const Shares shares = view.along(robot.pose.theta_rad);
+  return shares.inside >= kLeastInside && shares.outside >= kLeastOutside && shares.unlike_top == 1.0f &&
+         shares.patch_outline >= kLeastOutside;
+}
+
 float confidence_without_id(const Frame& frame, const CameraModel& camera, const MarkerLayout& layout,
                             const RobotSighting& robot, float area_ratio, bool has_stripes) {
   const TopView view(frame, camera, layout, robot);

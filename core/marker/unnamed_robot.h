@@ -22,4 +22,9 @@ float confidence_without_id(const Frame& frame, const CameraModel& camera, const
 bool has_team_outline(const Frame& frame, const CameraModel& camera, const MarkerLayout& layout,
                       const RobotSighting& robot);
 
+/// True if pixels show a robot with a heading as the layout has it: its team patch and all identification patches
+/// differ from what is around them, and end where the layout's do.
+bool has_all_outlines(const Frame& frame, const CameraModel& camera, const MarkerLayout& layout,
+                      const RobotSighting& robot);
+
 }  // namespace touchline

@@ -1,6 +1,7 @@
 #include "core/region/labeling.h"
 
 #include <algorithm>
+#include <bit>
 #include <cstdint>
 
 namespace touchline {
@@ -17,6 +18,8 @@ constexpr std::uint32_t kDropped = kMaxRegions;
 void Labeling::begin(std::uint32_t min_area_px, std::uint32_t min_height_px) {
   labels_ = 0;
   above_ = 0;
+  if (has_cut_runs_) cut_runs_.fill(0);
+  has_cut_runs_ = false;
   min_area_px_ = std::max(min_area_px, 1u);
   min_height_px_ = min_height_px;
 }
@@ -133,6 +136,17 @@ void Labeling::report(Quota quota, Regions& regions) {
     region.centroid.v_px = static_cast<float>(static_cast<double>(sums.v) / area);
     region.box = box_of(sums.extent);
     region.color = static_cast<ColorId>(sums.color);
+    region.is_cut = false;
+  }
+}
+
+void Labeling::mark_cut_regions(const Runs& runs, Regions& regions) const {
+  for (std::size_t word = 0; 64 * word < runs.size(); ++word) {
+    for (std::uint64_t bits = cut_runs_[word]; bits != 0; bits &= bits - 1) {
+      const std::size_t run = 64 * word + static_cast<std::size_t>(std::countr_zero(bits));
+      const std::uint32_t number = region_of_[parent_[runs[run].next]];
+      if (number != kDropped) regions[number].is_cut = true;
+    }
   }
 }
 
@@ -158,6 +172,7 @@ void Labeling::finish(Runs& runs, Regions& regions) {
   regions.resize(competing);
   regions.add_overflow(competing - regions.size());
   report(quota(competing), regions);
+  if (has_cut_runs_) mark_cut_regions(runs, regions);
   chain(runs, regions);
 }
 

@@ -22,6 +22,14 @@ class Labeling {
   /// Adds the next row, runs[first, runs.size()). Their `next` must be kNoRun.
   void add_row(Runs& runs, std::size_t first, std::span<const Contact> contacts);
 
+  /// The first run of the row that was added last.
+  [[nodiscard]] std::size_t last_row() const { return above_; }
+  /// The region of this run lost others that touched it.
+  void mark_cut(std::size_t run) {
+    cut_runs_[run / 64] |= std::uint64_t{1} << run % 64;
+    has_cut_runs_ = true;
+  }
+
   /// Writes the regions and keeps only their runs, chained. If there are more regions than fit, the largest are
   /// reported (of equal ones the first), and regions.overflow() counts the others.
   void finish(Runs& runs, Regions& regions);
@@ -53,6 +61,7 @@ class Labeling {
   std::size_t sum_up(const Runs& runs);
   Quota quota(std::size_t competing);
   void report(Quota quota, Regions& regions);
+  void mark_cut_regions(const Runs& runs, Regions& regions) const;
   void chain(Runs& runs, Regions& regions);
 
   // Every label begins at a run, so there are at most as many labels as runs. Sums have one more entry, which is
@@ -66,6 +75,8 @@ class Labeling {
   std::array<std::uint32_t, kAreaBins> of_area_{};
   std::array<std::uint32_t*, kMaxRegions + 1> end_of_chain_{};  // the last entry: for dropped runs
   std::uint32_t unused_link_ = 0;                               // target of the last entry
+  std::array<std::uint64_t, (kMaxRuns + 63) / 64> cut_runs_{};  // one bit each
+  bool has_cut_runs_ = false;
   std::uint32_t labels_ = 0, components_ = 0;
   std::size_t above_ = 0;  // the first run of the last row added
   std::uint32_t min_area_px_ = 1, min_height_px_ = 1;

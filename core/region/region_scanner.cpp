@@ -188,6 +188,7 @@ void RegionScanner::add_row(std::uint16_t v, Runs& runs) {
   }
   if (tables_->min_area_px_ > 1) remove_isolated_pixels(masks_[(v + 1u) % 3], masks);
   const std::size_t first = runs.size();
+  const RowMasks& above = masks_[(v + 2u) % 3];
   std::size_t count = tables_->run_writer_.count(masks);
   if (const std::size_t found = count, limit = run_limiter_.limit(found); found > limit) {
     count = tables_->run_writer_.cut(masks, limit);
@@ -196,7 +197,14 @@ void RegionScanner::add_row(std::uint16_t v, Runs& runs) {
   run_limiter_.spend(count);
   tables_->run_writer_.write(masks, colors_[v % 3u], v, runs.data() + first);
   runs.resize(first + count);
-  labeling_.add_row(runs, first, tables_->run_writer_.find_contacts(masks_[(v + 2u) % 3], masks));
+  if (masks.is_cut || above.is_cut) {
+    const std::size_t first_above = labeling_.last_row();
+    tables_->run_writer_.find_cut_runs(
+        above, masks, {runs.data() + first_above, first - first_above}, {runs.data() + first, count},
+        [&](std::size_t k) { labeling_.mark_cut(first_above + k); },
+        [&](std::size_t k) { labeling_.mark_cut(first + k); });
+  }
+  labeling_.add_row(runs, first, tables_->run_writer_.find_contacts(above, masks));
 }
 
 }  // namespace touchline

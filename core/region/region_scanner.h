@@ -93,8 +93,9 @@ class RegionScanner {
   /// kFull: a capacity was exceeded, by one or both of
   /// - rows with more runs than RunLimiter allows, which no realistic field has. Such a row lost its shortest runs, and
   ///   the regions are those of the picture without these. A region without pixels in such a row is complete and exact.
-  ///   runs.overflow() counts the lost runs. (If the least area is 2 or more, pixels without a neighbor of their color
-  ///   are no runs; nor are those that are not read because the least height is 2 or more.)
+  ///   runs.overflow() counts the lost runs, and Region::is_cut tells which regions lost some. (If the least area is 2
+  ///   or more, pixels without a neighbor of their color are no runs; nor are those that are not read because the least
+  ///   height is 2 or more.)
   /// - more regions than fit. The largest are reported, and regions.overflow() counts the others.
   Status scan(const Frame& frame, Runs& runs, Regions& regions);
 

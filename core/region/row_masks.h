@@ -45,6 +45,7 @@ struct RowMasks {
   OccupiedWords occupied = 0;  // words with runs; all others are zero
   bool is_cut = false;         // runs were removed; `inside` has the pixels of the others
   PixelBits inside;
+  PixelBits removed_like_above;  // if it is cut: removed pixels whose upper neighbor has their color
 };
 
 /// A row of colors with background on both sides, so that whole words and the neighbors of all pixels can be read.

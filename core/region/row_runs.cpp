@@ -30,6 +30,7 @@ void remove_short_runs(const PixelBits& ending, std::size_t words, RowMasks& mas
     masks.first[i] = first;
     masks.last[i] = last & ~between;
     masks.inside[i] = last ^ between;
+    masks.removed_like_above[i] = masks.like_above[i] & ~masks.inside[i];
     masks.like_above[i] &= masks.inside[i];
     masks.occupied |= OccupiedWords{masks.inside[i] != 0} << i;
   }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <bit>
 #include <cstdint>
 #include <span>
 
@@ -28,6 +29,31 @@ class RunWriter {
 
   /// Writes the runs of a row from left to right and returns their number. `out` must have room for them.
   std::size_t write(const RowMasks& masks, const ColorRow& colors, std::uint16_t row, Run* out);
+
+  /// Finds the runs that lost a neighbor of their color, because it was removed from the row above or below. Call it
+  /// for each row before find_contacts(), if one of both rows is cut. Calls `lost_below(k)` for run k of the row above,
+  /// and `lost_above(k)` for run k of this row.
+  template <class LostBelow, class LostAbove>
+  void find_cut_runs(const RowMasks& above, const RowMasks& masks, std::span<const Run> runs_above,
+                     std::span<const Run> runs, LostBelow lost_below, LostAbove lost_above) const {
+    const auto each = [this](std::span<const Run> of, auto lost, auto found) {
+      std::size_t k = 0;
+      for (std::size_t i = 0; i < words_; ++i) {
+        for (std::uint64_t bits = lost(i); bits != 0; bits &= bits - 1) {
+          const std::size_t u = i * kPixelsOfWord + static_cast<std::size_t>(std::countr_zero(bits));
+          while (k < of.size() && of[k].end <= u) ++k;
+          if (k == of.size()) return;
+          if (of[k].begin <= u) found(k++);
+        }
+      }
+    };
+    if (masks.is_cut)
+      each(
+          runs_above, [&](std::size_t i) { return masks.removed_like_above[i]; }, lost_below);
+    if (above.is_cut)
+      each(
+          runs, [&](std::size_t i) { return masks.like_above[i] & ~above.inside[i]; }, lost_above);
+  }
 
   /// Returns the contacts between the runs of two rows, as they were written.
   std::span<const Contact> find_contacts(const RowMasks& above, RowMasks& masks);

@@ -15,11 +15,43 @@ class Activity {
   void follow(double ratio, bool is_beyond_gate, double predicted_share, double least) {
     constexpr double kGain = 0.2;
     const double change = is_beyond_gate ? ratio : 1.0 + kGain * predicted_share * (ratio - 1.0);
-    value_ = std::clamp(change * value_, least, 1.0);
+    scale(change, least);
   }
+
+ protected:
+  void scale(double change, double least) { value_ = std::clamp(change * value_, least, 1.0); }
 
  private:
   double value_ = 1.0;
+};
+
+/// The same of motion without known commands, along one direction, and how much larger the noise of its sightings is
+/// than they state. Innovations of a filter that knows both are not correlated (Mehra 1970): if successive ones have
+/// the same sign, the motion changes faster than predicted; if they alternate, the filter follows noise.
+class FreeActivity : public Activity {
+ public:
+  /// Factor of the variance of the sightings' noise, 1 to kMostNoise.
+  [[nodiscard]] double noise() const { return noise_; }
+  void restore() {
+    Activity::restore();
+    former_ = 0.0;
+  }
+  /// `innovation`: in standard deviations. Others as in follow().
+  void follow_direction(double innovation, bool is_beyond_gate, double least) {
+    constexpr double kGain = 0.2, kLeastChange = 0.5, kMostChange = 2.0;
+    const double excess = innovation * innovation - 1.0, product = innovation * former_;
+    former_ = innovation;
+    if (is_beyond_gate) return scale(std::max(1.0, 1.0 + excess), least);
+    scale(std::max(kLeastChange, 1.0 + kGain * (product + std::min(0.0, excess))), least);
+    // Innovations that persist are no noise.
+    const double noisier = product < 0.0 ? excess : std::min(0.0, excess);
+    noise_ = std::clamp(noise_ * std::min(kMostChange, 1.0 + kGain * noisier), 1.0, kMostNoise);
+  }
+
+ private:
+  // Sightings state their standard deviation at least to a factor of three.
+  static constexpr double kMostNoise = 10.0;
+  double noise_ = 1.0, former_ = 0.0;
 };
 
 }  // namespace touchline

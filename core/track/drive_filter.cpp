@@ -135,7 +135,11 @@ DriveFilter::Innovation DriveFilter::mixed_innovation(const DriveFilter& other, 
   Eigen::Vector3d from_mean = innovation - weight * apart;
   from_mean(2) = wrap_angle(from_mean(2));
   const Eigen::Matrix3d inverse = s.inverse();
-  return {from_mean.dot(inverse * from_mean), 1.0 - inverse.cwiseProduct(matrix_of(noise)).sum() / 3.0};
+  const Eigen::Matrix3d white = matrix_of(noise);
+  const double theta = x_[2] + weight * apart(2);
+  const Eigen::Vector3d ahead(std::cos(theta), std::sin(theta), 0.0);
+  return {from_mean.dot(inverse * from_mean), 1.0 - inverse.cwiseProduct(white).sum() / 3.0,
+          ahead.dot(from_mean) / std::sqrt(ahead.dot(s * ahead)), from_mean(2) / std::sqrt(s(2, 2))};
 }
 
 double DriveFilter::update(const Pose& sighted, const PoseCovariance& noise, const PoseCovariance& lasting) {

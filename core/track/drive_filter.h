@@ -70,8 +70,9 @@ class DriveFilter {
                                  const PoseCovariance& lasting = {}) const;
   /// A sighted pose compared with a prediction.
   struct Innovation {
-    double distance2 = 0.0;        // as distance2()
-    double predicted_share = 0.0;  // part of the innovation's variances that is not the sighting's noise, 0 to 1
+    double distance2 = 0.0;             // as distance2()
+    double predicted_share = 0.0;       // part of the innovation's variances that is not the sighting's noise, 0 to 1
+    double along = 0.0, heading = 0.0;  // of the position along the heading, and of the heading; in standard deviations
   };
   /// Of the distribution of both filters, as of mixed().
   [[nodiscard]] Innovation mixed_innovation(const DriveFilter& other, double weight, const Pose& sighted,

@@ -10,6 +10,9 @@ namespace {
 // A ball that was not seen for longer may be anywhere. Its next sightings must agree with each other.
 constexpr double kLongestBounce_s = 0.05;
 
+// A prediction over a longer time says little about the place in the next frame.
+constexpr double kMaxExpectation_s = 0.25;
+
 // A rolling ball needs little more process noise than a resting one.
 constexpr double kLeastBallActivity = 1e-3;
 
@@ -82,6 +85,13 @@ void TrackedBall::update(const BallSighting& sighting, Instant from, Instant now
   if (fused || life_.lost()) return;
   activity_.restore();
   life_.missed(now, ball_limits(parameters));
+}
+
+ExpectedBall TrackedBall::expected(Instant from, Instant now, const TrackParameters& parameters) const {
+  if (life_.lost() || seconds(now - life_.last_seen()) > kMaxExpectation_s) return {};
+  PointFilter next = filter_;
+  next.predict(seconds(now - from), ball_motion(parameters.ball, activity_.value()));
+  return {true, next.position(), static_cast<float>(std::sqrt(next.position_variance()))};
 }
 
 bool TrackedBall::fuse(const BallSighting& sighting, Instant now, const TrackParameters& parameters) {

@@ -15,6 +15,8 @@ class TrackedBall {
   void lose();
   /// Predicts from `from`, the time of the last call, to `now`, and fuses the sighting, if there is one.
   void update(const BallSighting& sighting, Instant from, Instant now, const TrackParameters& parameters);
+  /// Predicted from `from`, the time of the last update, to `now`; unknown if the ball was not seen for long.
+  [[nodiscard]] ExpectedBall expected(Instant from, Instant now, const TrackParameters& parameters) const;
   /// At the time `now` of the last update, and predicted to `action`.
   void report(Instant now, Instant action, const TrackParameters& parameters, BallTrack& out) const;
 

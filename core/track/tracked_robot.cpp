@@ -57,6 +57,13 @@ PoseCovariance scaled(const PoseCovariance& c, float by) {
   return {by * c.xx, by * c.yy, by * c.tt, by * c.xy, by * c.xt, by * c.yt};
 }
 
+// With other standard deviations of position and heading.
+PoseCovariance scaled(const PoseCovariance& c, double position, double heading) {
+  const auto xx = static_cast<float>(position * position), tt = static_cast<float>(heading * heading);
+  const auto xt = static_cast<float>(position * heading);
+  return {xx * c.xx, xx * c.yy, tt * c.tt, xx * c.xy, xt * c.xt, xt * c.yt};
+}
+
 // Errors that the picture shows, and those beside them.
 SightingNoise noise_of(const RobotSighting& sighting, const RobotFilterParameters& p) {
   SightingNoise noise{scaled(sighting.noise, 1.0f - sighting.lasting_share),
@@ -89,14 +96,17 @@ PoseCovariance sum_of(const SightingNoise& noise) {
   return {a.xx + b.xx, a.yy + b.yy, a.tt + b.tt, a.xy + b.xy, a.xt + b.xt, a.yt + b.yt};
 }
 
-// Process noise of this part of the parameters' variances.
-RobotFilterParameters with_activity(const RobotFilterParameters& parameters, double activity) {
+// Process noise of these parts of the parameters' variances.
+RobotFilterParameters with_activity(const RobotFilterParameters& parameters, double drive, double turn) {
   RobotFilterParameters p = parameters;
-  const double factor = std::sqrt(activity);
-  for (double* density : {&p.slide_noise_mps_rts, &p.contact_noise_mps_rts, &p.drive_noise_m_rts, &p.turn_noise_rad_rts,
-                          &p.drive_error_rts, &p.turn_error_rts, &p.veer_error_rts_per_m, &p.slip_m_rts,
-                          &p.spin_rad_rts, &p.free_noise_mps_rts, &p.free_noise_radps_rts}) {
-    *density *= factor;
+  const double drive_factor = std::sqrt(drive), turn_factor = std::sqrt(turn);
+  for (double* density : {&p.slide_noise_mps_rts, &p.contact_noise_mps_rts, &p.drive_noise_m_rts, &p.drive_error_rts,
+                          &p.slip_m_rts, &p.free_noise_mps_rts}) {
+    *density *= drive_factor;
+  }
+  for (double* density :
+       {&p.turn_noise_rad_rts, &p.turn_error_rts, &p.veer_error_rts_per_m, &p.spin_rad_rts, &p.free_noise_radps_rts}) {
+    *density *= turn_factor;
   }
   return p;
 }
@@ -133,7 +143,8 @@ void TrackedRobot::start_drive(const RobotSighting& sighting, const DriveFilter:
   drive_.start(sighting.pose, velocity, noise_of(sighting, parameters));
   heading_known_ = true;
   surprise_ = 0.0;
-  activity_.restore();
+  drive_activity_.restore();
+  turn_activity_.restore();
 }
 
 const CommandHistory* TrackedRobot::own_commands(const CommandHistory* commands) const {
@@ -157,7 +168,7 @@ void TrackedRobot::predict(Instant from, Instant to, const CommandHistory* comma
     point_.predict(seconds(to - from), point_motion(parameters.robot));
     return;
   }
-  const RobotFilterParameters p = with_activity(parameters.robot, activity_.value());
+  const RobotFilterParameters p = with_activity(parameters.robot, drive_activity_.value(), turn_activity_.value());
   follow_commands(from, to, own_commands(commands), [&](double dt_s, const DriveInput& input) {
     drive_.predict(dt_s, input, p);
     commands_known_ = input.known;
@@ -179,15 +190,28 @@ void TrackedRobot::look_ahead(Instant from, Instant to, const CommandHistory* co
 bool TrackedRobot::fuse_pose(const RobotSighting& sighting, Instant now, const RobotFilterParameters& parameters) {
   SightingNoise errors = noise_of(sighting, parameters);
   add_motion(sighting, drive_.twist(), parameters.motion_sigma_s, errors.lasting);
+  if (!commands_known_) {
+    errors.white = scaled(errors.white, std::sqrt(drive_activity_.noise()), std::sqrt(turn_activity_.noise()));
+  }
   const PoseCovariance& noise = errors.white;
   RobotMotion drive = drive_;
   drive.renew_lasting_error(sighting.pose, errors);
   const DriveFilter::Innovation innovation = drive.innovation(sighting.pose, noise);
   double distance2 = innovation.distance2;
   const double speed = static_cast<double>(drive.twist().v_mps);
-  const double at_speed = commands_known_ ? kLeastActivityAtSpeed : kLeastFreeActivityAtSpeed;
-  const double least = std::min(1.0, kLeastActivity + at_speed * speed * speed);
-  activity_.follow(distance2 / 3.0, distance2 > parameters.gate_pose, innovation.predicted_share, least);
+  const bool is_beyond_gate = distance2 > parameters.gate_pose;
+  if (commands_known_) {
+    // Errors of the wheels act on both velocities.
+    const double least = std::min(1.0, kLeastActivity + kLeastActivityAtSpeed * speed * speed);
+    for (FreeActivity* activity : {&drive_activity_, &turn_activity_}) {
+      activity->follow(distance2 / 3.0, is_beyond_gate, innovation.predicted_share, least);
+    }
+  } else {
+    // A robot may turn calmly while its speed changes, and the other way round.
+    const double least = std::min(1.0, kLeastActivity + kLeastFreeActivityAtSpeed * speed * speed);
+    drive_activity_.follow_direction(innovation.along, is_beyond_gate, least);
+    turn_activity_.follow_direction(innovation.heading, is_beyond_gate, least);
+  }
   const double newest = std::min(distance2, parameters.gate_pose) / 3.0;
   const double surprise = surprise_ + kNewestSurprise * (newest - surprise_);
   if (surprise > kSurprise) {
@@ -287,7 +311,8 @@ void TrackedRobot::shift_to(FieldPoint position) {
 }
 
 void TrackedRobot::missed(Instant now, const TrackParameters& parameters) {
-  activity_.restore();
+  drive_activity_.restore();
+  turn_activity_.restore();
   life_.missed(now, limits_of(parameters));
 }
 

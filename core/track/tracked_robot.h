@@ -65,11 +65,11 @@ class TrackedRobot {
   PointFilter point_;
   LifeCycle life_;
   ConsecutiveOutliers outliers_;
-  FieldPoint last_position_;   // at the last sighting
-  float confidence_ = 0.0f;    // of the last sighting
-  float innovation2_ = -1.0f;  // as in RobotTrack
-  double surprise_ = 0.0;      // mean of the last squared innovations per degree of freedom
-  Activity activity_;
+  FieldPoint last_position_;                     // at the last sighting
+  float confidence_ = 0.0f;                      // of the last sighting
+  float innovation2_ = -1.0f;                    // as in RobotTrack
+  double surprise_ = 0.0;                        // mean of the last squared innovations per degree of freedom
+  FreeActivity drive_activity_, turn_activity_;  // of the linear and of the angular velocity
   TrackIdentity identity_;
 };
 

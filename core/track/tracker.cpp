@@ -53,6 +53,11 @@ void Tracker::reset() {
 
 void Tracker::add_commands(const Commands& commands, Instant acts_at) { commands_.add(commands, acts_at); }
 
+ExpectedBall Tracker::expected_ball(Instant capture_time) const {
+  if (!started_ || capture_time <= last_time_) return {};
+  return ball_.expected(last_time_, capture_time, parameters_);
+}
+
 void Tracker::update(const Sightings& sightings, Instant capture_time, Instant action_time, Tracks& out) {
   const double forgotten_s = std::max(parameters_.lost_after_s, parameters_.ball.lost_after_s);
   if (started_ && seconds(last_time_ - capture_time) > forgotten_s) reset();

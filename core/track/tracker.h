@@ -24,6 +24,9 @@ class Tracker {
   /// are ignored. If time jumps back so far that every track would be lost, the tracker is reset.
   void update(const Sightings& sightings, Instant capture_time, Instant action_time, Tracks& out);
 
+  /// The ball at the time of the next frame; unknown if it was not seen for long.
+  [[nodiscard]] ExpectedBall expected_ball(Instant capture_time) const;
+
   /// Predictions are not useful for a longer time. The pipeline's action delay is at most this.
   static constexpr Duration kMaxPrediction = std::chrono::seconds(1);
 

@@ -232,6 +232,33 @@ TEST_P(BallFromPixels, OfTwoTheExpectedOneIsReported) {
   expect_ball(look({true, {0.31f, 0.3f}, 0.01f}), {0.3f, 0.3f}, 0.8f, 0.6f);
 }
 
+// The expected one is duller, or fell into no box. The other one is taken as soon as the expected one has gone.
+TEST_P(BallFromPixels, AnotherOneIsReportedOnlyIfTheExpectedOneHasGone) {
+  const FieldPoint at{-0.3f, 0.2f}, other{0.3f, 0.3f};
+  const ExpectedBall expected{true, {-0.31f, 0.2f}, 0.01f};
+  const auto dull = [](float, float) { return darker(kOrangeRgb, 0.35); };
+  show_ball(other, evenly_lit, everywhere);
+  show_ball(at, dull, everywhere);
+  expect_ball(look(expected), at, 0.8f, 0.6f);
+  show_ball(at, evenly_lit, nowhere);
+  expect_ball(look(expected), at, 1.2f, 0.6f);
+  own_color.clear();
+  show_ball(other, evenly_lit, everywhere);
+  expect_ball(look(expected), other, 0.8f, 0.9f);
+}
+
+// A square paper at the expected place is not reported. Without a sighting, the track soon expects nothing any more.
+TEST_P(BallFromPixels, IsFoundBesideWhatTheTrackWronglyFollows) {
+  const FieldPoint at{-0.3f, 0.2f}, other{0.3f, 0.3f};
+  const auto in_square = [](float right, float down) { return std::max(std::abs(right), std::abs(down)) < 0.95f; };
+  show_ball(at, evenly_lit, everywhere);
+  show_area(other, 1.5f, in_square);
+  const Sightings& seen = look({true, other, 0.005f});
+  // Chroma that pixels share hides the square's corners.
+  if (GetParam() != PixelFormat::kNv12 || seen.ball.seen) expect_ball(seen, at, 0.8f, 0.6f);
+  expect_ball(look(), at, 0.8f, 0.9f);
+}
+
 TEST_P(BallFromPixels, IsFoundWithoutARegionWhereItIsExpected) {
   show_ball({0.3f, 0.3f}, evenly_lit, nowhere);
   EXPECT_FALSE(look().ball.seen);

@@ -226,6 +226,7 @@ const Sightings& PaintedField::match(const Frame* frame, const ExpectedGain& lig
     above = first;
   }
   labeling_->finish(*runs_, *regions_);
+  for (Region& region : *regions_) region.is_cut = is_cut_;
   matcher_->match(frame, light, ball, *runs_, *regions_, *sightings_);
   return *sightings_;
 }

@@ -79,6 +79,8 @@ class PaintedField {
   /// Labels and matches the picture. With a frame, ids and ball also follow from its pixels, the typical colors, what
   /// is known about the light, and the place where the ball is expected.
   const Sightings& match(const Frame* frame = nullptr, const ExpectedGain& light = {}, const ExpectedBall& ball = {});
+  /// Whether an overload cut the regions of the next pictures.
+  void set_cut(bool is_cut) { is_cut_ = is_cut; }
   void set_typical_colors(const TypicalColors& typical) { matcher_->set_typical_colors(typical); }
 
   [[nodiscard]] const Regions& regions() const { return *regions_; }
@@ -101,6 +103,7 @@ class PaintedField {
   MarkerParameters parameters_;
   CameraModel camera_;
   ColorGrid grid_;
+  bool is_cut_ = false;
   std::unique_ptr<Labeling> labeling_;
   std::unique_ptr<Matcher> matcher_;
   std::unique_ptr<Runs> runs_;

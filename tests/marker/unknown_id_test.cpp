@@ -43,6 +43,51 @@ TEST_F(IdsFromPixels, IsNeverWrongIfThePatchIsCovered) {
   }
 }
 
+// Things of a team's color and of an identification color on the floor, of which the boxes see a part and a whole
+// patch. Beside them is floor, not the top of a robot.
+TEST_F(IdsFromPixels, WithoutAHeadingNeedTheShapeOfARobot) {
+  use(paper_teams());
+  const MarkerLayout& layout = parameters.teams[0].layout;
+  const FieldPoint team{layout.patches[0].x_m, layout.patches[0].y_m};
+  const float half = 0.5f * layout.patches[0].length_m;
+  const auto paint_both = [&](const Placed& robot, float sheet_m) {
+    boxes->clear();
+    shown->clear();
+    for (PaintedField* field : {boxes.get(), shown.get()}) field->paint_patch(robot, 1, kRed);
+    // The boxes see a strip at the edge that is next to the robot's center.
+    boxes->paint_part(robot, {team.x_m - half, team.y_m - half}, {team.x_m + half, team.y_m - 0.6f * half}, kBlue);
+    shown->paint_part(robot, {team.x_m - half, team.y_m - half}, {team.x_m - half + sheet_m, team.y_m - half + sheet_m},
+                      kBlue);
+  };
+  for (const float sheet_m : {0.25f * half, 0.1f, 0.2f}) {
+    paint_both(kLeft, sheet_m);
+    for (const RobotSighting& robot : look().robots) {
+      EXPECT_EQ(robot.id, kUnknownId) << sheet_m << ", confidence " << robot.confidence << ", heading "
+                                      << robot.has_heading;
+    }
+  }
+}
+
+// Of a sheet of the team's color, an overload left as much as a team patch. The pixels show the whole sheet.
+TEST_F(IdsFromPixels, NeedOutlinesIfAnOverloadCutThePatches) {
+  use(paper_teams());
+  for (const bool is_sheet : {false, true}) {
+    for (const bool is_cut : {false, true}) {
+      boxes->clear();
+      shown->clear();
+      boxes->set_cut(is_cut);
+      if (is_sheet) shown->paint_part(kLeft, {0.0f, 0.0f}, {0.2f, 0.2f}, kBlue);
+      paint(kLeft);
+      const Sightings& seen = look();
+      ASSERT_EQ(seen.robots.size(), 1u);
+      EXPECT_EQ(seen.robots[0].id, is_sheet && is_cut ? kUnknownId : RobotId{0}) << is_sheet << is_cut;
+      EXPECT_EQ(seen.robots[0].doubt, is_sheet && is_cut ? IdDoubt::kOverload : IdDoubt::kNone);
+    }
+  }
+  // Without a frame, nothing shows outlines.
+  EXPECT_EQ(boxes->match().robots[0].id, kUnknownId);
+}
+
 // Stripes of a shoe: the pixels of the second one are as near to an identification color as the team's color is.
 TEST_F(IdsFromPixels, AreUnknownIfAPatchHasTheColorOfTheTeam) {
   use(teams_with(paper_teams().teams[0].layout, 3));

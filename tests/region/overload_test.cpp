@@ -109,6 +109,37 @@ TEST_F(OverloadTest, EveryPatternGivesTheRegionsOfItsKeptRuns) {
   EXPECT_GE(cut, 24u);
 }
 
+// Of every region that is reported, whether a pixel of its color that was dropped touches it.
+TEST_F(OverloadTest, OnlyRegionsThatLostRunsAreCut) {
+  std::size_t cut = 0, whole = 0;
+  for (const Pattern pattern : kAllPatterns) {
+    for (const std::uint32_t min_height : {1u, 2u}) {
+      ColorGrid grid = crowded_field(640, 240, false, 500);
+      const ColorGrid clutter = make_pattern(pattern, 640, 100, random_);
+      std::copy(clutter.color.begin(), clutter.color.end(), &grid.at(0, 100));
+      static_cast<void>(scan(grid, 2, min_height));
+      const LimitedPicture kept = without_dropped_runs(grid, 2, min_height);
+      const auto is_lost = [&](int u, int v, ColorId color) {
+        return u >= 0 && v >= 0 && u < grid.width && v < grid.height && grid.at(u, v) == color &&
+               kept.grid.at(u, v) != color;
+      };
+      for (const Region& region : *regions_) {
+        bool is_cut = false;
+        for (std::uint32_t i = region.first_run; i != kNoRun; i = (*runs_)[i].next) {
+          const touchline::Run& run = (*runs_)[i];
+          for (int u = run.begin; u < run.end; ++u) {
+            is_cut = is_cut || is_lost(u, run.row - 1, region.color) || is_lost(u, run.row + 1, region.color);
+          }
+        }
+        ASSERT_EQ(region.is_cut, is_cut) << name_of(pattern) << " " << region.box.left << ", " << region.box.top;
+        ++(is_cut ? cut : whole);
+      }
+    }
+  }
+  EXPECT_GE(cut, 500u);
+  EXPECT_GE(whole, 2000u);
+}
+
 TEST_F(OverloadTest, RowsThatAreNotReadUseNoRuns) {
   ColorGrid grid = make_grid(640, 100);
   for (int v = 1; v < 99; v += 2) {

@@ -90,10 +90,38 @@ TEST(PictureEvaluation, WrongColorIsAWrongIdOnlyWithAnId) {
   EXPECT_EQ(evaluate(results).ids_unknown, 1u);
 }
 
-TEST(PictureEvaluation, AnIdWithoutItsPatchesIsWrong) {
+// The color of a patch that fell into no box is that of the same id in another frame.
+TEST(PictureEvaluation, AnIdFromPixelsHasTheColorsThatItHasInOtherFrames) {
   std::vector<FrameRecord> results = perfect();
+  results.push_back(results[0]);
+  results[1].file = "other.png";
   results[0].sightings.robots[1].patches.pop_back();
+  EXPECT_EQ(evaluate(results).ids_right, 2u);
+  EXPECT_EQ(evaluate(results).ids_wrong + evaluate(results).ids_not_judged, 0u);
+  results[0].sightings.robots[1].patches.pop_back();
+  EXPECT_EQ(evaluate(results).ids_right, 2u) << "without any of its patches";
+  // The id of a robot with other colors.
+  results[1].sightings.robots[1].patches[2].color = "purple";
   EXPECT_EQ(evaluate(results).ids_wrong, 1u);
+  results.pop_back();
+  EXPECT_EQ(evaluate(results).ids_not_judged, 1u) << "nothing tells the colors of this id";
+  EXPECT_EQ(evaluate(results).ids_wrong, 0u);
+}
+
+TEST(PictureEvaluation, ARobotWithoutAnAnnotatedTeamPatchIsFoundByTheOthers) {
+  AnnotatedPicture picture = truth();
+  picture.robots[0].team_px.reset();
+  std::vector<FrameRecord> results = perfect();
+  const auto report = [&] { return evaluate_picture(picture, results, {}).value(); };
+  EXPECT_EQ(report().robots, 2u);
+  EXPECT_EQ(report().found, 2u);
+  EXPECT_EQ(report().ids_right, 2u);
+  // Nothing that is annotated is listed: neither missed nor a ghost.
+  results[0].sightings.robots[0].patches.resize(1);
+  EXPECT_EQ(report().robots, 1u);
+  EXPECT_EQ(report().found, 1u);
+  EXPECT_EQ(report().not_judged, 2u);
+  EXPECT_EQ(report().ghosts, 0u);
 }
 
 TEST(PictureEvaluation, PixelErrors) {

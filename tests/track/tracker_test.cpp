@@ -289,5 +289,38 @@ TEST_F(TrackerTest, RejectsParametersThatBreakAFilter) {
   EXPECT_FALSE(refused([](TrackParameters&) {}));
 }
 
+// From its first sighting on: otherwise a second ball would make the second frame ambiguous.
+TEST(Tracker, ExpectsTheBallAtItsPlaceAndAsFarAsItMayHaveMoved) {
+  Tracker tracker;
+  ASSERT_TRUE(tracker.configure({}).ok());
+  EXPECT_FALSE(tracker.expected_ball(at(0.0)).known);
+  Sightings sightings;
+  Tracks tracks;
+  sightings.ball.seen = true;
+  sightings.ball.sigma_m = 0.001f;
+  float former_sigma_m = 1.0f;
+  for (int k = 0; k < 30; ++k) {
+    sightings.ball.position = {0.01f * static_cast<float>(k), 0.2f};
+    tracker.update(sightings, at(0.0333 * k), at(0.0333 * k), tracks);
+    const ExpectedBall ball = tracker.expected_ball(at(0.0333 * (k + 1)));
+    ASSERT_TRUE(ball.known);
+    EXPECT_LT(std::hypot(ball.position.x_m - 0.01f * static_cast<float>(k + 1), ball.position.y_m - 0.2f),
+              3.0f * ball.sigma_m);
+    EXPECT_LE(ball.sigma_m, former_sigma_m);
+    former_sigma_m = ball.sigma_m;
+    if (k == 0) {
+      EXPECT_GT(ball.sigma_m, 0.02f) << "its velocity is not known yet";
+    }
+  }
+  EXPECT_LT(former_sigma_m, 0.004f);
+  const ExpectedBall hidden = tracker.expected_ball(at(0.0333 * 29 + 0.2));
+  EXPECT_TRUE(hidden.known);
+  EXPECT_GT(hidden.sigma_m, former_sigma_m);
+  EXPECT_FALSE(tracker.expected_ball(at(0.0333 * 29 + 0.3)).known);
+  EXPECT_FALSE(tracker.expected_ball(at(0.5)).known) << "before the last frame";
+  tracker.reset();
+  EXPECT_FALSE(tracker.expected_ball(at(1.0)).known);
+}
+
 }  // namespace
 }  // namespace touchline

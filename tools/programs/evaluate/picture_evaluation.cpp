@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <set>
 
 #include "tools/programs/evaluate/greedy_matching.h"
 
@@ -14,12 +16,39 @@ const PatchRecord* team_patch(const RobotRecord& robot) {
   return found == robot.patches.end() ? nullptr : &*found;
 }
 
+std::vector<PatchRecord> identification_of(const RobotRecord& robot) {
+  std::vector<PatchRecord> patches;
+  std::copy_if(robot.patches.begin(), robot.patches.end(), std::back_inserter(patches),
+               [](const PatchRecord& p) { return p.identification; });
+  return patches;
+}
+
+using Colors = std::multiset<std::string>;
+Colors colors_of(const std::vector<PatchRecord>& patches) {
+  Colors colors;
+  for (const PatchRecord& patch : patches) colors.insert(patch.color);
+  return colors;
+}
+
+// A result lists the patches that fell into their color boxes. What a robot's others have to be, sightings of the same
+// id with as many patches as annotated tell.
+std::optional<Colors> colors_of_id(const RobotRecord& robot, std::size_t patches,
+                                   const std::vector<FrameRecord>& results) {
+  for (const FrameRecord& frame : results) {
+    for (const RobotRecord& other : frame.sightings.robots) {
+      if (other.team != robot.team || other.id != robot.id) continue;
+      const std::vector<PatchRecord> listed = identification_of(other);
+      if (listed.size() == patches) return colors_of(listed);
+    }
+  }
+  return std::nullopt;
+}
+
 // Compares patches by their position, independently of their order in the annotation.
 void compare_identification(const AnnotatedPicture::Robot& truth, const RobotRecord& found,
-                            const PictureTolerance& tolerance, PictureReport& out, std::vector<double>& errors) {
-  std::vector<PatchRecord> patches;
-  std::copy_if(found.patches.begin(), found.patches.end(), std::back_inserter(patches),
-               [](const PatchRecord& p) { return p.identification; });
+                            const std::vector<FrameRecord>& results, const PictureTolerance& tolerance,
+                            PictureReport& out, std::vector<double>& errors) {
+  const std::vector<PatchRecord> patches = identification_of(found);
   const std::vector<Match> matches = match_greedily(
       truth.identification.size(), patches.size(), tolerance.same_robot_px,
       [&](std::size_t i, std::size_t j) { return distance(truth.identification[i].center_px, patches[j].center_px); });
@@ -29,13 +58,47 @@ void compare_identification(const AnnotatedPicture::Robot& truth, const RobotRec
     if (match.distance <= tolerance.good_px) ++out.identification_good;
     if (truth.identification[match.first].color == patches[match.second].color) ++colors_right;
   }
-  const bool id_is_right = colors_right == truth.identification.size();
   if (!found.id.has_value()) {
     ++out.ids_unknown;
-  } else {
-    ++(id_is_right ? out.ids_right : out.ids_wrong);
+    out.reliability.add_robot(found, true);
+    return;
   }
-  out.reliability.add_robot(found, id_is_right || !found.id.has_value());
+  bool id_is_right = colors_right == patches.size();
+  if (id_is_right && colors_right < truth.identification.size()) {
+    // The id came from the pixels of the others.
+    const std::optional<Colors> expected = colors_of_id(found, truth.identification.size(), results);
+    if (!expected.has_value()) {
+      ++out.ids_not_judged;
+      return;
+    }
+    id_is_right = *expected == colors_of(truth.identification);
+  }
+  ++(id_is_right ? out.ids_right : out.ids_wrong);
+  out.reliability.add_robot(found, id_is_right);
+}
+
+// Distance of the team patches; if none was annotated, of the nearest identification patches.
+double distance_px(const AnnotatedPicture::Robot& truth, const RobotRecord& seen, double most_px) {
+  double nearest = most_px + 1.0;
+  if (truth.team_px.has_value()) {
+    const PatchRecord* patch = team_patch(seen);
+    return patch == nullptr ? nearest : distance(*truth.team_px, patch->center_px);
+  }
+  for (const PatchRecord& patch : identification_of(seen)) {
+    for (const PatchRecord& annotated : truth.identification) {
+      nearest = std::min(nearest, distance(annotated.center_px, patch.center_px));
+    }
+  }
+  return nearest;
+}
+
+// Whether a report may be a robot of which no team patch was annotated: its own is beside an annotated patch.
+bool may_be(const AnnotatedPicture::Robot& truth, const RobotRecord& seen, double most_px) {
+  const PatchRecord* patch = team_patch(seen);
+  return !truth.team_px.has_value() && truth.team == seen.team && patch != nullptr &&
+         std::any_of(truth.identification.begin(), truth.identification.end(), [&](const PatchRecord& annotated) {
+           return distance(annotated.center_px, patch->center_px) <= most_px;
+         });
 }
 
 }  // namespace
@@ -59,13 +122,14 @@ Result<PictureReport> evaluate_picture(const AnnotatedPicture& truth, const std:
 
   const std::vector<Match> matches = match_greedily(
       truth.robots.size(), seen.robots.size(), tolerance.same_robot_px, [&](std::size_t i, std::size_t j) {
-        const PatchRecord* patch = team_patch(seen.robots[j]);
-        const bool comparable = patch != nullptr && truth.robots[i].team_px.has_value();
-        return comparable ? distance(*truth.robots[i].team_px, patch->center_px) : tolerance.same_robot_px + 1.0;
+        return distance_px(truth.robots[i], seen.robots[j], tolerance.same_robot_px);
       });
+  std::vector<bool> is_matched(truth.robots.size()), explained(seen.robots.size());
+  for (const Match& match : matches) is_matched[match.first] = explained[match.second] = true;
   std::vector<double> team_errors, identification_errors, ball_errors;
-  for (const AnnotatedPicture::Robot& robot : truth.robots) {
-    if (robot.identification.empty()) {
+  for (std::size_t i = 0; i < truth.robots.size(); ++i) {
+    const AnnotatedPicture::Robot& robot = truth.robots[i];
+    if (robot.identification.empty() || (!robot.team_px.has_value() && !is_matched[i])) {
       ++out.not_judged;
     } else {
       ++out.robots;
@@ -82,15 +146,20 @@ Result<PictureReport> evaluate_picture(const AnnotatedPicture& truth, const std:
       continue;
     }
     ++out.found;
-    team_errors.push_back(match.distance);
-    if (match.distance <= tolerance.good_px) ++out.team_good;
-    compare_identification(expected, reported, tolerance, out, identification_errors);
+    if (expected.team_px.has_value()) {
+      team_errors.push_back(match.distance);
+      if (match.distance <= tolerance.good_px) ++out.team_good;
+    }
+    compare_identification(expected, reported, results, tolerance, out, identification_errors);
   }
   // Sightings of robots that are not judged do not count as ghosts.
-  std::vector<bool> explained(seen.robots.size());
-  for (const Match& match : matches) explained[match.second] = true;
   for (std::size_t i = 0; i < seen.robots.size(); ++i) {
-    if (explained[i]) continue;
+    // Patches of a robot touch or nearly: their centers are two tolerances apart, and somewhat more along a diagonal.
+    const bool may_be_annotated =
+        std::any_of(truth.robots.begin(), truth.robots.end(), [&](const AnnotatedPicture::Robot& robot) {
+          return may_be(robot, seen.robots[i], 3.0 * tolerance.same_robot_px);
+        });
+    if (explained[i] || may_be_annotated) continue;
     ++out.ghosts;
     out.reliability.add_robot(seen.robots[i], false);
   }

@@ -195,7 +195,7 @@ void print(const std::vector<PictureReport>& pictures, const PictureTolerance& t
          of(p.found, p.robots).c_str(), of(p.team_good, p.robots).c_str(), p.team_px.rms, p.team_px.max,
          of(p.identification_good, p.identification).c_str(), ids.c_str(), p.identification_px.rms,
          p.identification_px.max, of(p.balls_good, p.balls).c_str(), p.ball_px.max,
-         p.ghosts + p.ball_ghosts + p.wrong_team, p.not_judged);
+         p.ghosts + p.ball_ghosts + p.wrong_team, p.not_judged + p.ids_not_judged);
   };
   ReliabilityOfScene reliability;
   for (const PictureReport& p : pictures) {
@@ -236,6 +236,7 @@ std::string to_json(const std::vector<PictureReport>& pictures, const PictureTol
                     {"ids_right", p.ids_right},
                     {"ids_unknown", p.ids_unknown},
                     {"ids_wrong", p.ids_wrong},
+                    {"ids_not_judged", p.ids_not_judged},
                     {"wrong_team", p.wrong_team},
                     {"ghosts", p.ghosts},
                     {"balls", p.balls},

@@ -21,6 +21,7 @@ enum class SetupWish : std::uint8_t {
 struct ConsoleInput {
   bool stop = false;          // all robots stand until it is false again
   ExternalCommands commands;  // of robots that a client drives; `received` is of CLOCK_MONOTONIC
+  std::uint32_t starts = 0;   // number of times that a driver pressed Start
   SetupWish setup = SetupWish::kNone;
 };
 

@@ -49,7 +49,10 @@ void ExternalInput::take_referee(Instant now, Instant machine_now) {
 }
 
 void ExternalInput::take_console(Instant now, Instant machine_now) {
-  static_cast<void>(settings_.console->take(console_));
+  if (settings_.console->take(console_)) {
+    start_pressed_ = start_pressed_ || (starts_ && *starts_ != console_.starts);
+    starts_ = console_.starts;
+  }
   merged_.clear();
   for (ExternalCommand command : console_.commands) {
     // The age that other programs' commands may have is another one.

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <utility>
 
 #include "core/control/external_command.h"
 #include "core/control/referee_state.h"
@@ -41,6 +42,8 @@ class ExternalInput {
 
   /// `now`: of the loop's clock; `machine_now`: CLOCK_MONOTONIC.
   void take(Instant now, Instant machine_now);
+  /// Whether Start was pressed on the page since the last call.
+  bool take_start() { return std::exchange(start_pressed_, false); }
   /// Passes team colors, sides and heights of the referee on.
   void assign_teams(Pipeline& pipeline);
   /// Counts the robots whose command has become too old since the last frame.
@@ -64,6 +67,8 @@ class ExternalInput {
   const ExternalInputSettings settings_;
   ExternalCommands arrived_, commands_;
   ConsoleInput console_;
+  std::optional<std::uint32_t> starts_;  // counted; those before the first input are of a former session
+  bool start_pressed_ = false;
   ExternalCommands merged_;  // those of the console, and commands_ of the other robots
   std::array<Instant, kMaxRobotsPerTeam> machine_received_{};  // of commands_, in their order
   FixedVector<RobotId, kMaxRobotsPerTeam> expired_;

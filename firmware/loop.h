@@ -141,6 +141,7 @@ class Loop {
   void write_snapshot(const StepTrace& trace, const StepTiming& timing, Instant machine_sent);
 
   void read_inputs(Instant now);
+  void acknowledge_start();
   void send(const Packet& packet, bool is_stop, Instant now);
   void send_stop(Instant now);
   void on_reopened(Device device, Instant now);

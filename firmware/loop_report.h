@@ -52,6 +52,7 @@ struct StatusReport {
   std::uint64_t commands_expired = 0;  // times that a robot stopped because its external command was too old
   std::uint16_t halt = kHaltNone;
   AdaptationMode adaptation = AdaptationMode::kFollow;
+  PictureTrace picture{};  // of the last frame
   float brightness = 1.0f;  // of the light, relative to the calibration
   FixedVector<SeenRobot, kMaxRobots> robots;
   FixedVector<RobotStatus, kMaxRobotsPerTeam> robot_status;
@@ -75,6 +76,13 @@ struct FaultReport {
 struct HaltReport {
   double elapsed_s = 0.0;
   std::uint16_t halt = kHaltNone, before = kHaltNone;
+  PictureTrace picture{};  // of the last frame
+};
+
+/// All commanded robots have begun to stand: a warning.
+struct StandingReport {
+  double elapsed_s = 0.0;
+  int robots = 0;
 };
 
 /// A robot's battery has become low.
@@ -85,11 +93,12 @@ struct BatteryReport {
 };
 
 struct Report {
-  enum class Kind : std::uint8_t { kStatus, kFault, kHalt, kBattery } kind = Kind::kStatus;
+  enum class Kind : std::uint8_t { kStatus, kFault, kHalt, kBattery, kStanding } kind = Kind::kStatus;
   StatusReport status;
   FaultReport fault;
   HaltReport halt;
   BatteryReport battery;
+  StandingReport standing;
 };
 
 // One minute of status reports while the terminal is blocked.

@@ -17,9 +17,21 @@ void ReportWriter::add_step(const StepTrace& trace, Duration latency) {
 void ReportWriter::report_halt(std::uint16_t halt, Instant now) {
   if (halt == halt_reported_) return;
   report_.kind = Report::Kind::kHalt;
-  report_.halt = {elapsed_s(now), halt, halt_reported_};
+  report_.halt = {elapsed_s(now), halt, halt_reported_, last_trace_ != nullptr ? last_trace_->picture : PictureTrace{}};
   ring_.push(report_);
   halt_reported_ = halt;
+}
+
+void ReportWriter::report_standing(Instant now) {
+  if (last_trace_ == nullptr || !last_trace_->picture.stands) return;
+  // Robots that stand for long, or start and stall again, need no second line.
+  constexpr Duration kPause = std::chrono::seconds(10);
+  const bool is_reported = standing_reported_ && now - *standing_reported_ < kPause;
+  standing_reported_ = now;
+  if (is_reported) return;
+  report_.kind = Report::Kind::kStanding;
+  report_.standing = {elapsed_s(now), int{last_trace_->picture.standing}};
+  ring_.push(report_);
 }
 
 void ReportWriter::report_status_if_due(const LoopStatistics& statistics, std::uint16_t halt, AdaptationMode adaptation,
@@ -48,6 +60,7 @@ void ReportWriter::report_status_if_due(const LoopStatistics& statistics, std::u
   status.commands_expired = statistics.external.commands_expired;
   status.halt = halt;
   status.adaptation = adaptation;
+  if (last_trace_ != nullptr) status.picture = last_trace_->picture;
   // Without new frames, the robots of the last frame no longer count as seen.
   if (last_trace_ != nullptr && good > 0) {
     for (const RobotTrack& track : last_trace_->tracks.robots) {

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string_view>
 
 #include "core/types.h"
@@ -21,6 +22,8 @@ class ReportWriter {
   /// Adds a processed frame. `trace` must be valid until the next call.
   void add_step(const StepTrace& trace, Duration latency);
   void report_halt(std::uint16_t halt, Instant now);
+  /// Reports that all commanded robots have begun to stand (PictureTrace::stands), at most once in ten seconds.
+  void report_standing(Instant now);
   /// Reports a fault, at most once per interval for each device and code, and only once for
   /// FaultAction::kContinueWithout. `text`: device and cause.
   void report_fault(Device device, ErrorCode code, FaultAction action, std::string_view text, Instant now);
@@ -43,6 +46,7 @@ class ReportWriter {
   std::array<std::array<bool, kErrorCodeCount>, kDeviceCount> fault_reported_{};  // since the last status
   bool continue_without_reported_ = false;
   std::uint16_t halt_reported_ = kHaltNoFrames;
+  std::optional<Instant> standing_reported_;
   std::array<bool, 128> battery_reported_{};  // by id
   const StepTrace* last_trace_ = nullptr;
   FaultReport last_fault_;

@@ -26,6 +26,7 @@ struct Snapshot {
   Tracks tracks;
   Commands commands;
   LightTrace light;
+  PictureTrace picture;
   RobotReports reports;
   Status status;                   // of the scan: kUnsupported (no sightings), kFull (see overload)
   bool overload = false;           // a capacity was reached

@@ -1,9 +1,12 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
+#include <string_view>
 
 #include "core/time.h"
+#include "core/types.h"
 #include "hal/gpio.h"
 
 namespace touchline {
@@ -21,9 +24,54 @@ enum Halt : std::uint16_t {
   kHaltSilence = 128,       // a requested referee was never heard, or one that repeats its messages is silent
   kHaltConsole = 256,       // a client of the console stopped the robots
   kHaltSetup = 512,         // the board is being set up: it is not calibrated, or a draft of its files is in use
+  kHaltRepeats = 1 << 10,   // the camera delivers pictures that it has delivered before, as a whole or in a part
+  kHaltOverload = 1 << 11,  // pictures exceed what a step can process, frame after frame
+  kHaltField = 1 << 12,     // the field is not recognizable: dark, covered, or something else is shown
+  kHaltMotion = 1 << 13,    // the motion that is seen contradicts the commands
 };
 
 constexpr std::uint16_t kExternalHalts = kHaltReferee | kHaltTeams | kHaltSilence | kHaltConsole | kHaltSetup;
+/// Those that follow from StepTrace::picture.
+constexpr std::uint16_t kPictureHalts = kHaltRepeats | kHaltOverload | kHaltField | kHaltMotion;
+
+/// What a reason means to a person. Robots get stop packets while any reason holds.
+struct HaltDescription {
+  Halt bit;
+  std::string_view word;     // in messages of the console
+  std::string_view reason;   // in the status line and the event log
+  std::string_view robots;   // what they do until they stop
+  std::string_view ends_by;  // what ends it
+};
+/// In the order in which the status line lists them.
+inline constexpr std::array kHaltDescriptions{
+    HaltDescription{kHaltNoFrames, "no_frames", "no good frame",
+                    "drive on with their last commands for faults.stop_after_s", "the next good frame"},
+    HaltDescription{kHaltRepeats, "repeats", "the camera repeats its pictures",
+                    "drive on for faults.stop_after_s (or what this camera usually repeats, if that is longer)",
+                    "pictures that are new everywhere; if a part of them was an older picture that went on, a start"},
+    HaltDescription{kHaltOverload, "overload", "pictures overload the step", "drive on for faults.unusable_frames",
+                    "as many frames without overload"},
+    HaltDescription{kHaltField, "field", "the field is not recognizable", "drive on for faults.unusable_frames",
+                    "as many frames that show the field"},
+    HaltDescription{kHaltMotion, "motion", "seen motion contradicts the commands",
+                    "drive on for two frames if everything is seen elsewhere at once, else for about a second",
+                    "a start (the start button, or Start of the page)"},
+    HaltDescription{kHaltEmergency, "emergency", "emergency stop", "stop at once",
+                    "the release of the emergency stop; with resume_after_emergency = false also a start"},
+    HaltDescription{kHaltUnreadableLine, "unreadable_line", "emergency stop cannot be read", "stop at once",
+                    "a line that can be read and is not pulled"},
+    HaltDescription{kHaltStart, "start", "waiting for the start button", "stand", "the start button"},
+    HaltDescription{kHaltReferee, "referee", "the referee stopped the game", "stop at once", "the referee"},
+    HaltDescription{kHaltSilence, "silence", "no message of the referee", "drive on for faults.referee_timeout_s",
+                    "the next message of the referee"},
+    HaltDescription{kHaltConsole, "console", "stopped from the console", "stop at once", "Start of the page"},
+    HaltDescription{kHaltSetup, "setup", "the board is being set up (page Set up of the console)", "stop at once",
+                    "saving or discarding the draft on the page Set up"},
+    HaltDescription{kHaltTeams, "teams", "the referee's team colors or heights do not fit the team file",
+                    "stop at once", "colors and heights that fit, from the referee or in the team file"},
+    HaltDescription{kHaltCrash, "crash", "the previous run ended unexpectedly", "stand",
+                    "the start button, or a restart of the service"},
+};
 
 struct StopRuleSettings {
   Duration stop_after{};               // robots stop when the last good frame is older
@@ -52,6 +100,11 @@ class StopRules {
   void apply_inputs(const std::optional<hal::GpioInputs>& inputs, Instant now);
   /// `reasons`: the bits of kExternalHalts that hold.
   void apply_external(std::uint16_t reasons);
+  /// `picture`: of the last frame. What contradicts the commands, and an older picture that went on in a part, cannot
+  /// be checked while robots stand, and hold until acknowledge().
+  void apply_picture(const PictureTrace& picture);
+  /// A person has started the robots, by the start button or from the page.
+  void acknowledge() { unacknowledged_ = kHaltNone; }
   /// Call it before a frame is processed: commands computed from an old frame must not drive robots.
   void check_frame(Instant capture_time, Instant now) { set_stale(is_stale(capture_time, now)); }
   /// Call it after a frame was processed successfully. A capture time later than `now` counts as `now`, because a wrong
@@ -81,7 +134,8 @@ class StopRules {
   bool emergency_ = false;
   Instant emergency_seen_{};
   bool started_;
-  bool restarted_ = false;  // the start button was pressed since the last emergency
+  std::uint16_t unacknowledged_ = kHaltNone;  // of kPictureHalts: hold until acknowledge()
+  bool restarted_ = false;                    // the start button was pressed since the last emergency
 };
 
 }  // namespace touchline

@@ -24,6 +24,8 @@ void Driving::clear_commands() {
 Result<void> Driving::start(ClientNumber client) {
   TOUCHLINE_TRY(require_driver(client));
   set_stopped(false);
+  ++input_.starts;
+  changed_ = true;
   return {};
 }
 

@@ -48,6 +48,20 @@ TEST_F(ConsoleInputTest, AStopIsAReasonToHaltUntilItIsTakenBack) {
   EXPECT_EQ(input->halt(kLoopTime + 1h, 1s), kHaltNone);
 }
 
+TEST_F(ConsoleInputTest, AStartCountsOnce) {
+  ConsoleInput wanted;
+  wanted.starts = 3;
+  console.put(wanted);
+  input->take(kLoopTime, kMachineTime);
+  EXPECT_FALSE(input->take_start()) << "pressed in a former session";
+  wanted.starts = 4;
+  console.put(wanted);
+  input->take(kLoopTime, kMachineTime);
+  EXPECT_TRUE(input->take_start());
+  input->take(kLoopTime, kMachineTime);
+  EXPECT_FALSE(input->take_start());
+}
+
 TEST_F(ConsoleInputTest, ADraftOfTheFilesMovesNothingUnlessTheConsolePermits) {
   const auto halt_of = [this](SetupMode mode, SetupWish wish) {
     ExternalInputSettings settings;

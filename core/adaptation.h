@@ -71,6 +71,10 @@ class Adaptation {
   /// Light that measure() found, for the same scanner; unknown unless it follows the light. Valid until the next call
   /// of a function that is not const.
   [[nodiscard]] ExpectedGain expected_gain(const RegionScanner& scanner) const;
+  /// FieldLight::recognized() of the last measured frame; negative unless it follows the light.
+  [[nodiscard]] float recognized_field() const {
+    return mode_ == AdaptationMode::kFollow ? field_.recognized() : -1.0f;
+  }
   /// Learns from a frame whose pixels are still valid, and updates a part of the scanner's tables. The time is bounded:
   /// nine pixels per patch, some rows of tiles, two tables. Writes trace.light.
   void update(RegionScanner& scanner, StepTrace& trace);

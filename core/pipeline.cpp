@@ -34,6 +34,9 @@ Status Pipeline::configure(const PipelineParameters& parameters, StageClock cloc
   team_number_ = parameters.team_number;
   monitor_.configure(parameters.low_battery_v);
   trace_.reports = {};
+  trace_.tracks.robots.clear();
+  trace_.tracks.ball = {};
+  trace_.picture = {};
   if (Status s = scanner_.configure(parameters.scan); !s.ok()) return s;
   if (Status s = camera_.configure(parameters.camera); !s.ok()) return s;
   if (Status s = matcher_.configure(parameters.marker, camera_); !s.ok()) return s;
@@ -48,6 +51,8 @@ Status Pipeline::configure(const PipelineParameters& parameters, StageClock cloc
   if (Status s = tracker_.configure(parameters.track); !s.ok()) return s;
   if (Status s = adaptation_.configure(parameters.adaptation, parameters.scan, parameters.marker.ball.color); !s.ok())
     return s;
+  picture_check_.configure({parameters.scan.format, parameters.scan.width_px, parameters.scan.height_px,
+                            parameters.control.drive.wheel_base_m, parameters.track.robot.wheel_lag_s});
   return controller_.configure(parameters.control, parameters.marker.field);
 }
 
@@ -94,6 +99,7 @@ const StepTrace& Pipeline::step(const Frame& frame) {
     ball_center_fit_.refine(frame, trace_.sightings);
   }
   trace_.overload = trace_.runs_dropped + trace_.regions_dropped > 0 || trace_.sightings.cut_short;
+  check_picture();
   const Instant acts_at = frame.capture_time + action_delay_;
   {
     const StageTimer t = timer(Stage::kTrack);
@@ -109,6 +115,15 @@ const StepTrace& Pipeline::step(const Frame& frame) {
     encode_commands();
   }
   return trace_;
+}
+
+void Pipeline::check_picture() {
+  const bool was_unusable = trace_.picture.is_unusable();
+  const Instant now = trace_.frame.capture_time;
+  picture_check_.check(trace_, adaptation_.recognized_field(),
+                       [&](RobotId id) { return tracker_.command_at(now, id); });
+  // Tracks of a false picture must not be continued.
+  if (was_unusable && !trace_.picture.is_unusable()) reset();
 }
 
 const Packet& Pipeline::stop(Instant now) {
@@ -134,6 +149,9 @@ void Pipeline::stop_from(Instant acts_at) {
 
 void Pipeline::reset() {
   tracker_.reset();
+  picture_check_.restart();
+  trace_.tracks.robots.clear();
+  trace_.tracks.ball = {};
   controller_.reset();
 }
 

@@ -9,6 +9,7 @@
 #include "core/region/region_scanner.h"
 #include "core/subpixel/ball_center_fit.h"
 #include "core/subpixel/patch_center_fit.h"
+#include "core/supervision/picture_check.h"
 #include "core/track/tracker.h"
 #include "core/types.h"
 
@@ -51,6 +52,11 @@ class Pipeline {
   /// While true, the commands are not sent (a replay, or robots that another program drives), so the filters treat the
   /// robots' commands as unknown.
   void set_observing(bool observing) { observing_ = observing; }
+
+  /// Limits of the checks whose results are in StepTrace::picture.
+  void set_picture_check(const PictureCheckSettings& settings) { picture_check_.set(settings); }
+  /// A person has started the robots: the picture is believed again, as PictureCheck::acknowledge().
+  void acknowledge_picture() { picture_check_.acknowledge(); }
 
   /// Processes one frame. The trace is valid until the next call. For a frame of another format or size, the trace is
   /// empty and has an error in `status`.
@@ -96,6 +102,7 @@ class Pipeline {
   void reset();
 
  private:
+  void check_picture();
   void stop_from(Instant acts_at);
   void encode_commands();
 
@@ -110,6 +117,7 @@ class Pipeline {
   TeamAssignment assignment_;
   Adaptation adaptation_;
   RobotMonitor monitor_;
+  PictureCheck picture_check_;
   StageClock clock_ = nullptr;
   Duration action_delay_{};
   bool halted_ = false, observing_ = false;

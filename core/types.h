@@ -338,6 +338,25 @@ struct LightTrace {
   std::uint32_t patches = 0;  // number of patches that it learned from in this frame
 };
 
+/// Whether the picture can be the truth (core/supervision). Its flags are those of this frame.
+struct PictureTrace {
+  bool repeats = false;      // the camera has delivered it before, as a whole or in a part
+  bool replays = false;      // an older picture goes on in a part of it
+  bool overloads = false;    // it exceeds capacities of the step, frame after frame
+  bool hides_field = false;  // the field is not recognizable: dark, covered, or something else is shown
+  bool contradicts = false;  // the own robots move otherwise than commanded, or everything is elsewhere at once (jumps)
+  bool jumps = false;
+  bool stands = false;                // all commanded robots have stood for a second: a warning
+  float repeated_share = 0.0f;        // part of the picture that was delivered before, for longer than is usual
+  float repeated_s = 0.0f;            // its age
+  float field_share = -1.0f;          // part of the field that is recognizable; negative: not measured
+  std::uint32_t overload_frames = 0;  // in a row
+  std::uint8_t commanded = 0, standing = 0, contradicting = 0;  // own robots; the latter two of the commanded ones
+
+  /// Whether robots must not be driven by it.
+  [[nodiscard]] bool is_unusable() const { return repeats || overloads || hides_field; }
+};
+
 /// All results of one frame. Recorder, console, latency report and tests read only this structure.
 struct StepTrace {
   Frame frame;  // its pixels are invalid after the frame is released
@@ -348,6 +367,7 @@ struct StepTrace {
   Commands commands;
   Packet packet;
   LightTrace light;
+  PictureTrace picture;
   RobotReports reports;  // telemetry of all robots until now
   Status status;         // of the scan: kUnsupported (no sightings), kFull (see overload)
   std::array<Duration, kStageCount> stage_time{};

@@ -95,8 +95,8 @@ void ExternalInput::count_expired(const Commands& commands) {
   expired_ = expired;
 }
 
-std::uint16_t ExternalInput::halt(Instant now, Duration timeout) const {
-  std::uint16_t reasons = kHaltNone;
+std::uint32_t ExternalInput::halt(Instant now, Duration timeout) const {
+  std::uint32_t reasons = kHaltNone;
   if (!may_move_in(referee_.phase)) reasons |= kHaltReferee;
   const bool is_silent = referee_.repeats && now - referee_.received > timeout;
   const bool is_awaited = settings_.awaits_referee && counts_.referee_messages == 0;

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cstdint>
 #include <optional>
+#include <utility>
 
 #include "core/control/external_command.h"
 #include "core/control/referee_state.h"
@@ -60,7 +61,7 @@ class ExternalInput {
   [[nodiscard]] const RefereeState& referee() const { return referee_; }
   [[nodiscard]] const ConsoleInput& console() const { return console_; }
   /// The bits of kExternalHalts that hold. `timeout`: for a referee that repeats its messages.
-  [[nodiscard]] std::uint16_t halt(Instant now, Duration timeout) const;
+  [[nodiscard]] std::uint32_t halt(Instant now, Duration timeout) const;
   [[nodiscard]] const ExternalCounts& counts() const { return counts_; }
   /// The number of the stop in force, which a start of the console's driver has to name. Every stop of a client and
   /// everything else that ends with a start changes it.

@@ -47,6 +47,7 @@ void Loop::set_faults(const config::FaultSettings& faults) {
   settings_.faults = faults;
   const Duration stop_after = from_seconds(faults.stop_after_s);
   rules_.set_limits(stop_after, from_seconds(faults.radio_outage_s), faults.resume_after_emergency);
+  pipeline_.set_picture_check({stop_after, faults.unusable_frames});
   devices_.set_first_pause(from_seconds(faults.reopen_after_s));
   // Short enough for stop packets and the emergency stop, long enough to leave the processor idle.
   poll_period_ = std::clamp<Duration>(stop_after / 4, 5ms, 50ms);
@@ -85,6 +86,7 @@ std::optional<LoopEnd> Loop::iterate() {
   update_status_light(now);
   const std::uint32_t stop_number = external_.stop_number(rules_);
   reports_.report_halt(rules_.halt(), stop_number, now);
+  reports_.report_standing(now);
   reports_.report_status_if_due(statistics_, rules_.halt(), stop_number, pipeline_.adaptation(), now);
   take_live_settings();
   update_end(now);
@@ -133,6 +135,7 @@ void Loop::process_frame(const hal::FrameLease& lease) {
   pipeline_.set_external(external_.commands(), timing.received);
   pipeline_.set_halted(!rules_.may_move());
   const StepTrace& trace = pipeline_.step(frame);
+  rules_.apply_picture(trace.picture);
   // The emergency stop may have been pulled meanwhile.
   read_inputs(devices_.clock().now());
   if (!rules_.may_move() && !trace.commands.stop) pipeline_.revoke();
@@ -221,6 +224,7 @@ void Loop::take_external_input(Instant now) {
   external_.take(now, hal::MonotonicClock::read());
   external_.assign_teams(pipeline_);
   external_.apply_to(rules_, now, from_seconds(settings_.faults.referee_timeout_s));
+  acknowledge_start();
 }
 
 void Loop::update_end(Instant now) {
@@ -257,7 +261,12 @@ void Loop::read_inputs(Instant now) {
   input_due_ = inputs ? inputs->next_poll_in : Duration::max();
   if (inputs && inputs->start_pressed) external_.on_start();
   rules_.apply_inputs(inputs, now);
+  acknowledge_start();
   check_radio(now);
+}
+
+void Loop::acknowledge_start() {
+  if (rules_.take_start()) pipeline_.acknowledge_picture();
 }
 
 void Loop::check_radio(Instant now) {

@@ -117,7 +117,7 @@ class Loop {
   /// For a watchdog; callable from any thread.
   [[nodiscard]] const LoopHeartbeat& heartbeat() const { return heartbeat_; }
   /// Bits of Halt.
-  [[nodiscard]] std::uint16_t halt() const { return rules_.halt(); }
+  [[nodiscard]] std::uint32_t halt() const { return rules_.halt(); }
   /// What the next session's robots wait for.
   [[nodiscard]] HeldStops held() const { return rules_.held(); }
   /// The error that led to kFault or kDeviceLost.
@@ -144,6 +144,7 @@ class Loop {
 
   void read_inputs(Instant now);
   void check_radio(Instant now);
+  void acknowledge_start();
   void send(const Packet& packet, bool is_stop, Instant now);
   void send_stop(Instant now);
   void on_reopened(Device device, Instant now);

@@ -50,9 +50,10 @@ struct StatusReport {
   std::uint64_t packets_dropped = 0, packets_refused = 0, stop_packets = 0, frames_lost = 0, future_stamps = 0,
                 overloads = 0, faults = 0;
   std::uint64_t commands_expired = 0;  // times that a robot stopped because its external command was too old
-  std::uint16_t halt = kHaltNone;
+  std::uint32_t halt = kHaltNone;
   std::uint32_t stop_number = 0;  // ExternalInput::stop_number()
   AdaptationMode adaptation = AdaptationMode::kFollow;
+  PictureTrace picture{};   // of the last frame
   float brightness = 1.0f;  // of the light, relative to the calibration
   FixedVector<SeenRobot, kMaxRobots> robots;
   FixedVector<RobotStatus, kMaxRobotsPerTeam> robot_status;
@@ -75,8 +76,15 @@ struct FaultReport {
 /// Robots were stopped, or may move again; or they are stopped as before and by another stop.
 struct HaltReport {
   double elapsed_s = 0.0;
-  std::uint16_t halt = kHaltNone, before = kHaltNone;
+  std::uint32_t halt = kHaltNone, before = kHaltNone;
   std::uint32_t stop_number = 0;
+  PictureTrace picture{};  // of the last frame
+};
+
+/// All commanded robots have begun to stand: a warning.
+struct StandingReport {
+  double elapsed_s = 0.0;
+  int robots = 0;
 };
 
 /// A robot's battery has become low.
@@ -87,11 +95,12 @@ struct BatteryReport {
 };
 
 struct Report {
-  enum class Kind : std::uint8_t { kStatus, kFault, kHalt, kBattery } kind = Kind::kStatus;
+  enum class Kind : std::uint8_t { kStatus, kFault, kHalt, kBattery, kStanding } kind = Kind::kStatus;
   StatusReport status;
   FaultReport fault;
   HaltReport halt;
   BatteryReport battery;
+  StandingReport standing;
 };
 
 // One minute of status reports while the terminal is blocked.

@@ -14,18 +14,31 @@ void ReportWriter::add_step(const StepTrace& trace, Duration latency) {
   latency_.add(latency);
 }
 
-void ReportWriter::report_halt(std::uint16_t halt, std::uint32_t stop_number, Instant now) {
+void ReportWriter::report_halt(std::uint32_t halt, std::uint32_t stop_number, Instant now) {
   const bool is_known = halt == halt_reported_ && stop_number == stop_number_reported_;
   // While robots may move, the number concerns nobody.
   if (is_known || (halt == kHaltNone && halt_reported_ == kHaltNone)) return;
   report_.kind = Report::Kind::kHalt;
-  report_.halt = {elapsed_s(now), halt, halt_reported_, stop_number};
+  report_.halt = {elapsed_s(now), halt, halt_reported_, stop_number,
+                  last_trace_ != nullptr ? last_trace_->picture : PictureTrace{}};
   ring_.push(report_);
   halt_reported_ = halt;
   stop_number_reported_ = stop_number;
 }
 
-void ReportWriter::report_status_if_due(const LoopStatistics& statistics, std::uint16_t halt, std::uint32_t stop_number,
+void ReportWriter::report_standing(Instant now) {
+  if (last_trace_ == nullptr || !last_trace_->picture.stands) return;
+  // Robots that stand for long, or start and stall again, need no second line.
+  constexpr Duration kPause = std::chrono::seconds(10);
+  const bool is_reported = standing_reported_ && now - *standing_reported_ < kPause;
+  standing_reported_ = now;
+  if (is_reported) return;
+  report_.kind = Report::Kind::kStanding;
+  report_.standing = {elapsed_s(now), int{last_trace_->picture.standing}};
+  ring_.push(report_);
+}
+
+void ReportWriter::report_status_if_due(const LoopStatistics& statistics, std::uint32_t halt, std::uint32_t stop_number,
                                         AdaptationMode adaptation, Instant now) {
   if (now < next_status_) return;
   next_status_ += interval_;
@@ -52,6 +65,7 @@ void ReportWriter::report_status_if_due(const LoopStatistics& statistics, std::u
   status.halt = halt;
   status.stop_number = stop_number;
   status.adaptation = adaptation;
+  if (last_trace_ != nullptr) status.picture = last_trace_->picture;
   // Without new frames, the robots of the last frame no longer count as seen.
   if (last_trace_ != nullptr && good > 0) {
     for (const RobotTrack& track : last_trace_->tracks.robots) {

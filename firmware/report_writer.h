@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string_view>
 
 #include "core/types.h"
@@ -20,13 +21,15 @@ class ReportWriter {
   void begin(Instant now);
   /// Adds a processed frame. `trace` must be valid until the next call.
   void add_step(const StepTrace& trace, Duration latency);
-  void report_halt(std::uint16_t halt, std::uint32_t stop_number, Instant now);
+  void report_halt(std::uint32_t halt, std::uint32_t stop_number, Instant now);
+  /// Reports that all commanded robots have begun to stand (PictureTrace::stands), at most once in ten seconds.
+  void report_standing(Instant now);
   /// Reports a fault, at most once per interval for each device and code, and only once for
   /// FaultAction::kContinueWithout. `text`: device and cause.
   void report_fault(Device device, ErrorCode code, FaultAction action, std::string_view text, Instant now);
   /// Reports robots whose battery has become low since the last call.
   void report_batteries(const RobotReports& robots, Instant now);
-  void report_status_if_due(const LoopStatistics& statistics, std::uint16_t halt, std::uint32_t stop_number,
+  void report_status_if_due(const LoopStatistics& statistics, std::uint32_t halt, std::uint32_t stop_number,
                             AdaptationMode adaptation, Instant now);
 
   /// The last fault, without reports of reopened devices.
@@ -42,8 +45,9 @@ class ReportWriter {
   LatencyHistogram latency_;                                                      // since the last status
   std::array<std::array<bool, kErrorCodeCount>, kDeviceCount> fault_reported_{};  // since the last status
   bool continue_without_reported_ = false;
-  std::uint16_t halt_reported_ = kHaltNoFrames;
+  std::uint32_t halt_reported_ = kHaltNoFrames;
   std::uint32_t stop_number_reported_ = 0;
+  std::optional<Instant> standing_reported_;
   std::array<bool, 128> battery_reported_{};  // by id
   const StepTrace* last_trace_ = nullptr;
   FaultReport last_fault_;

@@ -13,6 +13,7 @@ void copy_trace(const StepTrace& trace, Snapshot& out) {
   out.tracks = trace.tracks;
   out.commands = trace.commands;
   out.light = trace.light;
+  out.picture = trace.picture;
   out.reports = trace.reports;
   out.status = trace.status;
   out.overload = trace.overload;

@@ -26,10 +26,11 @@ struct Snapshot {
   Tracks tracks;
   Commands commands;
   LightTrace light;
+  PictureTrace picture;
   RobotReports reports;
   Status status;                   // of the scan: kUnsupported (no sightings), kFull (see overload)
   bool overload = false;           // a capacity was reached
-  std::uint16_t halt = kHaltNone;  // bits of Halt, after the frame
+  std::uint32_t halt = kHaltNone;  // bits of Halt, after the frame
   std::uint32_t stop_number = 0;   // ExternalInput::stop_number()
   bool is_held = false;            // StopRules::is_held()
   RefereeState referee;            // in effect

@@ -23,29 +23,47 @@ constexpr double kStaleRobotStatusS = 2.0;
 
 double milliseconds(Duration d) { return seconds(d) * 1e3; }
 
-std::string halt_reasons(std::uint16_t halt) {
+// The figure that explains a reason; "" if there is none.
+std::string figure(Halt reason, const PictureTrace& picture) {
+  std::string text;
+  const auto percent = [](float share) { return 100.0 * static_cast<double>(share); };
+  switch (reason) {
+    case kHaltRepeats:
+      if (picture.repeated_share > 0.0f) {
+        print(text, " (%.0f %% of the picture, %.2f s old)", percent(picture.repeated_share),
+              static_cast<double>(picture.repeated_s));
+      }
+      if (picture.replays || !picture.repeats) text += "; check the camera, then press Start";
+      break;
+    case kHaltOverload:
+      print(text, " (%u frames in a row)", picture.overload_frames);
+      break;
+    case kHaltField:
+      if (picture.field_share >= 0.0f) print(text, " (%.0f %% of it)", percent(picture.field_share));
+      break;
+    case kHaltMotion:
+      if (picture.contradicts && !picture.jumps) {
+        print(text, " (%d of %d commanded robots)", int{picture.contradicting}, int{picture.commanded});
+      }
+      text += "; check batteries, radio and picture, then press Start";
+      break;
+    default:
+      break;
+  }
+  return text;
+}
+
+std::string halt_reasons(std::uint32_t halt, const PictureTrace& picture) {
   std::string reasons;
-  const auto add = [&](Halt bit, const char* text) {
-    if ((halt & bit) == 0) return;
+  for (const HaltDescription& reason : kHaltDescriptions) {
+    if ((halt & reason.bit) == 0) continue;
     if (!reasons.empty()) reasons += ", ";
-    reasons += text;
-  };
-  add(kHaltNoFrames, "no good frame");
-  add(kHaltEmergency, "emergency stop");
-  add(kHaltUnreadableLine, "emergency stop cannot be read");
-  add(kHaltStart, "waiting for the start button");
-  add(kHaltReferee, "the referee stopped the game");
-  add(kHaltSilence, "no message of the referee");
-  add(kHaltRadio, "the radio is away or was away for too long");
-  if ((halt & kHaltSetupEnded) == 0) add(kHaltConsole, "stopped from the console");
-  add(kHaltSetupEnded, "the setup was saved or left, press Start on the page");
-  add(kHaltDriver, "the driver's page was silent");
-  add(kHaltSetup, "the board is being set up (page Set up of the console)");
-  add(kHaltTeams, "the referee's team colors or heights do not fit the team file");
-  add(kHaltCrash, (halt & kHaltStart) != 0
-                      ? "the previous run ended unexpectedly"
-                      : "the previous run ended unexpectedly, press Start on the page or restart the service to let "
-                        "robots move");
+    // The end of a setup says why the console holds the robots.
+    if (reason.bit == kHaltConsole && (halt & kHaltSetupEnded) != 0) continue;
+    if (!reasons.empty()) reasons += ", ";
+    reasons.append(reason.reason).append(figure(reason.bit, picture));
+    if (reason.bit == kHaltCrash && (halt & kHaltStart) == 0) reasons += ", restart the service to let robots move";
+  }
   return reasons;
 }
 
@@ -123,7 +141,7 @@ std::string status_line(const StatusReport& status, const Expectation& expected)
     if (robot.battery_low) line += " LOW";
     if (robot.age_s > kStaleRobotStatusS) print(line, " (%.0f s ago)", robot.age_s);
   }
-  if (status.halt != kHaltNone) line += "  HALTED: " + halt_reasons(status.halt);
+  if (status.halt != kHaltNone) line += "  HALTED: " + halt_reasons(status.halt, status.picture);
   return line;
 }
 
@@ -143,10 +161,18 @@ std::string battery_line(const BatteryReport& battery) {
   return line;
 }
 
+std::string standing_line(const StandingReport& standing) {
+  std::string line;
+  print(line, "%.1f s  %s although %s commanded to move: check batteries, radio and picture", standing.elapsed_s,
+        standing.robots == 1 ? "the robot stands" : "all robots stand", standing.robots == 1 ? "it is" : "they are");
+  return line;
+}
+
 std::string halt_line(const HaltReport& halt) {
   std::string line;
   print(line, "%.1f s  ", halt.elapsed_s);
-  return line + (halt.halt == kHaltNone ? "robots may move" : "robots halted: " + halt_reasons(halt.halt));
+  return line +
+         (halt.halt == kHaltNone ? "robots may move" : "robots halted: " + halt_reasons(halt.halt, halt.picture));
 }
 
 std::string summary(const LoopStatistics& statistics, LoopEnd end) {

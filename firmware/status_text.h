@@ -23,6 +23,8 @@ std::string status_line(const StatusReport& status, const Expectation& expected)
 std::string fault_line(const FaultReport& fault);
 /// For example "robot 2: battery is low, 6.92 V"
 std::string battery_line(const BatteryReport& battery);
+/// "all robots stand although they are commanded to move: check batteries, radio and picture"
+std::string standing_line(const StandingReport& standing);
 /// "robots halted: emergency stop" or "robots may move".
 std::string halt_line(const HaltReport& halt);
 /// Draws the field with `columns` characters per row and the number of rows that its shape needs: own robots as the

@@ -7,7 +7,7 @@ namespace touchline {
 StopRules::StopRules(const StopRuleSettings& settings)
     : settings_(settings), held_(settings.held.reasons), held_number_(settings.held.number) {
   const bool waits_for_button = settings.has_start_button && !settings.held.is_started;
-  held_ = static_cast<std::uint16_t>((held_ & ~kHaltStart) | (waits_for_button ? kHaltStart : kHaltNone));
+  held_ = static_cast<std::uint32_t>((held_ & ~kHaltStart) | (waits_for_button ? kHaltStart : kHaltNone));
   if (is_held()) ++held_number_;
 }
 
@@ -31,7 +31,7 @@ void StopRules::apply_inputs(const std::optional<hal::GpioInputs>& inputs, Insta
   if (inputs && inputs->start_pressed && !is_pulled) start();
 }
 
-void StopRules::apply_external(std::uint16_t reasons) {
+void StopRules::apply_external(std::uint32_t reasons) {
   set(kExternalHalts, false);
   set(reasons & kExternalHalts, true);
 }
@@ -43,7 +43,7 @@ void StopRules::apply_radio(std::optional<Duration> away) {
 
 void StopRules::hold(Halt reason, bool cause) {
   if (cause == ((causes_ & reason) != 0)) return;
-  causes_ = static_cast<std::uint16_t>(causes_ ^ reason);
+  causes_ = static_cast<std::uint32_t>(causes_ ^ reason);
   held_ |= causes_;
   // A start from before the end of a cause was meant for robots that could not move. A silent driver is heard again
   // with its start.
@@ -55,19 +55,34 @@ void StopRules::accept_frame(Instant capture_time, Instant now) {
   last_good_ = last_good_ ? std::max(*last_good_, captured) : captured;
 }
 
-std::uint16_t StopRules::halt() const {
-  auto halt = static_cast<std::uint16_t>(lasting_ | held_ | (emergency_ ? kHaltEmergency : kHaltNone));
+std::uint32_t StopRules::halt() const {
+  auto halt = static_cast<std::uint32_t>(lasting_ | held_ | (emergency_ ? kHaltEmergency : kHaltNone));
   if (is_readable_ || (halt & kHaltEmergency) == 0) return halt;
-  return static_cast<std::uint16_t>((halt & ~kHaltEmergency) | kHaltUnreadableLine);
+  return static_cast<std::uint32_t>((halt & ~kHaltEmergency) | kHaltUnreadableLine);
 }
 
 HeldStops StopRules::held() const {
-  const auto reasons = static_cast<std::uint16_t>(held_ | (emergency_ ? kHaltEmergency : kHaltNone));
+  const auto reasons = static_cast<std::uint32_t>(held_ | (emergency_ ? kHaltEmergency : kHaltNone));
   return {reasons, held_number_, settings_.has_start_button && is_started()};
 }
 
-void StopRules::set(std::uint16_t reason, bool holds) {
-  lasting_ = static_cast<std::uint16_t>(holds ? lasting_ | reason : lasting_ & ~reason);
+void StopRules::set(std::uint32_t reason, bool holds) {
+  lasting_ = static_cast<std::uint32_t>(holds ? lasting_ | reason : lasting_ & ~reason);
+}
+
+void StopRules::start() {
+  // The next frame tells whether the picture is still wrong.
+  causes_ &= ~kPictureHalts;
+  held_ &= causes_;
+  was_started_ = true;
+}
+
+void StopRules::apply_picture(const PictureTrace& picture) {
+  set(kHaltRepeats, picture.repeats);
+  set(kHaltOverload, picture.overloads);
+  set(kHaltField, picture.hides_field);
+  hold(kHaltRepeats, picture.replays);
+  hold(kHaltMotion, picture.contradicts);
 }
 
 }  // namespace touchline

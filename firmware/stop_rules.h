@@ -1,15 +1,19 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
+#include <string_view>
+#include <utility>
 
 #include "core/time.h"
+#include "core/types.h"
 #include "hal/gpio.h"
 
 namespace touchline {
 
 /// Reasons for which robots are stopped; bits.
-enum Halt : std::uint16_t {
+enum Halt : std::uint32_t {
   kHaltNone = 0,
   kHaltNoFrames = 1,          // the last good frame is older than faults.stop_after_s
   kHaltEmergency = 2,         // the emergency stop is pulled, or was pulled and has not been reset
@@ -21,17 +25,69 @@ enum Halt : std::uint16_t {
   kHaltSilence = 128,         // a requested referee was never heard, or one that repeats its messages is silent
   kHaltConsole = 256,         // a client of the console stopped the robots
   kHaltSetup = 512,           // the board is being set up: it is not calibrated, or a draft of its files is in use
-  kHaltSetupEnded = 1 << 10,  // explains kHaltConsole: nobody stopped the robots, the setup was saved or left
+  kHaltRepeats = 1 << 10,     // the camera delivers pictures that it has delivered before, as a whole or in a part
+  kHaltOverload = 1 << 11,    // pictures exceed what a step can process, frame after frame
+  kHaltField = 1 << 12,       // the field is not recognizable: dark, covered, or something else is shown
+  kHaltMotion = 1 << 13,      // the motion that is seen contradicts the commands
   kHaltRadio = 1 << 14,       // the radio is away, or was away for longer than faults.radio_outage_s
   kHaltDriver = 1 << 15,      // the driver of the console was silent
+  kHaltSetupEnded = 1 << 16,  // explains kHaltConsole: nobody stopped the robots, the setup was saved or left
 };
 
-constexpr std::uint16_t kExternalHalts =
+constexpr std::uint32_t kExternalHalts =
     kHaltReferee | kHaltTeams | kHaltSilence | kHaltConsole | kHaltSetup | kHaltSetupEnded;
+
+/// Those that follow from StepTrace::picture.
+constexpr std::uint32_t kPictureHalts = kHaltRepeats | kHaltOverload | kHaltField | kHaltMotion;
+
+/// What a reason means to a person. Robots get stop packets while any reason holds.
+struct HaltDescription {
+  Halt bit;
+  std::string_view word;     // in messages of the console
+  std::string_view reason;   // in the status line and the event log
+  std::string_view robots;   // what they do until they stop
+  std::string_view ends_by;  // what ends it
+};
+/// In the order in which the status line lists them.
+inline constexpr std::array kHaltDescriptions{
+    HaltDescription{kHaltNoFrames, "no_frames", "no good frame",
+                    "drive on with their last commands for faults.stop_after_s", "the next good frame"},
+    HaltDescription{kHaltRepeats, "repeats", "the camera repeats its pictures",
+                    "drive on for faults.stop_after_s (or what this camera usually repeats, if that is longer)",
+                    "pictures that are new everywhere; if a part of them was an older picture that went on, a start"},
+    HaltDescription{kHaltOverload, "overload", "pictures overload the step", "drive on for faults.unusable_frames",
+                    "as many frames without overload"},
+    HaltDescription{kHaltField, "field", "the field is not recognizable", "drive on for faults.unusable_frames",
+                    "as many frames that show the field"},
+    HaltDescription{kHaltMotion, "motion", "seen motion contradicts the commands",
+                    "drive on for two frames if everything is seen elsewhere at once, else for about a second",
+                    "a start (the start button, or Start of the page)"},
+    HaltDescription{kHaltEmergency, "emergency", "emergency stop", "stop at once",
+                    "its release and a start; with faults.resume_after_emergency = true the release alone"},
+    HaltDescription{kHaltUnreadableLine, "unreadable_line", "emergency stop cannot be read", "stop at once",
+                    "a line that can be read and is not pulled"},
+    HaltDescription{kHaltStart, "start", "waiting for the start button", "stand",
+                    "a start (the start button, or Start of the page)"},
+    HaltDescription{kHaltReferee, "referee", "the referee stopped the game", "stop at once", "the referee"},
+    HaltDescription{kHaltSilence, "silence", "no message of the referee", "drive on for faults.referee_timeout_s",
+                    "the next message of the referee"},
+    HaltDescription{kHaltConsole, "console", "stopped from the console", "stop at once", "Start of the page"},
+    HaltDescription{kHaltRadio, "radio", "the radio is away or was away for too long",
+                    "get no packets, and stop by their own time-out",
+                    "the radio; after an outage longer than faults.radio_outage_s also a start"},
+    HaltDescription{kHaltDriver, "driver", "the driver's page was silent", "drive on for a second", "a start"},
+    HaltDescription{kHaltSetupEnded, "setup_ended", "the setup was saved or left", "stand", "Start of the page"},
+    HaltDescription{kHaltSetup, "setup", "the board is being set up (page Set up of the console)", "stop at once",
+                    "saving or discarding the draft on the page Set up"},
+    HaltDescription{kHaltTeams, "teams", "the referee's team colors or heights do not fit the team file",
+                    "stop at once", "colors and heights that fit, from the referee or in the team file"},
+    HaltDescription{kHaltCrash, "crash", "the previous run ended unexpectedly", "stand",
+                    "a start (the start button, or Start of the page), or a restart of the service"},
+};
 
 /// What a session hands to the next one: the reasons that hold until a start.
 struct HeldStops {
-  std::uint16_t reasons = kHaltNone;  // bits of Halt
+  std::uint32_t reasons = kHaltNone;  // bits of Halt
   std::uint32_t number = 0;           // see StopRules::held_number()
   bool is_started = false;            // the board has a start button, and it was pressed
 };
@@ -66,13 +122,18 @@ class StopRules {
   /// there is one.
   void apply_inputs(const std::optional<hal::GpioInputs>& inputs, Instant now);
   /// `reasons`: the bits of kExternalHalts that hold.
-  void apply_external(std::uint16_t reasons);
+  void apply_external(std::uint32_t reasons);
   /// `away`: since when the radio has been lost; nullopt: it is open.
   void apply_radio(std::optional<Duration> away);
   /// `reason` holds from the first call with `cause` true until a start while `cause` is false.
   void hold(Halt reason, bool cause);
   /// A person starts the robots. Ends the held reasons whose cause is gone.
-  void start() { held_ &= causes_; }
+  void start();
+  /// Whether somebody has started the robots since the last call.
+  [[nodiscard]] bool take_start() { return std::exchange(was_started_, false); }
+  /// `picture`: of the last frame. What contradicts the commands, and an older picture that went on in a part, cannot
+  /// be checked while robots stand, and hold until a start.
+  void apply_picture(const PictureTrace& picture);
   /// Call it before a frame is processed: commands computed from an old frame must not drive robots.
   void check_frame(Instant capture_time, Instant now) { set(kHaltNoFrames, is_stale(capture_time, now)); }
   /// Call it after a frame was processed successfully. A capture time later than `now` counts as `now`, because a wrong
@@ -82,7 +143,7 @@ class StopRules {
   void check_last_frame(Instant now) { set(kHaltNoFrames, !last_good_ || is_stale(*last_good_, now)); }
 
   /// Bits of Halt.
-  [[nodiscard]] std::uint16_t halt() const;
+  [[nodiscard]] std::uint32_t halt() const;
   [[nodiscard]] bool may_move() const { return halt() == kHaltNone; }
   /// Whether only the start (button or restart) is missing.
   [[nodiscard]] bool only_waits_for_start() const {
@@ -102,17 +163,18 @@ class StopRules {
   [[nodiscard]] bool is_stale(Instant capture_time, Instant now) const {
     return now - capture_time > settings_.stop_after;
   }
-  void set(std::uint16_t reason, bool holds);
+  void set(std::uint32_t reason, bool holds);
 
   StopRuleSettings settings_;
-  std::uint16_t lasting_ = kHaltNoFrames;  // as long as their causes
-  std::uint16_t held_;                     // until a start
-  std::uint16_t causes_ = kHaltNone;       // of held reasons: present
+  std::uint32_t lasting_ = kHaltNoFrames;  // as long as their causes
+  std::uint32_t held_;                     // until a start
+  std::uint32_t causes_ = kHaltNone;       // of held reasons: present
   std::uint32_t held_number_;
   std::optional<Instant> last_good_;  // capture time; none: there has been no good frame
   bool emergency_ = false;            // pulled, or released a moment ago
   bool is_readable_ = true;
   Instant emergency_seen_{};
+  bool was_started_ = false;  // see take_start()
 };
 
 }  // namespace touchline

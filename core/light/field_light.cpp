@@ -192,6 +192,7 @@ void FieldLight::reset() {
   measured_.fill(0);
   row_changed_.fill(false);
   next_ = 0;
+  recognized_ = -1;
   mean_ = 0;
   channel_means_.fill(0);
   started_ = false;
@@ -210,6 +211,7 @@ bool FieldLight::measure(const Frame& frame) {
       if (next_ == 0) find_tint();
       for (std::size_t row = next_; row < grid_.rows; row += kRowStep) find_brightness(row);
       for (std::size_t row = next_; row < grid_.rows; row += kRowStep) changed = find_change(row) || changed;
+      find_recognized(next_, kRowStep);
       next_ = (next_ + 1) % kRowStep;
       return changed && interpolate();
     }
@@ -221,7 +223,25 @@ bool FieldLight::measure(const Frame& frame) {
   for (std::size_t row = 0; row < grid_.rows; ++row) changed = find_change(row) || changed;
   changed = changed && interpolate();
   for (std::size_t row = 0; row < kRowStep; ++row) usual_[row] = agreement(row);
+  find_recognized(0, 1);
   return changed;
+}
+
+void FieldLight::find_recognized(std::size_t first_row, std::size_t step) {
+  std::int32_t cells = 0, fitting = 0;
+  for (std::size_t row = first_row; row < grid_.rows; row += step) {
+    for (std::size_t cell = row * grid_.columns; cell < (row + 1) * grid_.columns; ++cell) {
+      if (usable_[cell] == 0) continue;
+      ++cells;
+      if (measured_[cell] == 0) continue;
+      bool fits = true;
+      for (std::size_t c = 0; c < 3; ++c) {
+        fits = fits && ((measured_[cell] >> c & 1u) == 0 || std::abs(ratio_[c][cell] - change_[c][cell]) <= kFit);
+      }
+      fitting += fits ? 1 : 0;
+    }
+  }
+  if (cells >= kLeastCells) recognized_ = static_cast<float>(fitting) / static_cast<float>(cells);
 }
 
 // Measures the ratio of a row of cells to the reference.

@@ -44,6 +44,10 @@ class FieldLight {
   [[nodiscard]] std::array<float, 3> at(std::uint16_t tile_column, std::uint16_t tile_row) const;
   /// Returns the change of R, G or B, also in YUV.
   [[nodiscard]] float rgb_at(std::size_t channel, std::uint16_t tile_column, std::uint16_t tile_row) const;
+  /// Part of the reference's cells that show the floor in a plausible light, among those that the last frame was
+  /// compared with: an eighth of the rows, or all. Robots and people cover cells; in the dark none is recognizable.
+  /// Negative: not measured.
+  [[nodiscard]] float recognized() const { return recognized_; }
   /// Mean change over all cells and channels.
   [[nodiscard]] float mean() const { return mean_; }
   /// Mean change of R, G and B over all cells, also in YUV.
@@ -73,6 +77,7 @@ class FieldLight {
   void find_tint();
   void find_brightness(std::size_t row);
   [[nodiscard]] Agreement agreement(std::size_t first_row) const;
+  void find_recognized(std::size_t first_row, std::size_t step);
   static bool differs(const Agreement& now, const Agreement& usual);
   [[nodiscard]] bool find_change(std::size_t row);
   bool interpolate();
@@ -102,6 +107,7 @@ class FieldLight {
     bool known = false;
   };
   std::array<GridCell, kMaxReferenceCells * 3 / 2> pyramid_{};
+  float recognized_ = -1;
   float mean_ = 0;
   std::array<float, 3> channel_means_{};
   std::size_t next_ = 0;

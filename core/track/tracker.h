@@ -30,6 +30,9 @@ class Tracker {
   /// Predictions are not useful for a longer time. The pipeline's action delay is at most this.
   static constexpr Duration kMaxPrediction = std::chrono::seconds(1);
 
+  /// The commanded twist that acts on an own robot at `instant`, which is not before the last update; zero if unknown.
+  [[nodiscard]] Twist command_at(Instant instant, RobotId id) const { return commands_.at(instant, id).twist; }
+
   /// Number of sightings without a free track, and of commands that were removed too early for lack of space.
   [[nodiscard]] std::uint64_t dropped() const { return robots_.dropped() + commands_.dropped(); }
 

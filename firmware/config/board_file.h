@@ -55,6 +55,9 @@ struct RealtimeSettings {
 /// [faults] of the board file: time limits after a fault.
 struct FaultSettings {
   double stop_after_s = 0.2;
+  // Below stop_after_s at the rates of the leagues (30 to 90 Hz): such a frame says no more than none. Single ones
+  // happen in a game, when a hand or a flash covers the field.
+  int unusable_frames = 5;
   double camera_timeout_s = 1.0;
   double reopen_after_s = 0.5;
   double leave_after_s = 0.0;
@@ -68,7 +71,13 @@ struct FaultSettings {
     visit.number(self.stop_after_s, {.name = "stop_after_s",
                                      .range = {0.02, 5.0},
                                      .unit = "s",
-                                     .help = "Age of the last good frame after which robots are stopped"});
+                                     .help = "Age of the last good frame, or of a picture that the camera repeats, "
+                                             "after which robots are stopped"});
+    visit.number(self.unusable_frames,
+                 {.name = "unusable_frames",
+                  .range = {1, 1000},
+                  .help = "Number of frames with overload, or without a recognizable field, after which robots are "
+                          "stopped, and of others after which they move again"});
     visit.number(self.camera_timeout_s, {.name = "camera_timeout_s",
                                          .range = {0.1, 60.0},
                                          .unit = "s",

@@ -55,7 +55,7 @@ struct MachineStatus {
 };
 
 /// Writes the member `halt`: the list of the reasons' words. `halt`: bits of Halt.
-void write_halt(report::JsonWriter& json, std::uint16_t halt);
+void write_halt(report::JsonWriter& json, std::uint32_t halt);
 
 // Each writes one object.
 /// `has_setup`: the setup program is running.
@@ -65,7 +65,7 @@ void write_state(report::JsonWriter& json, const Scene& scene, const Snapshot& s
                  const hal::UnixTimeOffset& unix_time, const std::optional<Score>& told = {});
 /// `halt`: bits of Halt; nullopt: not known. `waits_for_start`: a start ends at least one of these reasons.
 void write_status(report::JsonWriter& json, const Scene& scene, const FrameFeed& feed, const StatusReport& report,
-                  std::optional<std::uint16_t> halt, bool waits_for_start, const MachineStatus& machine,
+                  std::optional<std::uint32_t> halt, bool waits_for_start, const MachineStatus& machine,
                   std::size_t clients, double now_unix_s);
 /// Unix time of the capture.
 double captured_unix_s(const Snapshot& snapshot, const hal::UnixTimeOffset& unix_time);

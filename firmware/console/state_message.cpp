@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include "firmware/console/messages.h"
 #include "firmware/console/protocol.h"
@@ -19,24 +20,6 @@ using report::write_number;
 constexpr double kVarianceStep = 1e-9;
 constexpr double kOutlineStep = 0.1;
 constexpr double kMillisecondStep = 1e-3;
-
-struct HaltWord {
-  Halt bit;
-  std::string_view word;
-};
-constexpr std::array<HaltWord, 13> kHaltWords{{{kHaltNoFrames, "no_frames"},
-                                               {kHaltEmergency, "emergency"},
-                                               {kHaltUnreadableLine, "unreadable_line"},
-                                               {kHaltStart, "start"},
-                                               {kHaltCrash, "crash"},
-                                               {kHaltReferee, "referee"},
-                                               {kHaltTeams, "teams"},
-                                               {kHaltSilence, "silence"},
-                                               {kHaltConsole, "console"},
-                                               {kHaltSetup, "setup"},
-                                               {kHaltRadio, "radio"},
-                                               {kHaltDriver, "driver"},
-                                               {kHaltSetupEnded, "setup_ended"}}};
 
 std::string_view word_of_phase(GamePhase phase) {
   constexpr std::array<std::string_view, 5> kWords{"no referee", "halt", "stop", "prepare", "running"};
@@ -198,8 +181,32 @@ void write_list(JsonWriter& json, std::string_view key, const List& list, const 
 
 }  // namespace
 
-void write_halt(JsonWriter& json, std::uint16_t halt) {
-  write_list(json, "halt", kHaltWords, [&](const HaltWord& reason) {
+namespace {
+
+void write_picture(JsonWriter& json, const PictureTrace& picture) {
+  json.begin_object();
+  write_number(json, "repeated", picture.repeated_share, 1e-3);
+  write_number(json, "repeated_s", picture.repeated_s, 1e-3);
+  json.key("field");
+  if (picture.field_share >= 0.0f) {
+    json.number(report::rounded(static_cast<double>(picture.field_share), 1e-3));
+  } else {
+    json.null();
+  }
+  for (const auto& [key, count] : {std::pair{"overload_frames", std::int64_t{picture.overload_frames}},
+                                   {"commanded", picture.commanded},
+                                   {"standing", picture.standing},
+                                   {"contradicting", picture.contradicting}}) {
+    json.key(key);
+    json.integer(count);
+  }
+  json.end_object();
+}
+
+}  // namespace
+
+void write_halt(JsonWriter& json, std::uint32_t halt) {
+  write_list(json, "halt", kHaltDescriptions, [&](const HaltDescription& reason) {
     if ((halt & reason.bit) != 0) json.string(reason.word);
   });
 }
@@ -227,10 +234,8 @@ void write_state(JsonWriter& json, const Scene& scene, const Snapshot& snapshot,
   json.key("stop");
   json.boolean(snapshot.commands.stop);
   write_halt(json, snapshot.halt);
-  json.key("stop_number");
-  json.integer(snapshot.stop_number);
-  json.key("waits_for_start");
-  json.boolean(snapshot.is_held || (snapshot.halt & kHaltConsole) != 0);
+  json.key("picture");
+  write_picture(json, snapshot.picture);
   json.key("referee");
   json.begin_object();
   json.key("phase");

@@ -101,7 +101,7 @@ void add_histogram(std::string& text, const LatencyBins& latency) {
 }  // namespace
 
 void write_status(JsonWriter& json, const Scene& scene, const FrameFeed& feed, const StatusReport& report,
-                  std::optional<std::uint16_t> halt, bool waits_for_start, const MachineStatus& machine,
+                  std::optional<std::uint32_t> halt, bool waits_for_start, const MachineStatus& machine,
                   std::size_t clients, double now_unix_s) {
   json.begin_object();
   json.key("type");

@@ -23,6 +23,7 @@ Arena::Arena(const ArenaParameters& parameters, const CameraSettings& camera, co
       channel_(parameters, radio.baud, seed),
       renderer_(parameters, camera.width_px, camera.height_px),
       sensor_(parameters.sensor, pixel_format(camera.format), camera.width_px, camera.height_px, seed),
+      picture_faults_(parameters, camera, seed),
       begin_(begin),
       now_(begin),
       stepped_(begin),
@@ -134,7 +135,9 @@ std::span<const std::uint16_t> Arena::with_led(std::span<const std::uint16_t> pi
 void Arena::render(const Exposure& exposure, std::span<std::uint8_t> out) {
   const std::span<const std::uint16_t> light =
       fault_active(FaultKind::kDark) ? renderer_.render_dark() : renderer_.render(exposure.begin, exposure.end);
-  sensor_.expose(with_led(light, exposure.led), out);
+  const auto is_active = [&](FaultKind kind) { return fault_active(kind, exposure.capture_time); };
+  sensor_.expose(picture_faults_.change_scene(with_led(light, exposure.led), is_active), out);
+  picture_faults_.change_bytes(out, exposure.capture_time, is_active);
 }
 
 }  // namespace touchline::hal::mock

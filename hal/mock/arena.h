@@ -12,6 +12,7 @@
 #include "hal/clock.h"
 #include "hal/device_parameters.h"
 #include "hal/mock/arena_parameters.h"
+#include "hal/mock/picture_faults.h"
 #include "hal/mock/radio_channel.h"
 #include "hal/mock/renderer.h"
 #include "hal/mock/sensor.h"
@@ -94,6 +95,7 @@ class Arena {
   RadioChannel channel_;
   Renderer renderer_;
   Sensor sensor_;
+  PictureFaults picture_faults_;
   Instant begin_, now_, stepped_;
 
   bool streaming_ = false;

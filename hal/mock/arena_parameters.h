@@ -232,20 +232,30 @@ enum class FaultKind : std::uint8_t {
   kFrameShort,
   kFrameCorrupt,
   kDark,
+  kPictureFrozen,
+  kPictureHalfFrozen,
+  kPictureTorn,
+  kPictureTurned,
+  kPictureRandom,
   kRadioLost,
   kRadioBusy,
   kEmergencyStop,
   kStartButton
 };
-inline constexpr std::array<Choice<FaultKind>, 9> kFaultKinds{{{"camera_stall", FaultKind::kCameraStall},
-                                                               {"camera_lost", FaultKind::kCameraLost},
-                                                               {"frame_short", FaultKind::kFrameShort},
-                                                               {"frame_corrupt", FaultKind::kFrameCorrupt},
-                                                               {"dark", FaultKind::kDark},
-                                                               {"radio_lost", FaultKind::kRadioLost},
-                                                               {"radio_busy", FaultKind::kRadioBusy},
-                                                               {"emergency_stop", FaultKind::kEmergencyStop},
-                                                               {"start_button", FaultKind::kStartButton}}};
+inline constexpr std::array<Choice<FaultKind>, 14> kFaultKinds{{{"camera_stall", FaultKind::kCameraStall},
+                                                                {"camera_lost", FaultKind::kCameraLost},
+                                                                {"frame_short", FaultKind::kFrameShort},
+                                                                {"frame_corrupt", FaultKind::kFrameCorrupt},
+                                                                {"dark", FaultKind::kDark},
+                                                                {"picture_frozen", FaultKind::kPictureFrozen},
+                                                                {"picture_half_frozen", FaultKind::kPictureHalfFrozen},
+                                                                {"picture_torn", FaultKind::kPictureTorn},
+                                                                {"picture_turned", FaultKind::kPictureTurned},
+                                                                {"picture_random", FaultKind::kPictureRandom},
+                                                                {"radio_lost", FaultKind::kRadioLost},
+                                                                {"radio_busy", FaultKind::kRadioBusy},
+                                                                {"emergency_stop", FaultKind::kEmergencyStop},
+                                                                {"start_button", FaultKind::kStartButton}}};
 
 /// A fault that is injected during the game.
 struct ArenaFault {

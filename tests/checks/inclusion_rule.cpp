@@ -39,6 +39,7 @@ const std::vector<FolderRule>& stage_rules() {
       {"track", {"geometry"}},
       {"control", {"geometry"}},
       {"radio", {}},
+      {"supervision", {}},
   };
   return rules;
 }

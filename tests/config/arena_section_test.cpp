@@ -24,7 +24,8 @@ TEST_F(ArenaSection, KeysAreChecked) {
             "board.toml:16: arena.opponents: \"sleep\" is not one of stand, play\n"
             "board.toml:17: arena.robot_side_m: 1.0 is out of range: 0.02 to 0.4 m\n"
             "board.toml:23: arena.fault[0].kind: \"fire\" is not one of camera_stall, camera_lost, frame_short, "
-            "frame_corrupt, dark, radio_lost, radio_busy, emergency_stop, start_button\n"
+            "frame_corrupt, dark, picture_frozen, picture_half_frozen, picture_torn, picture_turned, picture_random, "
+            "radio_lost, radio_busy, emergency_stop, start_button\n"
             "board.toml:24: arena.fault[0].at_s: -1.0 is out of range: 0 to 1000000 s\n");
 }
 

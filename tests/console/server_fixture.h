@@ -30,7 +30,7 @@ class ConsoleServer : public ::testing::Test {
     return input_;
   }
   /// Why the loop has robots stand; bits of Halt.
-  [[nodiscard]] std::uint16_t halt() const { return halt_; }
+  [[nodiscard]] std::uint32_t halt() const { return halt_; }
   /// The member of a start that names the stop in force, as a page has it from the newest state.
   [[nodiscard]] std::string stop_in_force() const { return "\"stop_number\":" + std::to_string(stop_number_); }
   /// Lets a session begin, as the main thread does. Call it in `use_files`: the hub is told with its next turn.
@@ -72,7 +72,7 @@ class ConsoleServer : public ::testing::Test {
   ConsoleLink link_;
   mutable std::mutex mutex_;
   ConsoleInput input_;  // as the loop has taken it
-  std::atomic<std::uint16_t> halt_{kHaltNone};
+  std::atomic<std::uint32_t> halt_{kHaltNone};
   std::atomic<std::uint32_t> stop_number_{0};
   std::unique_ptr<Hub> hub_;
   std::function<void()> task_;  // of the console's thread

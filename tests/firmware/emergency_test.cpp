@@ -101,7 +101,7 @@ TEST_F(LoopTest, AnUnreadableLineCountsAsPulled) {
   EXPECT_TRUE(all_stop(1.001, 1.5));
   EXPECT_EQ(loop->statistics().reopened[2], 2U) << "at 1.5 s without success, and at 2 s";
   EXPECT_FALSE(all_stop(2.2, 4.0));
-  std::uint16_t halt = 0;
+  std::uint32_t halt = 0;
   for (const Report& report : reports()) {
     if (report.kind == Report::Kind::kHalt) halt = static_cast<std::uint8_t>(halt | report.halt.halt);
   }
@@ -124,11 +124,11 @@ TEST_F(LoopTest, HaltsAreReportedWithTheirReasons) {
   camera.add({2.0, 2.5, ErrorCode::kTimeout});
   start();
   run_until(3.0);
-  std::vector<std::uint16_t> halts;
+  std::vector<std::uint32_t> halts;
   for (const Report& report : reports()) {
     if (report.kind == Report::Kind::kHalt) halts.push_back(report.halt.halt);
   }
-  EXPECT_EQ(halts, (std::vector<std::uint16_t>{kHaltNone, kHaltEmergency, kHaltNone, kHaltNoFrames, kHaltNone}));
+  EXPECT_EQ(halts, (std::vector<std::uint32_t>{kHaltNone, kHaltEmergency, kHaltNone, kHaltNoFrames, kHaltNone}));
 }
 
 }  // namespace

@@ -158,7 +158,7 @@ TEST_F(LoopTest, RobotsAreStoppedUntilTheStartButtonIsPressed) {
   EXPECT_TRUE(std::prev(std::find_if(gpio.led.begin(), gpio.led.end(), [](const auto& c) {
                 return c.first >= 1.499;
               }))->second);
-  std::vector<std::uint16_t> halts;
+  std::vector<std::uint32_t> halts;
   for (const Report& report : reports()) {
     if (report.kind == Report::Kind::kHalt) halts.push_back(report.halt.halt);
   }

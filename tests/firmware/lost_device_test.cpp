@@ -268,11 +268,11 @@ TEST_F(LoopTest, WhileTheRadioIsAwayNothingSaysThatRobotsMayMove) {
   run_until(3.0);
   EXPECT_EQ(loop->halt(), kHaltNone) << "no start is needed";
   EXPECT_FALSE(all_stop(1.6, 3.0));
-  std::vector<std::uint16_t> halts;
+  std::vector<std::uint32_t> halts;
   for (const Report& report : reports()) {
     if (report.kind == Report::Kind::kHalt) halts.push_back(report.halt.halt);
   }
-  EXPECT_EQ(halts, (std::vector<std::uint16_t>{kHaltNone, kHaltRadio, kHaltNone}));
+  EXPECT_EQ(halts, (std::vector<std::uint32_t>{kHaltNone, kHaltRadio, kHaltNone}));
 }
 
 TEST_F(LoopTest, AfterALongOutageOfTheRadioRobotsWaitForAStart) {

@@ -121,6 +121,35 @@ TEST(StatusLine, ShowsTheTelemetry) {
   EXPECT_EQ(battery_line({12.34, 4, 6.754f}), "12.3 s  robot 4: battery is low, 6.75 V");
 }
 
+TEST(HaltLine, ShowsTheFigureOfAPictureThatIsNotTheTruth) {
+  PictureTrace picture;
+  picture.repeats = true;
+  picture.repeated_share = 0.5f;
+  picture.repeated_s = 0.25f;
+  EXPECT_EQ(halt_line({1.0, kHaltRepeats, kHaltNone, 0, picture}),
+            "1.0 s  robots halted: the camera repeats its pictures (50 % of the picture, 0.25 s old)");
+  picture.replays = true;
+  EXPECT_EQ(
+      halt_line({1.0, kHaltRepeats, kHaltNone, 0, picture}),
+      "1.0 s  robots halted: the camera repeats its pictures (50 % of the picture, 0.25 s old); check the camera, "
+      "then press Start");
+  picture.overload_frames = 7;
+  picture.field_share = 0.034f;
+  EXPECT_EQ(
+      halt_line({1.0, kHaltOverload | kHaltField, kHaltNone, 0, picture}),
+      "1.0 s  robots halted: pictures overload the step (7 frames in a row), the field is not recognizable (3 % of "
+      "it)");
+  picture.contradicts = true;
+  picture.commanded = 5;
+  picture.contradicting = 4;
+  EXPECT_EQ(
+      halt_line({1.0, kHaltMotion, kHaltNone, 0, picture}),
+      "1.0 s  robots halted: seen motion contradicts the commands (4 of 5 commanded robots); check batteries, radio "
+      "and picture, then press Start");
+  EXPECT_EQ(standing_line({2.0, 3}),
+            "2.0 s  all robots stand although they are commanded to move: check batteries, radio and picture");
+}
+
 TEST(FieldMap, OmitsPosesThatAreNotNumbers) {
   StatusReport status = good_status();
   const float nan = std::numeric_limits<float>::quiet_NaN();

@@ -265,5 +265,56 @@ TEST(StopRules, RefereeStopsRobotsWhateverTheInputsAre) {
   EXPECT_TRUE(rules.may_move());
 }
 
+TEST(StopRules, APictureThatIsNotTheTruthStopsUntilItIsRightAgain) {
+  for (const auto& [member, halt] : {std::pair{&PictureTrace::repeats, kHaltRepeats},
+                                     {&PictureTrace::overloads, kHaltOverload},
+                                     {&PictureTrace::hides_field, kHaltField}}) {
+    StopRules rules = playing();
+    PictureTrace picture;
+    picture.*member = true;
+    rules.apply_picture(picture);
+    EXPECT_EQ(rules.halt(), halt);
+    rules.apply_inputs(kAtRest, after_start(0.1));
+    rules.apply_external(kHaltNone);
+    rules.check_last_frame(after_start(0.1));
+    EXPECT_EQ(rules.halt(), halt) << "other rules do not end it";
+    rules.apply_picture({});
+    EXPECT_TRUE(rules.may_move());
+  }
+}
+
+TEST(StopRules, WhatCannotBeCheckedWhileRobotsStandHoldsUntilAStart) {
+  for (const auto& [member, halt] :
+       {std::pair{&PictureTrace::replays, kHaltRepeats}, {&PictureTrace::contradicts, kHaltMotion}}) {
+    StopRules rules = playing();
+    PictureTrace picture;
+    picture.*member = true;
+    rules.apply_picture(picture);
+    rules.apply_picture({});
+    EXPECT_EQ(rules.halt(), halt);
+    StopRules started = rules;
+    started.start();
+    started.apply_picture({});
+    EXPECT_TRUE(started.may_move());
+    rules.apply_inputs(kPressed, after_start(0.1));
+    rules.apply_picture({});
+    EXPECT_TRUE(rules.may_move());
+  }
+}
+
+TEST(StopRules, EveryReasonIsDescribed) {
+  std::uint32_t described = 0;
+  for (const HaltDescription& reason : kHaltDescriptions) {
+    EXPECT_EQ(described & reason.bit, 0u) << reason.word << " is described twice";
+    described |= reason.bit;
+    for (const std::string_view text : {reason.word, reason.reason, reason.robots, reason.ends_by}) {
+      EXPECT_FALSE(text.empty()) << reason.word;
+    }
+  }
+  // Bits are given in order, without gaps.
+  EXPECT_EQ(described & (described + 1), 0u);
+  EXPECT_EQ(described & (kExternalHalts | kPictureHalts), kExternalHalts | kPictureHalts);
+}
+
 }  // namespace
 }  // namespace touchline

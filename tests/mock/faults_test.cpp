@@ -1,4 +1,8 @@
 // Every kind of [[arena.fault]]: errors of the device during the fault, and recovery afterwards.
+#include <algorithm>
+#include <cstdlib>
+#include <vector>
+
 #include "tests/mock/devices_fixture.h"
 #include "tests/results.h"
 
@@ -90,6 +94,97 @@ TEST_F(Faults, LampsGoOut) {
   const auto again = wait();
   ASSERT_TRUE(again.ok());
   EXPECT_GT(brightness(again.value()), 50.0);
+}
+
+// The camera's pictures with `kind` from 1 s on, for as long as the fault lasts.
+class PictureFault : public Faults {
+ protected:
+  using Bytes = std::vector<std::uint8_t>;
+  static constexpr std::size_t kRowBytes = 3 * 64, kHalf = 24 * kRowBytes;
+
+  std::vector<Bytes> pictures(FaultKind kind, double from_s, double to_s) {
+    parameters.sensor = SensorParameters();  // with noise
+    add_fault(kind, 1.0, 0.6);
+    start();
+    std::vector<Bytes> all;
+    while (now_s() < to_s) {
+      const auto lease = wait();
+      EXPECT_TRUE(lease.ok());
+      if (!lease.ok()) break;
+      const double captured_s = seconds(lease.value().frame().capture_time - Arena::kBegin);
+      const std::uint8_t* const first = lease.value().frame().plane[0];
+      if (captured_s >= from_s) all.emplace_back(first, first + 2 * kHalf);
+    }
+    return all;
+  }
+  static bool same(const Bytes& a, const Bytes& b, std::size_t begin, std::size_t end) {
+    return std::equal(a.begin() + static_cast<std::ptrdiff_t>(begin), a.begin() + static_cast<std::ptrdiff_t>(end),
+                      b.begin() + static_cast<std::ptrdiff_t>(begin));
+  }
+};
+
+TEST_F(PictureFault, WithoutAFaultNoPictureRepeats) {
+  const std::vector<Bytes> all = pictures(FaultKind::kPictureFrozen, 0.5, 0.9);
+  ASSERT_GE(all.size(), 15U);
+  for (std::size_t i = 1; i < all.size(); ++i) EXPECT_FALSE(same(all[i], all[i - 1], 0, kHalf));
+}
+
+TEST_F(PictureFault, FrozenPicturesRepeatTheFirstOne) {
+  const std::vector<Bytes> all = pictures(FaultKind::kPictureFrozen, 1.0, 1.9);
+  ASSERT_GE(all.size(), 40U);
+  for (std::size_t i = 1; i < 29; ++i) EXPECT_EQ(all[i], all[0]) << i;
+  EXPECT_NE(all[31], all[0]) << "the fault is over";
+}
+
+TEST_F(PictureFault, HalfFrozenPicturesRepeatTheLowerHalf) {
+  const std::vector<Bytes> all = pictures(FaultKind::kPictureHalfFrozen, 1.0, 1.9);
+  ASSERT_GE(all.size(), 40U);
+  for (std::size_t i = 1; i < 29; ++i) {
+    EXPECT_FALSE(same(all[i], all[i - 1], 0, kHalf)) << i;
+    EXPECT_TRUE(same(all[i], all[0], kHalf, 2 * kHalf)) << i;
+  }
+  EXPECT_FALSE(same(all[31], all[0], kHalf, 2 * kHalf)) << "the fault is over";
+}
+
+TEST_F(PictureFault, TheLowerHalfOfATornPictureIsHalfASecondOld) {
+  const std::vector<Bytes> all = pictures(FaultKind::kPictureTorn, 0.5, 1.2);
+  ASSERT_GE(all.size(), 33U);
+  for (std::size_t i = 26; i < 33; ++i) {
+    EXPECT_FALSE(same(all[i], all[i - 25], 0, kHalf)) << i;
+    EXPECT_TRUE(same(all[i], all[i - 25], kHalf, 2 * kHalf)) << i;
+  }
+}
+
+TEST_F(PictureFault, ATurnedPictureShowsTheSceneUpsideDown) {
+  parameters.robot = {{Side::kOwn, 0, -0.55, 0.4, 0.0, {"red"}}};
+  const std::vector<Bytes> all = pictures(FaultKind::kPictureTurned, 0.9, 1.1);
+  ASSERT_GE(all.size(), 10U);
+  const auto difference = [&](bool turned) {
+    double sum = 0.0;
+    for (std::size_t pixel = 0; pixel < 64 * 48; ++pixel) {
+      const std::size_t other = turned ? 64 * 48 - 1 - pixel : pixel;
+      for (std::size_t c = 0; c < 3; ++c) sum += std::abs(all.front()[3 * pixel + c] - all.back()[3 * other + c]);
+    }
+    return sum / (3 * 64 * 48);
+  };
+  EXPECT_LT(difference(true), 5.0) << "only the noise differs";
+  EXPECT_GT(difference(false), 2.0 * difference(true));
+}
+
+TEST_F(PictureFault, RandomPicturesConsistOfBlocks) {
+  const std::vector<Bytes> all = pictures(FaultKind::kPictureRandom, 1.0, 1.2);
+  ASSERT_GE(all.size(), 5U);
+  const auto range_in_row = [&](std::size_t begin_px, std::size_t end_px) {
+    int least = 255, most = 0;
+    for (std::size_t u = begin_px; u < end_px; ++u) {
+      least = std::min(least, int{all[1][8 * kRowBytes + 3 * u]});
+      most = std::max(most, int{all[1][8 * kRowBytes + 3 * u]});
+    }
+    return most - least;
+  };
+  EXPECT_LT(range_in_row(0, 16), 40) << "only noise";
+  EXPECT_GT(range_in_row(0, 64), 60);
+  EXPECT_FALSE(same(all[1], all[2], 0, kHalf));
 }
 
 TEST_F(Faults, LostRadioMustBeReopened) {

@@ -6,6 +6,16 @@ export interface HaltText {
 const HALT_TEXTS: Record<string, HaltText> = {
   console: { reason: 'Stop was pressed, or the page with control has gone', remedy: 'The driver can press Start.' },
   no_frames: { reason: 'no picture from the camera', remedy: 'Check the camera and its cable. Robots move again with the first good picture.' },
+  repeats: {
+    reason: 'the camera repeats its pictures, as a whole or in a part',
+    remedy: 'Check the camera and its cable. Robots move again with new pictures; if a part was an older picture that went on, the driver must press Start.',
+  },
+  overload: { reason: 'pictures overload the board', remedy: 'Look at the picture: too many things have the colors of robots and ball.' },
+  field: { reason: 'the field is not recognizable', remedy: 'Check lamps and camera: the picture is dark, covered, or shows something else.' },
+  motion: {
+    reason: 'the motion that is seen contradicts the commands',
+    remedy: 'Check batteries, radio (another sender?) and picture (turned?). Then the driver or the start button must start the robots.',
+  },
   emergency: { reason: 'the emergency stop is pulled, or was pulled', remedy: 'Release the switch at the board. This page cannot release it. Then the driver can press Start.' },
   unreadable_line: { reason: 'the emergency stop cannot be read', remedy: 'Check the wire of the emergency stop and the GPIO lines of the board file.' },
   start: { reason: 'the start button was not pressed yet', remedy: 'Press the start button at the board, or Start on this page.' },

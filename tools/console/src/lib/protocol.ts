@@ -134,6 +134,17 @@ export interface Command {
   source: CommandSource;
 }
 
+/** Figures of the halts `repeats`, `overload`, `field` and `motion`. */
+export interface PictureFigures {
+  repeated: number; // part of the picture that was delivered before, 0 to 1
+  repeated_s: number; // its age
+  field: number | null; // part of the field that is recognizable; null: not measured
+  overload_frames: number; // in a row
+  commanded: number; // own robots that have been commanded to move for some time; of these:
+  standing: number;
+  contradicting: number;
+}
+
 export interface State {
   type: 'state';
   number: number; // of processed frames; the picture with the same number belongs to this state
@@ -153,6 +164,7 @@ export interface State {
   referee?: { phase: string };
   roles?: { id: number; role: 'goalkeeper' | 'attacker' | 'supporter' }[];
   score?: { own: number; opponent: number; source?: 'referee' | 'console' } | null;
+  picture?: PictureFigures;
   brightness?: number; // of the light, relative to the calibration
   stages_ms?: number[]; // region, marker, track, control, radio
 }

@@ -1,0 +1,75 @@
+#pragma once
+
+#include "core/supervision/motion_check.h"
+#include "core/supervision/repeat_detector.h"
+#include "core/supervision/track_jump.h"
+#include "core/types.h"
+
+namespace touchline {
+
+struct PictureCheckSettings {
+  Duration oldest = std::chrono::milliseconds(200);  // robots must not be driven by an older picture
+  int unusable_frames = 5;                           // see Persistence
+};
+
+/// A condition of single frames that must last. It begins when the frames in which it held exceed the others by
+/// `frames`, and ends after as many others, so that a picture that flickers neither stops robots nor lets them go.
+class Persistence {
+ public:
+  bool update(bool holds, int frames) {
+    count_ = holds ? count_ + 1 : count_ - 1;
+    if (count_ >= frames) {
+      count_ = frames;
+      is_lasting_ = true;
+    } else if (count_ <= 0) {
+      count_ = 0;
+      is_lasting_ = false;
+    }
+    return is_lasting_;
+  }
+  [[nodiscard]] bool is_lasting() const { return is_lasting_; }
+
+ private:
+  int count_ = 0;
+  bool is_lasting_ = false;
+};
+
+/// Decides whether a picture can be the truth: it is not one of before, the step could process it, it shows the field,
+/// and the robots in it move as commanded. The object is large (fixed memory).
+class PictureCheck {
+ public:
+  struct Geometry {
+    PixelFormat format = PixelFormat::kRgb24;
+    std::uint16_t width_px = 0, height_px = 0;
+    double wheel_base_m = 0.07, wheel_lag_s = 0.08;  // of the own robots
+  };
+  void configure(const Geometry& geometry);
+  void set(const PictureCheckSettings& settings) { settings_ = settings; }
+  /// A person has started the robots, and so says that the picture is right.
+  void acknowledge();
+  /// Tracks begin anew: what robots did before is forgotten.
+  void restart();
+
+  /// Checks a frame after its sightings were found and before they are fused. `trace`: of this frame, with the tracks
+  /// and commands of the frame before; its member `picture` is written. `field_share`: part of the field that looks as
+  /// when the colors were learned, whatever the light; negative: not measured. `twist_of`: as MotionCheck::check().
+  template <class TwistOf>
+  void check(StepTrace& trace, float field_share, TwistOf twist_of) {
+    begin(trace, field_share);
+    const MotionCheck::Result motion = motion_.check(trace.sightings, trace.frame.capture_time, twist_of);
+    finish(trace, motion);
+  }
+
+ private:
+  void begin(StepTrace& trace, float field_share);
+  void finish(StepTrace& trace, const MotionCheck::Result& motion);
+
+  PictureCheckSettings settings_;
+  RepeatDetector repeats_;
+  TrackJump jump_;
+  MotionCheck motion_;
+  Persistence repeated_, overload_, hidden_field_;
+  int overload_frames_ = 0;
+};
+
+}  // namespace touchline

@@ -5,7 +5,6 @@
 #include <numeric>
 
 #include "core/marker/centroid_noise.h"
-#include "core/marker/unnamed_robot.h"
 #include "core/parameter.h"
 
 namespace touchline {
@@ -28,8 +27,6 @@ constexpr float kMostPairs = static_cast<float>(kMaxRobots * kMaxPatches) / 2;
 // Confidence of what the boxes found, if no pixels are known. Otherwise identifier_ replaces that of an id, and
 // confidence_without_id() the others.
 constexpr float kFound = 0.99f;
-// A thing that is a robot with less than this probability gets no id by its colors alone.
-constexpr float kLeastForId = 0.5f;
 
 constexpr std::array<Team, 2> kTeams{Team::kOwn, Team::kOpponent};
 
@@ -339,81 +336,6 @@ void Matcher::drop_surplus(Sightings& out) {
       box_sightings_.pop_back();
     }
   }
-}
-
-// Whether an overload dropped runs of a region that the robot was found by.
-bool Matcher::is_cut(const RobotSighting& robot, const BoxSighting& box, const Regions& regions) const {
-  if (regions[team_patches_[box.team_patch].patch.region].is_cut) return true;
-  return std::any_of(robot.patches.begin(), robot.patches.end(), [&](const PatchSighting& seen) {
-    return std::any_of(identification_.begin(), identification_.end(), [&](const PatchCandidate& patch) {
-      return patch.color == seen.color && patch.center.u_px == seen.center.u_px &&
-             patch.center.v_px == seen.center.v_px && regions[patch.region].is_cut;
-    });
-  });
-}
-
-// What an overload left of larger things may look like patches. Pixels are complete: they have to show the robot.
-void Matcher::doubt_cut_patches(const Frame* frame, const Regions& regions, Sightings& out) {
-  if (std::none_of(regions.begin(), regions.end(), [](const Region& region) { return region.is_cut; })) return;
-  for (std::size_t i = 0; i < out.robots.size(); ++i) {
-    RobotSighting& robot = out.robots[i];
-    if (robot.id == kUnknownId || !is_cut(robot, box_sightings_[i], regions)) continue;
-    const MarkerLayout& layout = parameters_.teams[index_of(robot.team)].layout;
-    if (frame != nullptr && robot.has_heading && has_all_outlines(*frame, finder_.camera(), layout, robot)) continue;
-    robot.id = kUnknownId;
-    robot.doubt = IdDoubt::kOverload;
-  }
-}
-
-// Weighs the robots without an id, and drops those that hardly are robots. An id that only pixels gave needs an outline
-// if the team patch was cut from a larger region, and one without a heading the shape of a robot.
-void Matcher::weigh_unnamed(const Frame& frame, Sightings& out) {
-  std::array<bool, kMaxRobots> has_stripes{};
-  for (std::size_t i = 0; i < out.robots.size(); ++i) {
-    for (std::size_t j = 0; j < i; ++j) {
-      const RobotSighting &a = out.robots[i], &b = out.robots[j];
-      if (a.team != b.team || a.id != kUnknownId || b.id != kUnknownId) continue;
-      if (distance_m(a.pose.position, b.pose.position) >= parameters_.teams[index_of(a.team)].layout.robot_side_m)
-        continue;
-      has_stripes[i] = has_stripes[j] = true;
-    }
-  }
-  std::size_t kept = 0;
-  for (std::size_t i = 0; i < out.robots.size(); ++i) {
-    RobotSighting& robot = out.robots[i];
-    const BoxSighting box = box_sightings_[i];
-    const PatchCandidate& patch = team_patches_[box.team_patch].patch;
-    const MarkerLayout& layout = parameters_.teams[index_of(robot.team)].layout;
-    const CameraModel& camera = finder_.camera();
-    if (patch.is_split_part && robot.patches.size() == 1 && robot.has_heading &&
-        !has_team_outline(frame, camera, layout, robot)) {
-      robot.id = kUnknownId;
-      robot.doubt = IdDoubt::kOtherOutline;
-    }
-    // Without a heading, no pose of the layout explained the pixels: its colors name a robot, if it is one.
-    if (robot.id != kUnknownId && !robot.has_heading) {
-      RobotSighting of_patch = robot;
-      of_patch.pose.position = patch.at[index_of(robot.team)];
-      const float is_robot = confidence_without_id(frame, camera, layout, of_patch, patch.ratio, has_stripes[i]);
-      robot.confidence = std::min(robot.confidence, is_robot);
-      if (is_robot < kLeastForId) {
-        robot.id = kUnknownId;
-        robot.doubt = IdDoubt::kOtherOutline;
-      }
-    }
-    if (robot.id == kUnknownId) {
-      robot.confidence = confidence_without_id(frame, camera, layout, robot, patch.ratio, has_stripes[i]);
-    }
-    if (robot.confidence < kLeastUnnamed) {
-      reported_[box.team_patch] = false;
-      out.verdicts[patch.region] = Verdict::kNoPartner;
-    } else {
-      box_sightings_[kept] = box;
-      out.robots[kept++] = robot;
-    }
-  }
-  out.robots.resize(kept);
-  box_sightings_.resize(kept);
 }
 
 void Matcher::write_verdicts(Sightings& out) {

@@ -57,12 +57,13 @@ std::string halt_reasons(std::uint32_t halt, const PictureTrace& picture) {
   std::string reasons;
   for (const HaltDescription& reason : kHaltDescriptions) {
     if ((halt & reason.bit) == 0) continue;
-    if (!reasons.empty()) reasons += ", ";
     // The end of a setup says why the console holds the robots.
     if (reason.bit == kHaltConsole && (halt & kHaltSetupEnded) != 0) continue;
     if (!reasons.empty()) reasons += ", ";
     reasons.append(reason.reason).append(figure(reason.bit, picture));
-    if (reason.bit == kHaltCrash && (halt & kHaltStart) == 0) reasons += ", restart the service to let robots move";
+    if (reason.bit == kHaltCrash && (halt & kHaltStart) == 0) {
+      reasons += ", press Start on the page or restart the service to let robots move";
+    }
   }
   return reasons;
 }

@@ -234,6 +234,10 @@ void write_state(JsonWriter& json, const Scene& scene, const Snapshot& snapshot,
   json.key("stop");
   json.boolean(snapshot.commands.stop);
   write_halt(json, snapshot.halt);
+  json.key("stop_number");
+  json.integer(snapshot.stop_number);
+  json.key("waits_for_start");
+  json.boolean(snapshot.is_held || (snapshot.halt & kHaltConsole) != 0);
   json.key("picture");
   write_picture(json, snapshot.picture);
   json.key("referee");

@@ -100,8 +100,10 @@ bool MotionCheck::contradicts(const Power& power) {
 
 MotionCheck::Result MotionCheck::judge(Instant now) {
   Result result;
+  int seen = 0;
   for (const Robot& robot : robots_) {
     if (seconds(now - robot.seen_at) > kLongestGap_s) continue;
+    ++seen;
     const auto& [linear, angular] = robot.power;
     if (linear.commanded + angular.commanded < square(kLeastSpeed_mps)) continue;
     ++result.counts.commanded;
@@ -113,7 +115,9 @@ MotionCheck::Result MotionCheck::judge(Instant now) {
   const bool contradicts = counts.contradicting >= kLeastRobots && 4 * counts.contradicting >= 3 * counts.commanded;
   if (!contradicts || !contradicts_) contradicts_since_ = now;
   contradicts_ = contradicts;
-  const bool stands = counts.commanded > 0 && counts.standing == counts.commanded;
+  // One of several robots is blocked for a second in nearly every game.
+  const bool is_enough = counts.commanded >= std::min(seen, kLeastRobots) && counts.commanded > 0;
+  const bool stands = is_enough && counts.standing == counts.commanded;
   if (!stands || !stands_) stands_since_ = now;
   stands_ = stands;
   result.contradicts = contradicts && seconds(now - contradicts_since_) >= kContradicts_s;

@@ -60,8 +60,8 @@ class MotionCheck {
 
   float lever_m_ = 0.0f, wheel_lag_s_ = 0.0f;
   FixedVector<Robot, kMaxRobotsPerTeam> robots_;
-  bool started_ = false, contradicts_ = false, stands_ = false;
-  Instant last_{}, contradicts_since_{}, stands_since_{};
+  bool contradicts_ = false, stands_ = false;
+  Instant contradicts_since_{}, stands_since_{};
 };
 
 }  // namespace touchline

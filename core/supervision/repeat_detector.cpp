@@ -111,12 +111,14 @@ std::uint64_t RepeatDetector::look_up(const Frame& frame, Time now) {
   std::uint64_t whole = 0;
   for (std::size_t tile_row = 0; tile_row < kRows; ++tile_row) {
     std::array<std::uint64_t, kColumns> hash{}, first{}, differing{};
-    const std::uint8_t* const first_row = frame.plane[0] + row_[tile_row * kRowsPerTile] * frame.stride_bytes[0];
+    const std::uint8_t* const first_row =
+        frame.plane[0] + std::size_t{row_[tile_row * kRowsPerTile]} * frame.stride_bytes[0];
     for (std::size_t column = 0; column < kColumns; ++column) {
       first[column] = load_word(first_row + offset_bytes_[column * kWordsPerRow]);
     }
     for (std::size_t i = 0; i < kRowsPerTile; ++i) {
-      const std::uint8_t* const row = frame.plane[0] + row_[tile_row * kRowsPerTile + i] * frame.stride_bytes[0];
+      const std::uint8_t* const row =
+          frame.plane[0] + std::size_t{row_[tile_row * kRowsPerTile + i]} * frame.stride_bytes[0];
       for (std::size_t column = 0; column < kColumns; ++column) {
         for (std::size_t w = 0; w < kWordsPerRow; ++w) {
           const std::uint64_t word = load_word(row + offset_bytes_[column * kWordsPerRow + w]);

@@ -1,12 +1,13 @@
 // Pictures that do not show what the camera sees must stop the robots; everything else must not.
 #include <gtest/gtest.h>
 
-#include <cmath>
+#include <limits>
 #include <ostream>
 #include <span>
 #include <utility>
 
 #include "firmware/loop.h"
+#include "firmware/session.h"
 #include "hal/mock/arena.h"
 #include "hal/mock/mock_devices.h"
 #include "tests/results.h"
@@ -22,7 +23,7 @@ const std::string kMockBoard = TOUCHLINE_BOARDS "/mock/board.toml";
 class ExchangedMotors final : public hal::Radio {
  public:
   ExchangedMotors(hal::Radio& radio, const hal::Clock& clock) : radio_(radio), clock_(clock) {}
-  double from_s = INFINITY;
+  double from_s = std::numeric_limits<double>::infinity();
 
  private:
   Result<void> do_open() override { return radio_.open(); }

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <random>
 
 namespace touchline {
@@ -12,6 +13,7 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr double kPeriod_s = 1.0 / 30.0;
+constexpr double kNever = std::numeric_limits<double>::infinity();
 
 /// Five robots that are commanded to drive curves, and move as a test says.
 class MotionTest : public ::testing::Test {
@@ -26,7 +28,7 @@ class MotionTest : public ::testing::Test {
   }
   /// Runs `for_s` seconds. Returns the time at which the motion first contradicted the commands, or infinity.
   double run(const Motion& motion, double for_s, int robots = 5) {
-    double at_s = INFINITY;
+    double at_s = kNever;
     for (const double end_s = now_s + for_s; now_s < end_s; now_s += kPeriod_s) {
       Sightings sightings;
       for (int id = 0; id < robots; ++id) {
@@ -54,8 +56,9 @@ class MotionTest : public ::testing::Test {
         sighting.confidence = 0.99f;
         sightings.robots.push_back(sighting);
       }
-      result = check.check(sightings, Instant(from_seconds(now_s)),
-                           [&](RobotId id) { return stopped ? Twist{} : commanded(id, now_s); });
+      result = check.check(sightings, Instant(from_seconds(now_s)), [&](RobotId id) {
+        return stopped || (only_commanded >= 0 && id != only_commanded) ? Twist{} : commanded(id, now_s);
+      });
       if (result.contradicts && !std::isfinite(at_s)) at_s = now_s;
     }
     return at_s;
@@ -72,10 +75,11 @@ class MotionTest : public ::testing::Test {
   std::normal_distribution<float> noise;
   double now_s = 1.0;
   bool stopped = false;
+  int only_commanded = -1;  // -1: all
 };
 
 TEST_F(MotionTest, RobotsThatFollow) {
-  EXPECT_EQ(run(follow, 20.0), INFINITY);
+  EXPECT_EQ(run(follow, 20.0), kNever);
   EXPECT_EQ(result.counts.commanded, 5);
   EXPECT_EQ(result.counts.contradicting, 0);
   EXPECT_EQ(result.counts.standing, 0);
@@ -109,17 +113,28 @@ TEST_F(MotionTest, HalfOfTheTeamDoesNotDecide) {
                   return id < 3 ? Twist{-twist.v_mps, twist.w_radps} : twist;
                 },
                 10.0),
-            INFINITY)
+            kNever)
       << "pushed or broken";
 }
 
 TEST_F(MotionTest, StandingRobotsAreAWarningOnly) {
   run(follow, 3.0);
-  EXPECT_EQ(run(stand, 5.0), INFINITY) << "switched off, blocked, or lifted where they are seen";
+  EXPECT_EQ(run(stand, 5.0), kNever) << "switched off, blocked, or lifted where they are seen";
   EXPECT_TRUE(result.stands);
   EXPECT_EQ(result.counts.standing, 5);
   run(follow, 3.0);
   EXPECT_FALSE(result.stands);
+}
+
+TEST_F(MotionTest, OneOfSeveralRobotsMayBeBlocked) {
+  only_commanded = 0;
+  run(stand, 5.0);
+  EXPECT_EQ(result.counts.commanded, 1);
+  EXPECT_EQ(result.counts.standing, 1);
+  EXPECT_FALSE(result.stands);
+  check.restart();
+  run(stand, 5.0, 1);
+  EXPECT_TRUE(result.stands) << "the only robot";
 }
 
 TEST_F(MotionTest, StoppedRobotsThatAreCarriedContradictNothing) {
@@ -131,7 +146,7 @@ TEST_F(MotionTest, StoppedRobotsThatAreCarriedContradictNothing) {
                   return Twist{0.5f, static_cast<float>(std::sin(now + id))};
                 },
                 10.0),
-            INFINITY);
+            kNever);
   EXPECT_EQ(result.counts.commanded, 0);
 }
 
@@ -139,11 +154,11 @@ TEST_F(MotionTest, AnIdThatJumpsIsNoMotion) {
   run(follow, 3.0);
   std::swap(poses[0], poses[1]);
   std::swap(poses[2], poses[3]);
-  EXPECT_EQ(run(follow, 3.0), INFINITY);
+  EXPECT_EQ(run(follow, 3.0), kNever);
 }
 
 TEST_F(MotionTest, OneRobotAloneMayBeCarried) {
-  EXPECT_EQ(run([](RobotId, Twist twist, double) { return Twist{-twist.v_mps, -twist.w_radps}; }, 10.0, 1), INFINITY);
+  EXPECT_EQ(run([](RobotId, Twist twist, double) { return Twist{-twist.v_mps, -twist.w_radps}; }, 10.0, 1), kNever);
 }
 
 }  // namespace

@@ -231,8 +231,6 @@ TEST(RepeatFootage, VideosRaiseNoAlarm) {
     }
     RecordProperty(entry.path().stem().string() + "_share", std::to_string(share));
     EXPECT_GT(frames, 100);
-    std::printf("%s: %d frames, largest share %.3f\n", entry.path().filename().c_str(), frames,
-                static_cast<double>(share));
   }
   EXPECT_GT(videos, 0);
 }

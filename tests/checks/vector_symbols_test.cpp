@@ -17,9 +17,7 @@ struct VectorFindings {
 };
 
 // True for a function that only objects for AVX2 define.
-bool names_its_instruction_set(const std::string& symbol) {
-  return symbol.find("avx2") != std::string::npos;
-}
+bool names_its_instruction_set(const std::string& symbol) { return symbol.find("avx2") != std::string::npos; }
 
 std::unordered_set<std::string> weak_functions(const std::string& archive) {
   std::unordered_set<std::string> weak;

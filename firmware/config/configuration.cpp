@@ -4,6 +4,7 @@
 #include <filesystem>
 
 #include "core/color/span_kernel.h"
+#include "firmware/config/core_rules.h"
 #include "firmware/config/error_list.h"
 #include "firmware/config/key_list.h"
 #include "firmware/config/toml_writer.h"
@@ -191,6 +192,8 @@ Result<void> resolve(const InputFormat& input, Configuration& configuration) {
   errors.add(resolve_venue(configuration.venue, configuration.venue_where, input, configuration.pipeline));
   errors.add(resolve_team(configuration.team, configuration.team_where, configuration.venue, configuration.venue_where,
                           configuration.pipeline));
+  // Checks of the core assume that all values were resolved.
+  if (errors.empty()) add_core_refusals(configuration, errors);
   return errors.result();
 }
 

@@ -143,6 +143,24 @@ void check_distinct(TeamResolver& resolver, const TeamFile& team) {
   }
 }
 
+// A team's color and the ball's color identify no robot. Teams without a color are not detected.
+void check_identification(TeamResolver& resolver, const TeamFile& team, const Locations& where) {
+  const std::array<std::pair<const char*, const std::string*>, 3> things{
+      {{"own.color", &team.own.color}, {"opponent.color", &team.opponent.color}, {"ball.color", &team.ball.color}}};
+  for (const auto& [name, side] : {std::pair{"own", &team.own}, std::pair{"opponent", &team.opponent}}) {
+    if (side->color.empty()) continue;
+    for (std::size_t i = 0; i < side->robot.size(); ++i) {
+      const std::string key = element(std::string(name) + ".robot", i) + ".colors";
+      for (const auto& [other, color] : things) {
+        const std::vector<std::string>& own = side->robot[i].colors;
+        if (color->empty() || std::find(own.begin(), own.end(), *color) == own.end()) continue;
+        resolver.add(key, "\"" + *color + "\" is also " + other + " at " + where.of(other) +
+                              "; give the robot's patch another color");
+      }
+    }
+  }
+}
+
 // Independent errors: the variances add.
 void add_noise(const NoiseEntry& noise, TrackParameters& track) {
   track.robot.position_jitter_m = std::hypot(track.robot.position_jitter_m, noise.robot_position_m);
@@ -163,6 +181,7 @@ Result<void> resolve_team(const TeamFile& team, const Locations& where, const Ve
   out.marker.ball.color = resolver.color(team.ball.color, "ball.color");
   out.marker.ball.radius_m = team.ball.radius_m;
   check_distinct(resolver, team);
+  check_identification(resolver, team, where);
   out.track = team.tracking;
   add_noise(venue.noise, out.track);
   out.control = team.control;

@@ -110,6 +110,34 @@ INSTANTIATE_TEST_SUITE_P(Formats, ColorFitOf,
                          ::testing::Values(PixelFormat::kRgb24, PixelFormat::kYuyv, PixelFormat::kI420,
                                            PixelFormat::kXrgb8888));
 
+// A place that a layout predicts is the inner part of a patch, and real patches may be larger than the layout says.
+TEST(ColorFit, WhatContinuesAPatchIsNoBackground) {
+  const std::vector<PaintedPatch> patches = arrangement(0);
+  const auto least_room = [&](int half_px) {
+    ColorFitInput input;
+    input.pictures["a"] = painted_field(patches, PixelFormat::kRgb24, 1, even);
+    for (const PaintedPatch& p : patches) {
+      Click click{"a", p.color, static_cast<double>(p.u_px), static_cast<double>(p.v_px), 0, {}};
+      for (int v = p.v_px - half_px; v < p.v_px + half_px; ++v) {
+        for (int u = p.u_px - half_px; u < p.u_px + half_px; ++u)
+          click.pixels.push_back(static_cast<std::size_t>(v) * input.pictures["a"].frame().width_px +
+                                 static_cast<std::size_t>(u));
+      }
+      input.clicks.push_back(click);
+    }
+    const Result<ColorFit> fit = fit_colors(input);
+    EXPECT_TRUE(fit.ok()) << fit.text();
+    int least = 255;
+    for (const ColorBox& box : fit.value().learned.boxes) {
+      for (std::size_t c = 0; c < 3; ++c) least = std::min(least, box.high[c] - box.low[c]);
+    }
+    return least;
+  };
+  const int whole = least_room(5), inner = least_room(2);
+  EXPECT_GT(whole, 40);
+  EXPECT_GT(inner, whole - 10) << "of 12 pixels, 2 to 4 are sampled";
+}
+
 // Each picture shows every color three times. Of a few patches, colors of teams and the ball get boxes for other light;
 // 15 patches of a team show the light, also for a ball with fewer.
 TEST(ColorFit, ManyPatchesNeedNoBoxesForOtherLight) {

@@ -20,7 +20,7 @@ CheckedPicture seen_in(const std::string& image, const std::set<std::string>& ex
 }
 
 SelfCheck check_of(const std::vector<CheckedPicture>& pictures) {
-  return {{"own 0", "own 1", "opponent 0", "opponent 1"}, true, pictures};
+  return {{"own 0", "own 1", "opponent 0", "opponent 1"}, true, pictures, {}};
 }
 
 TEST(SelfCheck, PassesIfEveryRobotIsInSomePicture) {
@@ -98,6 +98,19 @@ TEST(SelfCheck, TellsHowManyRobotsTheTeamFileDoesNotList) {
   EXPECT_TRUE(check.passed());
   EXPECT_NE(check.text().find("b.png: 1 of 1 visible robots explained; not in the team file: 1\n"), std::string::npos)
       << check.text();
+}
+
+TEST(SelfCheck, FailsIfALittleOtherLightLosesRobots) {
+  SelfCheck check = check_of({seen_in("a.png", {"own 0", "own 1", "opponent 0", "opponent 1"})});
+  check.other_light = {{"5 % brighter", 3}, {"5 % darker", 4}};
+  EXPECT_TRUE(check.passed()) << "one of four may stand at the edge of a lamp";
+  EXPECT_EQ(check.fragile_in(), nullptr);
+  EXPECT_NE(check.text().find("of 4 robots in the pictures: 3 5 % brighter, 4 5 % darker\n"), std::string::npos)
+      << check.text();
+  check.other_light[1].robots = 2;
+  EXPECT_FALSE(check.passed());
+  ASSERT_NE(check.fragile_in(), nullptr);
+  EXPECT_EQ(check.fragile_in()->light, "5 % darker");
 }
 
 TEST(SelfCheck, NeedsTheBallInOnePicture) {

@@ -168,7 +168,7 @@ TEST_F(ConfigFiles, MoreBoxesThanBits) {
 
 TEST_F(ConfigFiles, DuplicateColor) {
   replace("venue.toml", "name = \"green\"", "name = \"red\"");
-  replace("team.toml", "colors = [\"green\"]", "colors = [\"orange\"]");
+  replace("team.toml", "[[own.robot]]\nid = 1\ncolors = [\"green\"]\n", "");  // no robot without a color
   EXPECT_EQ(refusal(),
             "venue.toml:44: color[3].name: \"red\" is already defined at venue.toml:38; give the color "
             "several [[color.box]] instead\n");

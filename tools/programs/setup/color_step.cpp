@@ -7,6 +7,7 @@
 #include "hal/files/input_file.h"
 #include "tools/programs/calibrate/colors/color_calibration.h"
 #include "tools/programs/calibrate/colors/field_reference.h"
+#include "tools/programs/calibrate/colors/other_light.h"
 #include "tools/programs/command_line/formatted.h"
 #include "tools/programs/setup/color_mask.h"
 #include "tools/programs/setup/page_state.h"
@@ -151,6 +152,9 @@ Result<void> learn_colors(const ColorRequest& request, const JobInput& input, co
   if (const std::string left_out = calibrate::describe_left_out(found, fit_input); !left_out.empty()) {
     measured["notes"].push_back(note("warning", left_out));
   }
+  if (const std::string scales = calibrate::describe_scales(found.scales); !scales.empty())
+    measured["notes"].push_back(note("warning", scales));
+  if (!found.unlisted.empty()) measured["notes"].push_back(note("warning", found.unlisted));
   measured["clicks"] = clicks_json(clicks, found.uses, measured["pictures"]);
   std::error_code error;
   fs::create_directories(folder, error);
@@ -177,8 +181,15 @@ Result<void> learn_colors(const ColorRequest& request, const JobInput& input, co
   std::vector<calibrate::Section> sections = calibrate::color_sections(draft, fit);
   TOUCHLINE_TRY(calibrate::write_sections(venue, sections));
   output.progress("the result is being checked", 0.8);
-  TOUCHLINE_TRY_ASSIGN(const calibrate::SelfCheck check,
+  TOUCHLINE_TRY_ASSIGN(calibrate::SelfCheck check,
                        calibrate::self_check(venue, team, fit_input.pictures, visible.value(), folder));
+  TOUCHLINE_TRY(calibrate::check_other_light(venue, team, fit_input.pictures, visible.value(), check));
+  if (const calibrate::OtherLightResult* const other = check.fragile_in(); other != nullptr) {
+    measured["notes"].push_back(
+        note("bad", formatted("only %zu of %zu robots are recognized %s: add a picture in other light, or replace "
+                              "colors that are close to others",
+                              other->robots, check.robots_explained(), other->light.c_str())));
+  }
   measured["self_check"] = check.text();
   TOUCHLINE_TRY_ASSIGN(const calibrate::Section light, calibrate::write_field_reference(venue, draft, fit_input, fit));
   TOUCHLINE_TRY(calibrate::write_sections(venue, {light}));

@@ -21,7 +21,10 @@ constexpr double kShade = 14.0, kFurtherShade = 0.5, kWorthAShade = 1.0;
 
 class Solver {
  public:
-  Solver(const AssignmentInput& input, const std::vector<PatchLabels>& cuts) : input_(input), cuts_(cuts) {}
+  Solver(const AssignmentInput& input, const std::vector<PatchLabels>& cuts)
+      : input_(input), cuts_(cuts), is_ball_(input.patches.size(), false) {
+    for (const std::size_t p : input.balls) is_ball_[p] = true;
+  }
 
   Solution solve(const Exclusion& exclusion, bool with_shades) const {
     Solution best;
@@ -144,13 +147,13 @@ class Solver {
   }
 
   // Ball candidates of a label are patches that no marker uses. A single one in a picture counts as a recognized ball.
-  double ball_cost(const std::set<std::size_t>& in_markers, const Label& label) const {
+  double ball_cost(const std::vector<bool>& in_markers, const Label& label) const {
     std::map<std::size_t, int> alone;
     double cost = 0;
     for (const std::size_t p : label.patches) {
-      if (in_markers.count(p) > 0) {
+      if (in_markers[p]) {
         cost += kStranger;
-      } else if (std::find(input_.balls.begin(), input_.balls.end(), p) != input_.balls.end()) {
+      } else if (is_ball_[p]) {
         ++alone[input_.picture[p]];
       }
     }
@@ -210,10 +213,13 @@ class Solver {
     return out;
   }
 
-  // Cost of a label as identification color without its appearance: each patch contributes its part of a marker.
+  // Cost of a label as identification color without its appearance: each patch contributes its part of a marker. A
+  // label that shows no robot of the team file is as costly as a missing color; one that also shows strangers may still
+  // be better than that, so that a robot of others does not take a color away.
   std::vector<std::vector<double>> roles(const PatchLabels& cut,
                                          const std::vector<const MarkerCandidate*>& markers) const {
     std::vector<std::vector<double>> cost(input_.colors.size(), std::vector<double>(cut.labels.size(), 0.0));
+    std::vector<std::vector<bool>> explains(input_.colors.size(), std::vector<bool>(cut.labels.size(), false));
     std::map<std::array<std::size_t, 4>, int> seen;  // picture, team, position, label
     for (const MarkerCandidate* m : markers) {
       const TeamMarking& team = input_.teams[m->team];
@@ -226,7 +232,13 @@ class Solver {
           const auto robots = std::count_if(team.robots.begin(), team.robots.end(),
                                             [&](const RobotMarking& r) { return r.colors[k - 1] == c + 1; });
           cost[c][label] += (before < robots ? -kExplained : kStranger) / part;
+          explains[c][label] = explains[c][label] || before < robots;
         }
+      }
+    }
+    for (std::size_t c = 0; c < cost.size(); ++c) {
+      for (std::size_t l = 0; l < cost[c].size(); ++l) {
+        if (!explains[c][l]) cost[c][l] = kMissing;
       }
     }
     return cost;
@@ -257,29 +269,30 @@ class Solver {
         const std::vector<std::size_t> color_of = colors_of(cut, label_of);
         out.markers = choose(cut, teams, &color_of);
       }
-      std::set<std::size_t> in_markers;
-      for (const MarkerCandidate* m : out.markers) in_markers.insert(m->patches.begin(), m->patches.end());
+      std::vector<bool> in_markers(input_.patches.size(), false);
+      for (const MarkerCandidate* m : out.markers) {
+        for (const std::size_t p : m->patches) in_markers[p] = true;
+      }
       const auto role = roles(cut, out.markers);
       for (std::size_t l = 0; l < labels && input_.ball != kBackground; ++l)
         ball[l] = ball_cost(in_markers, cut.labels[l]);
       out.expected = expected_looks(cut, gain);
       std::vector<std::vector<double>> cost;
+      std::vector<bool> is_useful(labels, false);
       for (const std::size_t c : wanted) {
-        std::vector<double> row(labels + wanted.size(), missing(cut, c));  // the last columns mean "not found"
+        std::vector<double> row(labels, kForbidden);
         const bool is_id = is_identification(c);
         for (std::size_t l = 0; l < labels; ++l) {
-          if (l == teams[0] || l == teams[1]) {
-            row[l] = kForbidden;
-            continue;
-          }
-          row[l] = unlikely(c, cut.labels[l], out.expected, exclusion);
-          if (is_id) row[l] += role[c][l] >= 0 ? kMissing : role[c][l];
-          if (c + 1 == input_.ball) row[l] += ball[l];
+          if (l == teams[0] || l == teams[1]) continue;
+          double place = is_id ? role[c][l] : 0.0;
+          if (c + 1 == input_.ball) place += ball[l];
+          if (place >= kMissing) continue;  // better missing, whatever it looks like
+          row[l] = place + unlikely(c, cut.labels[l], out.expected, exclusion);
+          is_useful[l] = is_useful[l] || row[l] < kForbidden / 2;
         }
         cost.push_back(std::move(row));
       }
-      const std::vector<std::size_t> column = assign(cost);
-      for (std::size_t i = 0; i < wanted.size(); ++i) label_of[wanted[i]] = column[i] < labels ? column[i] : kNone;
+      assign_useful(cut, wanted, cost, is_useful, label_of);
       improve(cut, wanted, teams, exclusion, ball, out, label_of);
       if (round + 1 < kRounds) gain = fitted_gain(cut, label_of);
     }
@@ -287,6 +300,26 @@ class Solver {
     for (const double g : gain) out.cost += std::pow(std::log(g) / 0.35, 2) / 2;
     out.label_of = label_of;
     return out;
+  }
+
+  // Assigns labels to colors. On a textured floor most labels are of no use for any color; leaving them out changes
+  // nothing but the work.
+  static void assign_useful(const PatchLabels& cut, const std::vector<std::size_t>& wanted,
+                            const std::vector<std::vector<double>>& cost, const std::vector<bool>& is_useful,
+                            std::vector<std::size_t>& label_of) {
+    std::vector<std::size_t> useful;
+    for (std::size_t l = 0; l < is_useful.size(); ++l) {
+      if (is_useful[l]) useful.push_back(l);
+    }
+    std::vector<std::vector<double>> reduced;
+    for (std::size_t i = 0; i < wanted.size(); ++i) {
+      std::vector<double>& row = reduced.emplace_back();
+      for (const std::size_t l : useful) row.push_back(cost[i][l]);
+      row.resize(useful.size() + wanted.size(), missing(cut, wanted[i]));  // the last columns mean "not found"
+    }
+    const std::vector<std::size_t> column = assign(reduced);
+    for (std::size_t i = 0; i < wanted.size(); ++i)
+      label_of[wanted[i]] = column[i] < useful.size() ? useful[column[i]] : kNone;
   }
 
   // A color with a click is not missing if nothing else has it.
@@ -386,6 +419,7 @@ class Solver {
 
   const AssignmentInput& input_;
   const std::vector<PatchLabels>& cuts_;
+  std::vector<bool> is_ball_;  // per patch
 };
 
 }  // namespace

@@ -152,6 +152,15 @@ void name_patches(const std::vector<Click>& clicks, const std::vector<Marked>& m
   }
 }
 
+// Whether a picture shows more patches than two complete teams have.
+bool is_cluttered(const DetectedColors& found) {
+  std::vector<std::size_t> grown(found.images.size(), 0);
+  for (std::size_t p = 0; p < found.input.patches.size(); ++p) {
+    if (!found.input.patches[p].sampled) ++grown[found.input.picture[p]];
+  }
+  return std::any_of(grown.begin(), grown.end(), [](std::size_t count) { return count > kPatchesOfTwoTeams; });
+}
+
 // Assigns colors with the clicks. A click without which more robots are recognized is left out, as long as fewer are
 // recognized than without any click.
 void assign_with_clicks(const std::vector<Click>& clicks, const std::vector<Marked>& marked, DetectedColors& out) {
@@ -161,7 +170,9 @@ void assign_with_clicks(const std::vector<Click>& clicks, const std::vector<Mark
   left_out.assign(clicks.size(), false);
   name_patches(clicks, marked, left_out, out);
   out.assignment = assign_colors(out.input);
-  while (out.assignment.robots < without_clicks.robots) {
+  // A click outweighs robots without ids, and all robots that a textured floor seems to show: of many patches, some are
+  // in the arrangement of a robot by chance.
+  while (!is_cluttered(out) && out.assignment.named.size() < without_clicks.named.size()) {
     std::size_t worst = clicks.size();
     Assignment best = out.assignment;
     for (std::size_t i = 0; i < clicks.size(); ++i) {
@@ -171,16 +182,29 @@ void assign_with_clicks(const std::vector<Click>& clicks, const std::vector<Mark
       Assignment tried = assign_colors(out.input);
       left_out[i] = false;
       name_patches(clicks, marked, left_out, out);
-      if (tried.robots <= best.robots) continue;
+      if (tried.named.size() <= best.named.size()) continue;
       best = std::move(tried);
       worst = i;
     }
     if (worst == clicks.size()) break;
     out.uses[worst].reason = formatted("with it %zu robots are recognized, without it %zu; is its color right?",
-                                       out.assignment.robots, best.robots);
+                                       out.assignment.named.size(), best.named.size());
     left_out[worst] = true;
     name_patches(clicks, marked, left_out, out);
     out.assignment = std::move(best);
+  }
+  // A doubt that a click resolves would only ask for this click.
+  bool restored = false;
+  for (const DetectionDoubt& doubt : detection_doubts(out.input, out.assignment, out.images, {})) {
+    for (std::size_t i = 0; i < clicks.size(); ++i) {
+      if (!left_out[i] || doubt.color == kNone || clicks[i].color != out.input.colors[doubt.color].name) continue;
+      left_out[i] = false;
+      restored = true;
+    }
+  }
+  if (restored) {
+    name_patches(clicks, marked, left_out, out);
+    out.assignment = assign_colors(out.input);
   }
   // A color that was certain without the clicks remains so.
   for (std::size_t c = 0; c < out.assignment.colors.size(); ++c) {
@@ -291,7 +315,11 @@ Result<DetectedColors> auto_detect_colors(const VenueDraft& venue, const TeamCol
   assign_with_clicks(clicks, marked, out);
   infer_robots(input, camera, sampled, out.assignment);
   infer_ball(input, camera, size_of(team.marker.ball), sampled, out.assignment);
-  out.doubts = detection_doubts(input, out.assignment, out.images);
+  out.doubts = detection_doubts(input, out.assignment, out.images, clicks);
+  out.unlisted = describe_unlisted(input, out.assignment, out.images);
+  std::vector<PatchPicture> all;
+  for (const ChannelImage* image : searched) all.push_back({*image, inside});
+  out.scales = patch_scales(input, out.assignment, all, camera);
   leave_out_similar(out);
   find_things(camera, out);
   for (std::size_t c = 0; c < input.colors.size(); ++c) {

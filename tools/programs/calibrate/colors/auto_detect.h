@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <map>
 #include <string>
 #include <vector>
@@ -9,6 +10,7 @@
 #include "tools/programs/calibrate/colors/clicks.h"
 #include "tools/programs/calibrate/colors/color_assignment.h"
 #include "tools/programs/calibrate/colors/detection_doubts.h"
+#include "tools/programs/calibrate/colors/patch_extent.h"
 #include "tools/programs/calibrate/colors/team_colors.h"
 #include "tools/programs/calibrate/imaging/camera_picture.h"
 #include "tools/programs/calibrate/venue/venue_draft.h"
@@ -28,6 +30,8 @@ struct DetectedColors {
   // Per picture, those of `unclear` that look like a team's color, while all robots of this team are recognized
   // elsewhere.
   std::map<std::string, std::vector<std::size_t>> things;
+  std::string unlisted;                // describe_unlisted()
+  std::array<PatchScale, 2> scales{};  // patch_scales(), indexed by Team
   std::vector<DetectionDoubt> doubts;  // why the result is uncertain; if empty, a person only has to confirm it
 };
 

@@ -1,6 +1,7 @@
 #include "tools/programs/calibrate/colors/ball_inference.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <complex>
 #include <numbers>
@@ -39,18 +40,29 @@ class BallInference {
     AssignedColor& color = assignment_.colors[ball_];
     std::vector<std::size_t> kept;
     for (const std::size_t p : color.patches) {
-      const bool on_robot = input_.named[p] != ball_ && is_on_robot(input_.picture[p], p);
+      const bool on_robot = input_.named[p] != ball_ && is_on_robot(input_.picture[p], input_.patches[p]);
       (on_robot ? color.others : kept).push_back(p);
     }
     color.patches = std::move(kept);
   }
 
+  // Among the patches.
   void search(const SearchedPicture& picture) {
+    std::vector<FoundPatch> candidates;
+    for (std::size_t p = 0; p < input_.patches.size(); ++p) {
+      if (input_.picture[p] == picture.number && !input_.patches[p].sampled) candidates.push_back(input_.patches[p]);
+    }
+    choose(picture, candidates);
+  }
+
+  // Among all pixels: a ball on a line has no clear edge where the line meets it, and is no patch.
+  void search_pixels(const SearchedPicture& picture) { choose(picture, regions_like_ball(picture.picture)); }
+
+ private:
+  void choose(const SearchedPicture& picture, const std::vector<FoundPatch>& candidates) {
     std::vector<std::pair<double, FoundPatch>> found;
-    const std::size_t count = input_.patches.size();
-    for (std::size_t p = 0; p < count; ++p) {
-      const FoundPatch& candidate = input_.patches[p];
-      if (input_.picture[p] != picture.number || candidate.sampled || is_on_robot(picture.number, p)) continue;
+    for (const FoundPatch& candidate : candidates) {
+      if (is_on_robot(picture.number, candidate)) continue;
       const double relative = relative_area(candidate, camera_, size_);
       if (relative < kLeastRelative || relative > kMostRelative) continue;
       FoundPatch patch = like_ball(candidate, picture.picture);
@@ -79,18 +91,65 @@ class BallInference {
     input_.named.push_back(kNone);
   }
 
- private:
+  // 4-connected regions of pixels that look like the ball. Each pixel is looked at once.
+  [[nodiscard]] std::vector<FoundPatch> regions_like_ball(const SampledPicture& picture) const {
+    const ChannelImage& image = picture.image;
+    std::vector<std::uint8_t> left(image.pixels.size(), 0);
+    for (int v = 0; v < image.height_px; ++v) {
+      for (int u = 0; u < image.width_px; ++u) {
+        const std::size_t pixel = image.index(u, v);
+        left[pixel] = picture.inside[pixel] != 0 && looks_like_ball(picture, u, v) ? 1 : 0;
+      }
+    }
+    std::vector<FoundPatch> out;
+    const auto width = static_cast<std::size_t>(image.width_px);
+    for (std::size_t seed = 0; seed < left.size(); ++seed) {
+      if (left[seed] == 0) continue;
+      GrownPatch region;
+      region.pixels = {seed};
+      left[seed] = 0;
+      for (std::size_t i = 0; i < region.pixels.size(); ++i) {  // grows in this loop
+        const int u = static_cast<int>(region.pixels[i] % width), v = static_cast<int>(region.pixels[i] / width);
+        constexpr std::array<std::array<int, 2>, 4> kSteps = {{{1, 0}, {-1, 0}, {0, 1}, {0, -1}}};
+        for (const auto& step : kSteps) {
+          if (!image.contains(u + step[0], v + step[1])) continue;
+          const std::size_t next = image.index(u + step[0], v + step[1]);
+          if (left[next] == 0) continue;
+          left[next] = 0;
+          region.pixels.push_back(next);
+        }
+      }
+      const PixelPoint at{static_cast<float>(seed % width), static_cast<float>(seed / width)};
+      FoundPatch patch = patch_of(image, at, growth_radius_px(at, camera_, {size_}), std::move(region));
+      if (relative_area(patch, camera_, size_) >= kLeastRelative) out.push_back(std::move(patch));
+    }
+    return out;
+  }
+
+  // Neither the floor, nor more like the color of a patch.
+  [[nodiscard]] bool looks_like_ball(const SampledPicture& picture, int u, int v) const {
+    const ChannelImage& image = picture.image;
+    if (!differs_from_floor(image.at(u, v), picture.floor.at(u, v), image.space)) return false;
+    const Channels rgb = to_rgb8(image.at(u, v), image.space);
+    const Lab lab = lab_of({static_cast<double>(rgb[0]), static_cast<double>(rgb[1]), static_cast<double>(rgb[2])});
+    const double own = dissimilarity(lab, expected_);
+    return own < kMostUnlikeBall &&
+           std::none_of(assignment_.colors.begin(), assignment_.colors.end(), [&](const AssignedColor& c) {
+             return !c.patches.empty() && dissimilarity(lab, lab_of(c.rgb)) < own;
+           });
+  }
+
   // In the square of a recognized robot.
-  [[nodiscard]] bool is_on_robot(std::size_t picture, std::size_t patch) const {
+  [[nodiscard]] bool is_on_robot(std::size_t picture, const FoundPatch& patch) const {
     return std::any_of(assignment_.named.begin(), assignment_.named.end(), [&](const AssignedRobot& robot) {
       if (robot.picture != picture) return false;
       const MarkerLayout& layout = input_.teams[robot.team].layout;
-      const auto on_top = [&](std::size_t p) {
-        const FieldPoint at = camera_.to_field(input_.patches[p].center, layout.height_m);
+      const auto on_top = [&](const FoundPatch& one) {
+        const FieldPoint at = camera_.to_field(one.center, layout.height_m);
         return std::complex<double>(static_cast<double>(at.x_m), static_cast<double>(at.y_m));
       };
       std::vector<std::complex<double>> places;
-      for (const std::size_t p : robot.patches) places.push_back(on_top(p));
+      for (const std::size_t p : robot.patches) places.push_back(on_top(input_.patches[p]));
       const LayoutFit fit = fit_layout(layout, places);
       const std::complex<double> own = (on_top(patch) - fit.center) / fit.turn;
       const double half = static_cast<double>(layout.robot_side_m) / 2;
@@ -110,15 +169,9 @@ class BallInference {
     for (int v = v0 - reach; v <= v0 + reach; ++v) {
       for (int u = u0 - reach; u <= u0 + reach; ++u) {
         if (!image.contains(u, v) || (u - u0) * (u - u0) + (v - v0) * (v - v0) > reach * reach ||
-            !differs_from_floor(image.at(u, v), picture.floor.at(u, v), image.space))
+            !looks_like_ball(picture, u, v))
           continue;
         const Channels rgb = to_rgb8(image.at(u, v), image.space);
-        const Lab lab = lab_of({static_cast<double>(rgb[0]), static_cast<double>(rgb[1]), static_cast<double>(rgb[2])});
-        const double own = dissimilarity(lab, expected_);
-        const bool nearest = std::none_of(
-            assignment_.colors.begin(), assignment_.colors.end(),
-            [&](const AssignedColor& c) { return !c.patches.empty() && dissimilarity(lab, lab_of(c.rgb)) < own; });
-        if (!nearest || own >= kMostUnlikeBall) continue;
         ball.pixels.push_back(image.index(u, v));
         brightness.push_back(*std::max_element(rgb.begin(), rgb.end()));
       }
@@ -201,6 +254,8 @@ void infer_ball(AssignmentInput& input, const CameraModel& camera, const PatchSi
   inference.remove_from_robots();
   if (!assignment.colors[color].patches.empty()) return;
   for (const SearchedPicture& picture : pictures) inference.search(picture);
+  if (!assignment.colors[color].patches.empty()) return;
+  for (const SearchedPicture& picture : pictures) inference.search_pixels(picture);
 }
 
 }  // namespace touchline::calibrate

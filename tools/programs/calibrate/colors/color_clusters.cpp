@@ -1,5 +1,6 @@
 #include "tools/programs/calibrate/colors/color_clusters.h"
 
+#include <algorithm>
 #include <limits>
 #include <numeric>
 
@@ -13,24 +14,38 @@ ColorClusters::ColorClusters(const std::vector<Lab>& colors) : size_(colors.size
   std::vector<double> members(size_, 1.0);
   std::vector<std::size_t> alive(size_);
   std::iota(alive.begin(), alive.end(), std::size_t{0});
-  while (alive.size() > 1) {
-    std::size_t first = 0, second = 1;
-    for (std::size_t i = 0; i < alive.size(); ++i) {
-      for (std::size_t j = i + 1; j < alive.size(); ++j) {
-        if (distance[alive[i]][alive[j]] < distance[alive[first]][alive[second]]) {
-          first = i;
-          second = j;
-        }
-      }
+  // The nearest later cluster of each, so that a merge costs one pass over the clusters and not over all pairs.
+  std::vector<std::size_t> nearest(size_, size_);
+  const auto find_nearest = [&](std::size_t position) {
+    const std::size_t k = alive[position];
+    nearest[k] = size_;
+    for (std::size_t i = position + 1; i < alive.size(); ++i) {
+      if (nearest[k] == size_ || distance[k][alive[i]] < distance[k][nearest[k]]) nearest[k] = alive[i];
     }
-    const std::size_t a = alive[first], b = alive[second];
+  };
+  for (std::size_t i = 0; i < size_; ++i) find_nearest(i);
+  while (alive.size() > 1) {
+    std::size_t first = 0;
+    for (std::size_t i = 1; i + 1 < alive.size(); ++i) {
+      if (distance[alive[i]][nearest[alive[i]]] < distance[alive[first]][nearest[alive[first]]]) first = i;
+    }
+    const std::size_t a = alive[first], b = nearest[a];
     merges_.push_back({a, b, distance[a][b]});
     for (const std::size_t k : alive) {
       distance[a][k] = distance[k][a] =
           (members[a] * distance[a][k] + members[b] * distance[b][k]) / (members[a] + members[b]);
     }
     members[a] += members[b];
-    alive.erase(alive.begin() + static_cast<std::ptrdiff_t>(second));
+    alive.erase(std::find(alive.begin(), alive.end(), b));
+    for (std::size_t i = 0; i < alive.size(); ++i) {
+      const std::size_t k = alive[i];
+      if (k == a || nearest[k] == a || nearest[k] == b) {
+        find_nearest(i);
+      } else if (k < a && (distance[k][a] < distance[k][nearest[k]] ||
+                           (distance[k][a] == distance[k][nearest[k]] && a < nearest[k]))) {
+        nearest[k] = a;
+      }
+    }
   }
 }
 

@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "tools/programs/calibrate/colors/initial_boxes.h"
+#include "tools/programs/calibrate/colors/patch_extent.h"
 #include "tools/programs/calibrate/colors/patch_selection.h"
 #include "tools/programs/statistics/statistics.h"
 
@@ -161,6 +162,9 @@ class Fitter {
           if (click.usual.empty()) scene->owner[pixel] = static_cast<std::uint8_t>(color + 1);
           reserve_pixel(*scene, pixel);
         }
+        // What continues a patch has its color: as background, it would shrink the boxes to the noise of the samples.
+        for (const std::size_t pixel : continue_patch(scene->channels, inside_, patch.pixels))
+          reserve_pixel(*scene, pixel);
       } else {
         result.reason = selected.text();
         if (scene->channels.contains(static_cast<int>(click.u_px), static_cast<int>(click.v_px))) {

@@ -16,6 +16,7 @@
 #include "tools/programs/calibrate/colors/color_fit.h"
 #include "tools/programs/calibrate/colors/colors_report.h"
 #include "tools/programs/calibrate/colors/field_reference.h"
+#include "tools/programs/calibrate/colors/other_light.h"
 #include "tools/programs/calibrate/venue/confirmation.h"
 #include "tools/programs/calibrate/venue/venue_draft.h"
 #include "tools/programs/command_line/formatted.h"
@@ -120,15 +121,16 @@ Result<void> ColorsCommand::check_size(const VenueDraft& draft, const ColorFitIn
 }
 
 // Replaces the clicks by the patches that were detected with their help, after a person has confirmed them.
-Result<void> ColorsCommand::detect_colors(const VenueDraft& draft, ColorFitInput& input,
+Result<void> ColorsCommand::detect_colors(const VenueDraft& draft, const TeamColors& wanted, ColorFitInput& input,
                                           VisibleByPicture& visible) const {
   if (team.empty()) return failure(ErrorCode::kNotFound, "--picture needs --team, which names the colors to detect");
-  TOUCHLINE_TRY_ASSIGN(TeamColors wanted, read_team_colors(team));
-  TOUCHLINE_TRY_ASSIGN(const DetectedColors found, detect_with_clicks({venue, team, draft, std::move(wanted)}, input));
+  TOUCHLINE_TRY_ASSIGN(const DetectedColors found, detect_with_clicks({venue, team, draft, wanted}, input));
   print_detected(found);
   if (const std::string left_out = describe_left_out(found, input); !left_out.empty()) {
     std::printf("%s\n", left_out.c_str());
   }
+  if (const std::string scales = describe_scales(found.scales); !scales.empty()) std::printf("%s\n", scales.c_str());
+  if (!found.unlisted.empty()) std::printf("%s\n", found.unlisted.c_str());
   print_unused(input.clicks, found.uses);
   const std::string folder = preview_folder();
   std::error_code error;
@@ -168,7 +170,8 @@ Result<void> ColorsCommand::check_result(const ColorFitInput& input, const std::
       (file.parent_path() / (file.stem().string() + "-unaccepted" + file.extension().string())).string();
   TOUCHLINE_TRY(write_copy(venue, sections, unaccepted));
   const std::string folder = preview_folder();
-  TOUCHLINE_TRY_ASSIGN(const SelfCheck check, self_check(unaccepted, team, input.pictures, visible, folder));
+  TOUCHLINE_TRY_ASSIGN(SelfCheck check, self_check(unaccepted, team, input.pictures, visible, folder));
+  TOUCHLINE_TRY(check_other_light(unaccepted, team, input.pictures, visible, check));
   std::printf("%spictures of the self-check are in %s\n", check.text().c_str(), folder.c_str());
   if (!check.passed() && !accept) {
     if (const std::string absent = check.absent(); !absent.empty()) {
@@ -178,6 +181,14 @@ Result<void> ColorsCommand::check_result(const ColorFitInput& input, const std::
           "in %s. Show a further picture (--picture) with what is missing; or, if it stands in one, in glare or "
           "shade, click on its patches (--click COLOR,U,V); or write the colors as they are (--accept)",
           absent.c_str(), venue.c_str(), unaccepted.c_str());
+    }
+    if (const OtherLightResult* const other = check.fragile_in(); other != nullptr) {
+      return failure(ErrorCode::kInconsistent,
+                     "only %zu of %zu robots are recognized %s: the colors have hardly any room. %s is unchanged, the "
+                     "new colors are in %s. Show further pictures (--picture) in other light, measure patches that "
+                     "differ from the layout, replace colors that are close to others; or write the colors as they are "
+                     "(--accept)",
+                     other->robots, check.robots_explained(), other->light.c_str(), venue.c_str(), unaccepted.c_str());
     }
     return failure(ErrorCode::kInconsistent,
                    "not everything was recognized: %s is unchanged, the new colors are in %s. Show a further picture "
@@ -191,6 +202,11 @@ Result<void> ColorsCommand::check_result(const ColorFitInput& input, const std::
 }
 
 Result<void> ColorsCommand::run() const {
+  // A team file that no colors can fit is reported before pictures are taken into account.
+  TeamColors wanted;
+  if (!team.empty()) {
+    TOUCHLINE_TRY_ASSIGN(wanted, read_team_colors(team));
+  }
   TOUCHLINE_TRY_ASSIGN(const VenueDraft draft, read_draft(venue));
   ColorFitInput input;
   TOUCHLINE_TRY(read_input(input));
@@ -206,11 +222,8 @@ Result<void> ColorsCommand::run() const {
   // Without a camera model or a team file, clicks are all there is to learn from.
   VisibleByPicture visible;
   const bool can_detect = !team.empty() && has_camera_model(draft);
-  if (can_detect || !pictures.empty()) TOUCHLINE_TRY(detect_colors(draft, input, visible));
-  if (!team.empty()) {
-    TOUCHLINE_TRY_ASSIGN(const TeamColors wanted, read_team_colors(team));
-    TOUCHLINE_TRY(check_all_colors(team, wanted, input.clicks));
-  }
+  if (can_detect || !pictures.empty()) TOUCHLINE_TRY(detect_colors(draft, wanted, input, visible));
+  if (!team.empty()) TOUCHLINE_TRY(check_all_colors(team, wanted, input.clicks));
   TOUCHLINE_TRY_ASSIGN(const ColorFit fit, fit_colors(input));
   print_report(input, fit);
   TOUCHLINE_TRY(check_names(fit));

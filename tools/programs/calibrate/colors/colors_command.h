@@ -16,6 +16,7 @@ namespace touchline::calibrate {
 struct ColorFit;
 struct ColorFitInput;
 struct Section;
+struct TeamColors;
 struct VenueDraft;
 
 /// touchline-calibrate colors: learns color boxes from pictures of robots and ball and writes them to the venue file.
@@ -35,7 +36,8 @@ struct ColorsCommand {
   [[nodiscard]] std::string preview_folder() const;
   Result<void> read_input(ColorFitInput& input) const;
   [[nodiscard]] Result<void> check_size(const VenueDraft& draft, const ColorFitInput& input) const;
-  Result<void> detect_colors(const VenueDraft& draft, ColorFitInput& input, VisibleByPicture& visible) const;
+  Result<void> detect_colors(const VenueDraft& draft, const TeamColors& wanted, ColorFitInput& input,
+                             VisibleByPicture& visible) const;
   [[nodiscard]] Result<void> check_names(const ColorFit& fit) const;
   Result<void> check_result(const ColorFitInput& input, const std::vector<Section>& sections,
                             const VisibleByPicture& visible) const;

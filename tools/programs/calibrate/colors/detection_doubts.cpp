@@ -16,22 +16,32 @@ constexpr double kMostUnlike = 55.0;
 // With less difference, another patch that might have the color does not matter: the self-check shows a wrong choice.
 constexpr double kLooksRight = 30.0;
 
+// More robots that contradict the team file than robots that match it.
+bool contradicts_team_file(const Assignment& assignment) { return assignment.unknown_robots > assignment.robots; }
+
 class Doubts {
  public:
-  Doubts(const AssignmentInput& input, const Assignment& assignment, const std::vector<std::string>& images)
-      : input_(input), assignment_(assignment), images_(images) {}
+  Doubts(const AssignmentInput& input, const Assignment& assignment, const std::vector<std::string>& images,
+         const std::vector<Click>& clicks)
+      : input_(input), assignment_(assignment), images_(images), clicks_(clicks) {}
 
   std::vector<DetectionDoubt> found() {
     for (std::size_t c = 0; c < input_.colors.size(); ++c) {
       if (!input_.colors[c].clicked) examine(c);
     }
-    if (assignment_.unknown_robots * 4 > assignment_.robots) {
+    if (contradicts_team_file(assignment_) && !is_team_clicked()) {
       out_.push_back(
-          {formatted("%zu robots match the team file, %zu have colors of no robot in it; is this the right team file?",
-                     assignment_.robots, assignment_.unknown_robots),
-           ""});
+          {formatted("%zu robots match the team file, %zu have colors of no robot in it (%s); is this the right team "
+                     "file? If it is, take them away, or click on a team patch of your own",
+                     assignment_.robots, assignment_.unknown_robots, places_of_unlisted().c_str()),
+           team_click(), kNone});
     }
     return std::move(out_);
+  }
+
+  [[nodiscard]] std::string unlisted() const {
+    return formatted("nothing is learned from %zu robots whose colors are those of no robot in the team file: %s",
+                     assignment_.unlisted.size(), places_of_unlisted().c_str());
   }
 
  private:
@@ -47,8 +57,9 @@ class Doubts {
                      "show a further picture in which this robot stands elsewhere",
                      name, odd->team == 0 ? "own" : "opponent",
                      static_cast<int>(input_.teams[odd->team].robots[odd->robot].id), static_cast<double>(at.u_px),
-                     static_cast<double>(at.v_px), images_[odd->picture].c_str()),
-           any_click(c)});
+                     static_cast<double>(at.v_px), images_[odd->picture].c_str()) +
+               beside_clicks(c),
+           any_click(c), c});
     } else if (color.patches.empty()) {
       out_.push_back(
           {formatted("%s: no patch was found in %s; show a further picture in which %s, or click on %s", name,
@@ -57,17 +68,24 @@ class Doubts {
     } else if (color.dissimilarity > kMostUnlike && !has_hue_of(wanted.look, color.rgb)) {
       out_.push_back(
           {formatted("%s: the remaining patches do not look like it (difference %.0f); click on one of its patches",
-                     name, color.dissimilarity),
-           any_click(c)});
+                     name, color.dissimilarity) +
+               beside_clicks(c),
+           any_click(c), c});
       // An unusual paint of the right hue for which there is no other patch is no doubt.
     } else if (color.margin < kLeastCostMargin && !(color.same && c + 1 != input_.ball) &&
                !(color.alone && has_hue_of(wanted.look, color.rgb)) &&
                (!color.alternative.empty() || !wanted.look || color.dissimilarity > kLooksRight)) {
-      out_.push_back(
-          {formatted("%s: could also be %s; %s is taken for %s: click on it if that is right, otherwise on one that is",
-                     name, color.alternative.empty() ? "another patch" : color.alternative.c_str(), place(c).c_str(),
-                     name),
-           click(c)});
+      const char* const other = color.alternative.empty() ? "another patch" : color.alternative.c_str();
+      if (was_clicked(c, example(c), input_.picture[color.patches.front()])) {
+        out_.push_back({formatted("%s: could also be %s although %s was clicked on; show a further picture in which %s",
+                                  name, other, place(c).c_str(), wish(c).c_str()),
+                        "", c});
+      } else {
+        out_.push_back({formatted("%s: could also be %s; %s is taken for %s: click on it if that is right, otherwise "
+                                  "on one that is",
+                                  name, other, place(c).c_str(), name),
+                        click(c), c});
+      }
     }
   }
 
@@ -104,6 +122,28 @@ class Doubts {
     return formatted("all %zu robots stand elsewhere, apart and out of glare and shade", all);
   }
 
+  // A person who has named the team's color knows which robots are meant.
+  [[nodiscard]] bool is_team_clicked() const {
+    return std::any_of(input_.teams.begin(), input_.teams.end(), [&](const TeamMarking& team) {
+      return team.team_color != kBackground && input_.colors[team.team_color - 1U].clicked;
+    });
+  }
+  [[nodiscard]] std::string team_click() const {
+    for (const TeamMarking& team : input_.teams) {
+      if (team.team_color != kBackground) return any_click(team.team_color - std::size_t{1});
+    }
+    return "";
+  }
+  [[nodiscard]] std::string places_of_unlisted() const {
+    std::string text;
+    for (const AssignedRobot& robot : assignment_.unlisted) {
+      const PixelPoint& at = input_.patches[robot.team_patch].center;
+      text += formatted("%s%.0f,%.0f of %s", text.empty() ? "at " : ", ", static_cast<double>(at.u_px),
+                        static_cast<double>(at.v_px), images_[robot.picture].c_str());
+    }
+    return text.empty() ? "twice in a picture" : text;
+  }
+
   // The first of the patches that are taken for this color.
   [[nodiscard]] const FoundPatch& example(std::size_t c) const {
     return input_.patches[assignment_.colors[c].patches.front()];
@@ -114,6 +154,22 @@ class Doubts {
                      static_cast<double>(patch.center.v_px), of_picture(c, " of ").c_str());
   }
   [[nodiscard]] std::string any_click(std::size_t c) const { return "--click " + input_.colors[c].name + ",U,V"; }
+  // Whether the person has already named this color on this patch.
+  [[nodiscard]] bool was_clicked(std::size_t c, const FoundPatch& patch, std::size_t picture) const {
+    return std::any_of(clicks_.begin(), clicks_.end(), [&](const Click& one) {
+      return one.color == input_.colors[c].name && one.image == images_[picture] &&
+             std::hypot(one.u_px - static_cast<double>(patch.center.u_px),
+                        one.v_px - static_cast<double>(patch.center.v_px)) <= patch.radius_px;
+    });
+  }
+  // Clicks on this color did not help, so that another one is needed.
+  [[nodiscard]] std::string beside_clicks(std::size_t c) const {
+    std::string places;
+    for (const Click& one : clicks_) {
+      if (one.color == input_.colors[c].name) places += formatted(" %.0f,%.0f", one.u_px, one.v_px);
+    }
+    return places.empty() ? "" : "; clicks at" + places + " were not used, see above: click elsewhere";
+  }
   // On the patch that is taken for this color.
   [[nodiscard]] std::string click(std::size_t c) const {
     const FoundPatch& patch = example(c);
@@ -129,14 +185,21 @@ class Doubts {
   const AssignmentInput& input_;
   const Assignment& assignment_;
   const std::vector<std::string>& images_;
+  const std::vector<Click>& clicks_;
   std::vector<DetectionDoubt> out_;
 };
 
 }  // namespace
 
 std::vector<DetectionDoubt> detection_doubts(const AssignmentInput& input, const Assignment& assignment,
-                                             const std::vector<std::string>& images) {
-  return Doubts(input, assignment, images).found();
+                                             const std::vector<std::string>& images, const std::vector<Click>& clicks) {
+  return Doubts(input, assignment, images, clicks).found();
+}
+
+std::string describe_unlisted(const AssignmentInput& input, const Assignment& assignment,
+                              const std::vector<std::string>& images) {
+  if (assignment.unlisted.empty() || contradicts_team_file(assignment)) return "";
+  return Doubts(input, assignment, images, {}).unlisted();
 }
 
 }  // namespace touchline::calibrate

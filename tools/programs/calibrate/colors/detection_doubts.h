@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "tools/programs/calibrate/colors/clicks.h"
 #include "tools/programs/calibrate/colors/color_assignment.h"
 
 namespace touchline::calibrate {
@@ -11,11 +12,16 @@ namespace touchline::calibrate {
 struct DetectionDoubt {
   std::string text;    // one sentence: the reason, and what to show or to click on instead
   std::string option;  // the click as an option of touchline-calibrate ("--click red,U,V"); empty if none would help
+  std::size_t color = kNone;  // that is not certain; kNone: the doubt concerns the whole result
 };
 
 /// Returns the doubts about detected colors; empty if a person only has to confirm them. `images`:
-/// AssignmentInput::picture is an index into these.
+/// AssignmentInput::picture is an index into these. `clicks`: those of the person, of which none is advised again.
 std::vector<DetectionDoubt> detection_doubts(const AssignmentInput& input, const Assignment& assignment,
-                                             const std::vector<std::string>& images);
+                                             const std::vector<std::string>& images, const std::vector<Click>& clicks);
+
+/// Robots that look like none in the team file, with their places, if they are too few to raise a doubt. Empty: none.
+std::string describe_unlisted(const AssignmentInput& input, const Assignment& assignment,
+                              const std::vector<std::string>& images);
 
 }  // namespace touchline::calibrate

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <iterator>
 #include <limits>
+#include <map>
 
 #include "tools/programs/calibrate/colors/region_growing.h"
 #include "tools/programs/calibrate/imaging/local_background.h"
@@ -17,8 +18,11 @@ namespace {
 constexpr double kDiffersFromFloor = 16.0;
 // More elongated regions are lines: the longest patches (2 : 1) reach 2.2 with blur.
 constexpr double kMostElongation = 3.0;
-// Least distance between seeds: next to a patch the colors are mixed, and neighboring seeds give the same region.
+// Least distance between seeds: next to a patch the colors are mixed, and neighboring seeds give the same region. In
+// large pictures it is a part of the diameter of the smallest object, so that the work for a pixel of the picture is
+// bounded. Small objects keep a seed every third pixel.
 constexpr int kRim_px = 1;
+constexpr double kRimOfDiameter = 0.0625;
 // A region with a clearer edge is final; no better one grows inside it.
 constexpr double kClear = 0.25;
 // A region that is smaller than a patch is a part of a round one with a clear edge and this color difference.
@@ -63,6 +67,42 @@ std::vector<FoundPatch> clearest(std::vector<FoundPatch> patches, std::vector<Fo
     out.push_back(std::move(patch));
   }
   return out;
+}
+
+// On a textured floor every spot is a patch, and the texture repeats: keeps the patches that differ most from the floor
+// and whose color is rare, if there are more than any two teams can have. The order remains.
+void keep_rarest(std::vector<FoundPatch>& patches, const ChannelImage& image, const LocalBackground& floor) {
+  if (patches.size() <= kMostPatches) return;
+  std::map<std::array<int, 3>, double> count;  // patches by color; a cell and its neighbors are one color
+  constexpr double kColorCell = 7.0;  // shades of a paint are up to 9 apart (kSame): within a cell or to the next one
+  const auto cell_of = [](const Lab& lab) {
+    return std::array{static_cast<int>(std::floor(lab.l / 2 / kColorCell)),
+                      static_cast<int>(std::floor(lab.a / kColorCell)),
+                      static_cast<int>(std::floor(lab.b / kColorCell))};
+  };
+  for (const FoundPatch& patch : patches) count[cell_of(patch.lab)] += 1;
+  std::vector<std::pair<double, std::size_t>> rank;
+  for (std::size_t p = 0; p < patches.size(); ++p) {
+    const FoundPatch& patch = patches[p];
+    const std::array<int, 3> cell = cell_of(patch.lab);
+    double alike = 0;
+    for (int i = 0; i < 27; ++i) {
+      const auto near = count.find({cell[0] + i % 3 - 1, cell[1] + i / 3 % 3 - 1, cell[2] + i / 9 - 1});
+      if (near != count.end()) alike += near->second;
+    }
+    const int u = static_cast<int>(std::lround(patch.center.u_px)),
+              v = static_cast<int>(std::lround(patch.center.v_px));
+    const double contrast = color_distance(channels_of(patch.rgb, image.space), floor.at(u, v), image.space);
+    rank.emplace_back(alike / std::max(1.0, contrast), p);
+  }
+  std::nth_element(rank.begin(), rank.begin() + static_cast<std::ptrdiff_t>(kMostPatches), rank.end());
+  rank.resize(kMostPatches);
+  std::vector<std::size_t> kept;
+  for (const auto& one : rank) kept.push_back(one.second);
+  std::sort(kept.begin(), kept.end());
+  std::vector<FoundPatch> out;
+  for (const std::size_t p : kept) out.push_back(std::move(patches[p]));
+  patches = std::move(out);
 }
 
 double expected_area_px(PixelPoint at, const CameraModel& camera, const PatchSize& size) {
@@ -157,8 +197,13 @@ bool has_size_of_a_patch(const FoundPatch& patch, const CameraModel& camera, con
 std::vector<FoundPatch> find_patches(const ChannelImage& image, const std::vector<std::uint8_t>& inside,
                                      const LocalBackground& floor, const CameraModel& camera,
                                      const FieldParameters& field, const std::vector<PatchSize>& sizes) {
-  double height = 0;
-  for (const PatchSize& size : sizes) height = std::max(height, size.height_m);
+  double height = 0, least = std::numeric_limits<double>::infinity(), largest = 0;
+  for (const PatchSize& size : sizes) {
+    height = std::max(height, size.height_m);
+    least = std::min(least, size.extent_m);
+    largest = std::max(largest, size.extent_m);
+  }
+  const double least_of_largest = sizes.empty() ? 0 : least / largest;
   // The most even seeds come first, so that growth begins in the middle of patches.
   std::vector<std::vector<std::pair<int, int>>> seeds(256);
   for (int v = 1; v + 1 < image.height_px; ++v) {
@@ -171,9 +216,9 @@ std::vector<FoundPatch> find_patches(const ChannelImage& image, const std::vecto
     }
   }
   std::vector<std::uint8_t> tried(image.pixels.size(), 0);
-  const auto done = [&](int u, int v) {
-    for (int dv = -kRim_px; dv <= kRim_px; ++dv) {
-      for (int du = -kRim_px; du <= kRim_px; ++du) {
+  const auto done = [&](int u, int v, int rim_px) {
+    for (int dv = -rim_px; dv <= rim_px; ++dv) {
+      for (int du = -rim_px; du <= rim_px; ++du) {
         if (image.contains(u + du, v + dv)) tried[image.index(u + du, v + dv)] = 1;
       }
     }
@@ -182,12 +227,15 @@ std::vector<FoundPatch> find_patches(const ChannelImage& image, const std::vecto
   for (const auto& even : seeds) {
     for (const auto& [u, v] : even) {
       if (tried[image.index(u, v)] != 0) continue;
-      done(u, v);
       const PixelPoint at{static_cast<float>(u), static_cast<float>(v)};
       const FieldPoint place = camera.to_field(at, static_cast<float>(height));
-      if (!inside_field(field, place)) continue;
+      if (!inside_field(field, place)) {
+        done(u, v, kRim_px);
+        continue;
+      }
       GrowthLimits limits;
       limits.radius_px = growth_radius_px(at, camera, sizes);
+      done(u, v, std::max(kRim_px, static_cast<int>(least_of_largest * limits.radius_px * kRimOfDiameter)));
       Result<GrownPatch> grown = grow_region(image, inside, u, v, limits);
       if (!grown.ok()) continue;
       FoundPatch patch = patch_of(image, at, limits.radius_px, std::move(grown).value());
@@ -218,12 +266,14 @@ std::vector<FoundPatch> find_patches(const ChannelImage& image, const std::vecto
       if (patch.instability < kClear) {
         const auto width = static_cast<std::size_t>(image.width_px);
         for (const std::size_t pixel : patch.pixels)
-          done(static_cast<int>(pixel % width), static_cast<int>(pixel / width));
+          done(static_cast<int>(pixel % width), static_cast<int>(pixel / width), kRim_px);
       }
       grown_patches.push_back(std::move(patch));
     }
   }
-  return clearest(std::move(grown_patches), std::move(shaded_patches), image.pixels.size());
+  std::vector<FoundPatch> found = clearest(std::move(grown_patches), std::move(shaded_patches), image.pixels.size());
+  keep_rarest(found, image, floor);
+  return found;
 }
 
 }  // namespace touchline::calibrate

@@ -35,10 +35,14 @@ struct FoundPatch {
   std::vector<Channels> usual = {};
 };
 
+/// The patches of two complete teams and the ball; four times over for clutter.
+inline constexpr std::size_t kPatchesOfTwoTeams = kMaxRobots * kMaxPatches + 1, kMostPatches = 4 * kPatchesOfTwoTeams;
+
 /// Finds patches without clicks. Grows a region (grow_region) from each even spot that differs from the local
 /// background, and keeps it if its area is 0.35 to 1.7 times the projected area of one of the sizes (allows for shade,
 /// blur and the dark side of a ball). `inside`: see inside_mask(); pixels outside the field and its margin are ignored.
-/// Other objects of this size (white dots, logos) are found as well; color and arrangement have to exclude them.
+/// Other objects of this size (white dots, logos) are found as well; color and arrangement have to exclude them. Of
+/// more than kMostPatches, those that differ most from the floor and whose color is rarest.
 std::vector<FoundPatch> find_patches(const ChannelImage& image, const std::vector<std::uint8_t>& inside,
                                      const LocalBackground& floor, const CameraModel& camera,
                                      const FieldParameters& field, const std::vector<PatchSize>& sizes);

@@ -4,11 +4,11 @@
 #include <array>
 #include <cmath>
 
+#include "tools/programs/calibrate/colors/patch_extent.h"
+
 namespace touchline::calibrate {
 namespace {
 
-// Pixels of one patch differ from its mean color by less than this (noise and shade); two patches differ by more.
-constexpr double kOneColor = 24.0;
 constexpr std::size_t kLeastSeeds = 300;
 
 struct Sample {

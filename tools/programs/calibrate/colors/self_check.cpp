@@ -245,7 +245,24 @@ bool SelfCheck::most_visible_explained() const {
   return static_cast<double>(explained) >= kMost * static_cast<double>(visible);
 }
 
-bool SelfCheck::passed() const { return missing().empty() && most_visible_explained() && ball_explained(); }
+std::size_t SelfCheck::robots_explained() const {
+  std::size_t count = 0;
+  for (const CheckedPicture& picture : pictures) count += picture.explained.size();
+  return count;
+}
+
+const OtherLightResult* SelfCheck::fragile_in() const {
+  // One of four may stand at the edge of a lamp; more are boxes without room.
+  constexpr double kLeast = 0.75;
+  const auto worst = std::min_element(other_light.begin(), other_light.end(),
+                                      [](const auto& a, const auto& b) { return a.robots < b.robots; });
+  const double least = kLeast * static_cast<double>(robots_explained());
+  return worst != other_light.end() && static_cast<double>(worst->robots) < least ? &*worst : nullptr;
+}
+
+bool SelfCheck::passed() const {
+  return missing().empty() && most_visible_explained() && ball_explained() && fragile_in() == nullptr;
+}
 
 std::string SelfCheck::text() const {
   std::string text;
@@ -258,7 +275,12 @@ std::string SelfCheck::text() const {
   text += formatted("self-check: %zu of %zu robots explained", robots.size() - never.size(), robots.size());
   if (!never.empty()) text += "; missing: " + joined_robots(never);
   if (wants_ball) text += formatted("; ball in %zu of %zu pictures", balls, pictures.size());
-  return text + "\n";
+  text += "\n";
+  std::string lights;
+  for (const OtherLightResult& one : other_light)
+    lights += formatted("%s%zu %s", lights.empty() ? "" : ", ", one.robots, one.light.c_str());
+  if (!lights.empty()) text += formatted("of %zu robots in the pictures: %s\n", robots_explained(), lights.c_str());
+  return text;
 }
 
 Result<SelfCheck> self_check(const std::string& venue, const std::string& team,

@@ -43,10 +43,23 @@ struct CheckedPicture {
   bool ball_missing = false;  // the calibration recognized a ball here, and the pipeline none or one elsewhere
 };
 
+/// What is recognized in the same pictures in a little other light.
+struct OtherLightResult {
+  std::string light;       // "5 % brighter"
+  std::size_t robots = 0;  // as SelfCheck::robots_explained()
+};
+
 struct SelfCheck {
   std::vector<std::string> robots;  // of the team file
   bool wants_ball = false;
   std::vector<CheckedPicture> pictures;
+  std::vector<OtherLightResult> other_light;  // of check_other_light()
+
+  /// Robots with their ids in all pictures together.
+  [[nodiscard]] std::size_t robots_explained() const;
+  /// The other light in which the fewest robots are recognized, if these are less than three quarters of those in the
+  /// light of the pictures; nullptr: none.
+  [[nodiscard]] const OtherLightResult* fragile_in() const;
 
   /// Robots of the team file that were explained in no picture.
   [[nodiscard]] std::vector<std::string> missing() const;
@@ -56,8 +69,8 @@ struct SelfCheck {
   /// Robots with an id and balls in all pictures, minus contradictions to the calibration.
   [[nodiscard]] int recognized() const;
   /// Whether every robot of the team file was explained in at least one picture, nine in ten of the visible ones were,
-  /// none contradicts the calibration, and the ball was seen in a picture and wherever the calibration found it. A
-  /// robot in glare may stay unknown.
+  /// none contradicts the calibration, the ball was seen in a picture and wherever the calibration found it, and
+  /// nothing is fragile_in() other light. A robot in glare may stay unknown.
   [[nodiscard]] bool passed() const;
   /// One line per picture and one for all of them.
   [[nodiscard]] std::string text() const;

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <array>
+#include <map>
+#include <string>
+
+#include "tools/programs/calibrate/colors/self_check.h"
+
+namespace touchline::calibrate {
+
+/// A change of the light: factors of R, G and B, as values of the picture.
+struct OtherLight {
+  const char* name;
+  std::array<double, 3> gain;
+};
+
+/// What lamps do between two pictures, without a change that a person sees: mains flicker and warming up change the
+/// brightness by some percent, daylight the tint.
+inline constexpr std::array<OtherLight, 4> kOtherLights{{{"5 % brighter", {1.05, 1.05, 1.05}},
+                                                         {"5 % darker", {0.95, 0.95, 0.95}},
+                                                         {"with warmer light", {1.03, 1.0, 0.97}},
+                                                         {"with colder light", {0.97, 1.0, 1.03}}}};
+
+/// The picture in other light and in its own format.
+Result<CameraPicture> in_other_light(const CameraPicture& picture, const OtherLight& light);
+
+/// Runs self_check() on the pictures in each of kOtherLights and adds what is recognized to `check`. Errors of
+/// self_check() and write_picture().
+Result<void> check_other_light(const std::string& venue, const std::string& team,
+                               const std::map<std::string, CameraPicture>& pictures, const VisibleByPicture& visible,
+                               SelfCheck& check);
+
+}  // namespace touchline::calibrate

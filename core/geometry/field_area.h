@@ -16,9 +16,9 @@ struct FieldParameters {
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
     visit.number(self.length_m,
-                 {.name = "length_m", .range = {0.3, 30.0}, .unit = "m", .help = "Distance between the goal lines"});
+                 {.name = "length_m", .range = {0.1, 30.0}, .unit = "m", .help = "Distance between the goal lines"});
     visit.number(self.width_m,
-                 {.name = "width_m", .range = {0.3, 30.0}, .unit = "m", .help = "Distance between the side lines"});
+                 {.name = "width_m", .range = {0.1, 30.0}, .unit = "m", .help = "Distance between the side lines"});
     visit.number(self.goal_width_m,
                  {.name = "goal_width_m", .range = {0.0, 30.0}, .unit = "m", .help = "Width of the goals"});
     visit.number(

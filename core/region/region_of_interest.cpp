@@ -28,7 +28,36 @@ std::uint16_t first_column_from(double u, std::uint16_t width_px) {
   return static_cast<std::uint16_t>(std::clamp(std::ceil(u), 0.0, static_cast<double>(width_px)));
 }
 
+// Twice the signed area of the triangle.
+double turn_of(PixelPoint a, PixelPoint b, PixelPoint c) {
+  const double au = static_cast<double>(a.u_px), av = static_cast<double>(a.v_px);
+  return (static_cast<double>(b.u_px) - au) * (static_cast<double>(c.v_px) - av) -
+         (static_cast<double>(b.v_px) - av) * (static_cast<double>(c.u_px) - au);
+}
+
+bool boxes_meet(PixelPoint a, PixelPoint b, PixelPoint c, PixelPoint d) {
+  return std::max(a.u_px, b.u_px) >= std::min(c.u_px, d.u_px) && std::max(c.u_px, d.u_px) >= std::min(a.u_px, b.u_px) &&
+         std::max(a.v_px, b.v_px) >= std::min(c.v_px, d.v_px) && std::max(c.v_px, d.v_px) >= std::min(a.v_px, b.v_px);
+}
+
+// Straddle test; sides on one line meet if their boxes do.
+bool sides_meet(PixelPoint a, PixelPoint b, PixelPoint c, PixelPoint d) {
+  return boxes_meet(a, b, c, d) && turn_of(a, b, c) * turn_of(a, b, d) <= 0 && turn_of(c, d, a) * turn_of(c, d, b) <= 0;
+}
+
 }  // namespace
+
+std::optional<CrossingSides> crossing_sides(const Polygon& polygon) {
+  const std::size_t size = polygon.size();
+  for (std::size_t i = 0; i < size; ++i) {
+    for (std::size_t j = i + 2; j < size; ++j) {
+      const std::size_t after = (j + 1) % size;
+      if (after == i) continue;  // neighbors share a corner
+      if (sides_meet(polygon[i], polygon[i + 1], polygon[j], polygon[after])) return CrossingSides{i, j};
+    }
+  }
+  return std::nullopt;
+}
 
 Status RegionOfInterest::build(const Polygon& polygon, std::uint16_t width_px, std::uint16_t height_px) {
   spans_.clear();

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 
 #include "core/types.h"
@@ -16,6 +17,14 @@ using Polygon = FixedVector<PixelPoint, kMaxPolygonPoints>;
 struct ColumnSpan {
   std::uint16_t begin = 0, end = 0;
 };
+
+/// Two sides of a polygon that cross or touch: corners `first` and `first + 1`, `second` and `second + 1`.
+struct CrossingSides {
+  std::size_t first = 0, second = 0;
+};
+/// Finds sides that are no neighbors and meet. What lies inside of such a polygon depends on the rule of counting,
+/// which nobody means. Empty: the polygon is simple.
+std::optional<CrossingSides> crossing_sides(const Polygon& polygon);
 
 /// A polygon in the picture as spans of columns for each row. A pixel belongs to it if its center is inside by the
 /// even-odd rule. Centers exactly on the border belong to it at left and upper edges.

@@ -134,6 +134,14 @@ void resolve_region_of_interest(const VenueFile& venue, const Locations& where, 
     return;
   }
   for (std::size_t i = 0; i < region.u_px.size(); ++i) polygon.push_back({region.u_px[i], region.v_px[i]});
+  const std::optional<CrossingSides> crossing = crossing_sides(polygon);
+  if (!crossing) return;
+  const auto side = [&](std::size_t corner) {
+    return std::to_string(corner + 1) + " to " + std::to_string((corner + 1) % polygon.size() + 1);
+  };
+  errors.add(where.of(key), key,
+             "the sides from corner " + side(crossing->first) + " and from corner " + side(crossing->second) +
+                 " cross or touch; give the corners in their order around the region");
 }
 
 // Fills the limits of the adaptation and the typical values of the colors. The adaptation changes the light map;

@@ -31,9 +31,9 @@ struct ArenaField {
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
     visit.number(self.length_m,
-                 {.name = "length_m", .range = {0.3, 20.0}, .unit = "m", .help = "Distance between the goal lines"});
+                 {.name = "length_m", .range = {0.1, 20.0}, .unit = "m", .help = "Distance between the goal lines"});
     visit.number(self.width_m,
-                 {.name = "width_m", .range = {0.3, 20.0}, .unit = "m", .help = "Distance between the side walls"});
+                 {.name = "width_m", .range = {0.1, 20.0}, .unit = "m", .help = "Distance between the side walls"});
     visit.number(self.goal_width_m,
                  {.name = "goal_width_m", .range = {0.05, 5.0}, .unit = "m", .help = "Width of the goals"});
     visit.number(self.goal_depth_m,

@@ -75,7 +75,7 @@ TEST_F(ConfigFiles, OutOfRangeNamesRangeAndUnit) {
 
 TEST_F(ConfigFiles, NaNIsOutOfRange) {
   replace("venue.toml", "length_m = 2.2", "length_m = nan");
-  EXPECT_EQ(refusal(), "venue.toml:8: field.length_m: nan is out of range: 0.3 to 30 m\n");
+  EXPECT_EQ(refusal(), "venue.toml:8: field.length_m: nan is out of range: 0.1 to 30 m\n");
 }
 
 TEST_F(ConfigFiles, UnknownChoiceListsAllChoices) {

@@ -236,7 +236,12 @@ TEST_F(ConfigFiles, RegionOfInterest) {
   ASSERT_TRUE(load().ok()) << errors();
   ASSERT_EQ(configuration_->pipeline.scan.region_of_interest.size(), 3U);
   EXPECT_EQ(configuration_->pipeline.scan.region_of_interest[2].v_px, 470.0f);
-  replace("venue.toml", "v_px = [5, 5, 470]", "v_px = [5, 5]");
+  replace("venue.toml", "u_px = [10, 630, 320]\nv_px = [5, 5, 470]",
+          "u_px = [10, 630, 10, 630]\nv_px = [5, 5, 470, 470]");
+  EXPECT_EQ(refusal(),
+            "venue.toml:21: region_of_interest: the sides from corner 2 to 3 and from corner 4 to 1 cross or touch; "
+            "give the corners in their order around the region\n");
+  replace("venue.toml", "u_px = [10, 630, 10, 630]\nv_px = [5, 5, 470, 470]", "u_px = [10, 630, 320]\nv_px = [5, 5]");
   EXPECT_EQ(refusal(), "venue.toml:21: region_of_interest: u_px has 3 corners, v_px 2\n");
   replace("venue.toml", "u_px = [10, 630, 320]", "u_px = [10, 630]");
   EXPECT_EQ(refusal(), "venue.toml:21: region_of_interest: needs 3 to 32 corners; has 2\n");

@@ -100,6 +100,7 @@ int FakeLibcamera::configure(hal::LibcameraStream& requested, std::string& offer
                         2;
   requested.frame_bytes = world_.frame_bytes_ + world_.spare_bytes;
   requested.full_range = world_.full_range;
+  requested.mirrored = world_.mirrored;
   if (world_.actual_buffers != 0) requested.buffers = world_.actual_buffers;
   stream_ = requested;
   return 0;

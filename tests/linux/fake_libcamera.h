@@ -29,7 +29,7 @@ struct LibcameraWorld {
   std::size_t spare_bytes = 0;      // after the picture
   std::size_t actual_buffers = 0;   // 0: as requested
   std::size_t missing_bytes = 0;    // of buffers that the driver allocates
-  bool full_range = false;
+  bool full_range = false, mirrored = false;
   hal::LibcameraLimits limits;
   hal::LibcameraNumbers metadata;        // reported by each frame
   hal::LibcameraNumbers early_metadata;  // reported by the first `early_frames`

@@ -49,6 +49,15 @@ TEST_F(LibcameraOpenTest, CamerasAreFoundByIdByAPartOfItOrAutomatically) {
                  "auto: no such camera; available cameras: none (is it plugged in, and the user in the group video?)");
 }
 
+TEST_F(LibcameraOpenTest, AMirrorImageIsReported) {
+  begin(settings());
+  EXPECT_EQ(camera_->info().negotiated.find("mirror"), std::string::npos) << camera_->info().negotiated;
+  world_.mirrored = true;
+  begin(settings());
+  EXPECT_NE(camera_->info().negotiated.find("libcamera delivers a mirror image"), std::string::npos)
+      << camera_->info().negotiated;
+}
+
 TEST_F(LibcameraOpenTest, ErrorsNameTheFailedCall) {
   const std::string id = kId;
   world_.errors = {{"cameras", ENOMEM}};

@@ -53,6 +53,24 @@ TEST_F(V4l2ControlsTest, UnsetControlsAreNotWritten) {
       << "the driver must not lower the frame rate";
 }
 
+// A camera keeps its flip controls over restarts.
+TEST_F(V4l2ControlsTest, AMirroredPictureIsReported) {
+  const char* const kMirrored =
+      "/dev/video0: the camera mirrors the picture (vertical_flip is on), unless that undoes a mirror: robots' "
+      "headings "
+      "and turns would be reflected. Turn it off with v4l2-ctl --set-ctrl=vertical_flip=0; writing below the camera "
+      "must be readable";
+  device_.controls[V4L2_CID_HFLIP] = {0, 1, 1, 0};
+  device_.controls[V4L2_CID_VFLIP] = {0, 1, 1, 1};
+  expect_negotiated(untouched(settings()), kMirrored);
+  device_.controls[V4L2_CID_HFLIP].value = 1;
+  expect_negotiated(untouched(settings()), "");  // turned by 180 degrees
+  device_.controls[V4L2_CID_VFLIP].value = 0;
+  hal::V4l2Camera camera(untouched(settings()));
+  ASSERT_TRUE(camera.open().ok());
+  EXPECT_NE(camera.info().negotiated.find("horizontal_flip is on"), std::string::npos) << camera.info().negotiated;
+}
+
 TEST_F(V4l2ControlsTest, ARateReducedByTheExposureIsReported) {
   device_.controls[V4L2_CID_EXPOSURE_AUTO_PRIORITY].ignores_writes = true;
   expect_negotiated(untouched(settings()),

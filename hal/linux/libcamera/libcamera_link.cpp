@@ -14,6 +14,7 @@
 
 #include "hal/device_parameters.h"
 #include "hal/linux/libcamera/libcamera_numbers.h"
+#include "hal/linux/libcamera/libcamera_version.h"
 #include "hal/linux/shared_instance.h"
 
 namespace touchline::hal {
@@ -128,6 +129,7 @@ class Link final : public LibcameraLink {
     requested.stride_bytes = stream.stride;
     requested.frame_bytes = stream.frameSize;
     requested.buffers = stream.bufferCount;
+    requested.mirrored = version::is_mirrored(*configuration_);
     requested.full_range = stream.colorSpace && stream.colorSpace->range == libcamera::ColorSpace::Range::Full;
     return 0;
   }

@@ -72,6 +72,7 @@ struct LibcameraStream {
   std::size_t frame_bytes = 0;     // size of a buffer that the device needs
   std::size_t buffers = 0;
   bool full_range = false;  // luma from 0 to 255 instead of 16 to 235
+  bool mirrored = false;    // the orientation of the picture is that of a mirror image
 };
 
 /// A completed request.

@@ -1,11 +1,12 @@
 #pragma once
 
+#include <libcamera/camera.h>
 #include <libcamera/control_ids.h>
 #include <libcamera/controls.h>
 #include <libcamera/version.h>
 
 // Differences between libcamera 0.0.3 (Debian 12), 0.4 (Debian 13) and 0.5 and later (Raspberry Pi OS). Only
-// libcamera_link.cpp includes this file.
+// libcamera_link.cpp and libcamera_numbers.cpp include this file.
 #define TOUCHLINE_LIBCAMERA (LIBCAMERA_VERSION_MAJOR * 10000 + LIBCAMERA_VERSION_MINOR * 100 + LIBCAMERA_VERSION_PATCH)
 
 namespace touchline::hal::version {
@@ -49,6 +50,21 @@ inline void set_flicker_mode(libcamera::ControlList& list, const libcamera::Cont
   static_cast<void>(list);
   static_cast<void>(of_camera);
   static_cast<void>(manual);
+#endif
+}
+
+/// Whether pictures of this validated configuration are mirror images. Rotations are none.
+inline bool is_mirrored(const libcamera::CameraConfiguration& configuration) {
+#if TOUCHLINE_LIBCAMERA >= 200
+  using libcamera::Orientation;
+  const Orientation of = configuration.orientation;
+  return of == Orientation::Rotate0Mirror || of == Orientation::Rotate180Mirror || of == Orientation::Rotate90Mirror ||
+         of == Orientation::Rotate270Mirror;
+#else
+  // Each flip, and the exchange of rows and columns, is a mirror.
+  using libcamera::Transform;
+  const auto has = [&](Transform part) { return (configuration.transform & part) != Transform::Identity; };
+  return has(Transform::HFlip) != (has(Transform::VFlip) != has(Transform::Transpose));
 #endif
 }
 

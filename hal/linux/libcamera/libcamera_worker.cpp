@@ -155,6 +155,12 @@ Result<void> LibcameraCamera::configure() {
   if (const char* const note = note_on_range(stream_.format, stream_.full_range)) {
     negotiated_.append_format("%s", note);
   }
+  if (stream_.mirrored) {
+    negotiated_.append_format(
+        "%slibcamera delivers a mirror image (its orientation): robots' headings and turns would be reflected. Check "
+        "the camera's mounting and tuning; writing below the camera must be readable",
+        negotiated_.separator());
+  }
   return {};
 }
 

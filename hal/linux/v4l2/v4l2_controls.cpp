@@ -204,6 +204,20 @@ void fix_power_line(const V4l2Device& device, PowerLine power_line, ErrorText& n
                                         : "the driver kept another value");
 }
 
+/// One flip mirrors the picture, both turn it by 180 degrees, which is as good as none. A camera keeps these controls
+/// over restarts, and no picture of an empty field shows them.
+void report_mirror(const V4l2Device& device, ErrorText& negotiated) {
+  int horizontal = 0, vertical = 0;
+  if (get(device, V4L2_CID_HFLIP, horizontal) != 0) horizontal = 0;
+  if (get(device, V4L2_CID_VFLIP, vertical) != 0) vertical = 0;
+  if ((horizontal != 0) == (vertical != 0)) return;
+  const char* const name = horizontal != 0 ? "horizontal_flip" : "vertical_flip";
+  negotiated.append_format(
+      "%sthe camera mirrors the picture (%s is on), unless that undoes a mirror: robots' headings and turns would be "
+      "reflected. Turn it off with v4l2-ctl --set-ctrl=%s=0; writing below the camera must be readable",
+      negotiated.separator(), name, name);
+}
+
 /// With shutter priority the exposure time is fixed and the aperture is automatic.
 bool is_exposure_automatic(const V4l2Device& device) {
   int mode = V4L2_EXPOSURE_MANUAL;
@@ -233,6 +247,7 @@ Duration apply(const ControlledCamera& camera, const CameraSettings& requested) 
 Duration apply_controls(const V4l2Device& device, const CameraSettings& requested, ErrorText& negotiated) {
   const ControlledCamera camera{device, negotiated};
   fix_rate(camera, requested.rate_hz);
+  report_mirror(device, negotiated);
   return apply(camera, requested);
 }
 

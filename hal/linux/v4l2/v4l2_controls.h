@@ -9,8 +9,9 @@ namespace touchline::hal {
 
 /// Sets exposure, gain, white balance, focus and the power line filter as in the settings, and turns off UVC's option
 /// to lower the frame rate for long exposures. Reads each value back. Appends to `negotiated`, separated by "; ", the
-/// controls that are missing and the values that the camera refuses or rounds. Returns the exposure time; zero if it is
-/// unknown (automatic exposure, or no such control). The device must be open; it may stream. Any thread may call it.
+/// controls that are missing, the values that the camera refuses or rounds, and that the camera mirrors the picture.
+/// Returns the exposure time; zero if it is unknown (automatic exposure, or no such control). The device must be open;
+/// it may stream. Any thread may call it.
 Duration apply_controls(const V4l2Device& device, const CameraSettings& requested, ErrorText& negotiated);
 
 /// The same while the camera streams, but only for values that differ between `before` and `requested`: each control

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "core/geometry/camera_model.h"
+#include "tools/programs/calibrate/field/fit_consistency.h"
 #include "tools/programs/command_line/formatted.h"
 #include "tools/programs/setup/page_state.h"
 
@@ -53,6 +54,8 @@ nlohmann::json notes_of(const calibrate::FieldReport& report) {
   if (report.height != calibrate::HeightSource::kMeasured) {
     note("warning", "the height of the lens was not measured: measure it with a tape and enter it");
   }
+  for (const std::string& doubt : report.doubts) note("warning", doubt);
+  if (report.refinement.points > 0) note("ok", calibrate::describe(report.refinement.height));
   std::size_t used = 0;
   for (const calibrate::MarkReport& mark : report.refinement.marks) used += mark.used ? 1u : 0u;
   if (!report.refinement.marks.empty()) {
@@ -68,6 +71,7 @@ nlohmann::json measured_field(const calibrate::FieldReport& report, const FieldP
   nlohmann::json out = {{"camera_height_m", report.fit.height_m},
                         {"tilt_rad", report.fit.tilt_rad},
                         {"camera_height_sigma_m", report.fit.height_sigma_m},
+                        {"top_assumes", calibrate::assumption_of(report)},
                         {"overlay", overlay_of(camera, field)},
                         {"notes", notes_of(report)},
                         {"report", calibrate::text_of(report)}};
@@ -87,12 +91,14 @@ nlohmann::json measured_field(const calibrate::FieldReport& report, const FieldP
   out["max_mm"] = refined.max_mm;
   out["rms_px"] = refined.rms_px;
   out["top_sigma_mm"] = refined.sigma.top_corner_mm;
-  const bool is_good = refined.sigma.top_corner_mm <= kGoodTop_mm && refined.rms_mm <= kGoodRms_mm;
-  out["quality"] = quality(is_good ? "ok" : "warning",
-                           formatted("border and markings within %.2f mm (95 %% within %.2f mm); a robot's top in a "
-                                     "corner is known to %.1f mm",
-                                     refined.rms_mm, refined.p95_mm, refined.sigma.top_corner_mm),
-                           refined.rms_mm, "mm");
+  const bool is_good =
+      refined.sigma.top_corner_mm <= kGoodTop_mm && refined.rms_mm <= kGoodRms_mm && report.doubts.empty();
+  out["quality"] = quality(
+      is_good ? "ok" : "warning",
+      formatted("border and markings within %.2f mm (95 %% within %.2f mm); a robot's top in a "
+                "corner is known to %.1f mm%s",
+                refined.rms_mm, refined.p95_mm, refined.sigma.top_corner_mm, calibrate::assumption_of(report).c_str()),
+      refined.rms_mm, "mm");
   return out;
 }
 
@@ -111,8 +117,12 @@ Result<void> find_field(const FieldRequest& request, const JobInput& input, cons
                                                static_cast<double>(field.width_m));
   }
   output.progress("the camera model is being fitted");
-  TOUCHLINE_TRY_ASSIGN(const calibrate::FieldReport report,
-                       calibrate::calibrate_field(pictures, chosen, request.choice.camera_height_m));
+  Result<calibrate::FieldReport> found = calibrate::calibrate_field(pictures, chosen, request.choice.camera_height_m);
+  if (!found.ok()) {
+    const bool may_drag = !request.corners && found.code() != ErrorCode::kOutOfRange;
+    return Error{found.code(), found.text() + (may_drag ? "; you can drag the corners yourself" : "")};
+  }
+  const calibrate::FieldReport& report = found.value();
   const hal::Picture& picture = pictures.pictures.front();
   TOUCHLINE_TRY(calibrate::write_sections(venue, calibrate::field_sections(draft, picture, field, report)));
   CameraModel camera;

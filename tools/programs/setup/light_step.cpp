@@ -33,7 +33,8 @@ hal::Picture corrected(const hal::Picture& picture, const LightMap& map) {
   return out;
 }
 
-nlohmann::json measured_light(const calibrate::LightReport& report, const std::string& surface, bool relearn) {
+nlohmann::json measured_light(const calibrate::LightCalibration& light, const std::string& surface, bool relearn) {
+  const calibrate::LightReport& report = light.report;
   nlohmann::json out = {{"surface", surface},
                         {"least", report.least},
                         {"most", report.most},
@@ -47,12 +48,16 @@ nlohmann::json measured_light(const calibrate::LightReport& report, const std::s
   };
   double uneven = 1;
   for (std::size_t c = 0; c < 3; ++c) uneven = std::max(uneven, report.most[c] / std::max(report.least[c], 1e-3));
+  const bool is_unchecked = surface == "grey" && !light.paper_checked;
+  if (is_unchecked) {
+    note("warning", "whether the field is covered with paper was not checked: the field is not calibrated yet");
+  }
   const bool has_spots = report.saturated_cells + report.dark_cells + report.clamped_cells > 0;
   if (report.saturated_cells > 0) note("warning", "parts of the field are saturated: use a shorter exposure");
   if (report.dark_cells > 0) note("warning", "parts of the field are too dark: use a longer exposure or more light");
   if (uneven > kUneven) note("warning", "the light is very uneven: add a lamp above the dark side");
   if (relearn) note("warning", "the colors were learned with another light map: learn them again");
-  out["quality"] = quality(has_spots || uneven > kUneven ? "warning" : "ok",
+  out["quality"] = quality(has_spots || is_unchecked || uneven > kUneven ? "warning" : "ok",
                            formatted("brightest to darkest place of the field %.1f : 1", uneven), uneven, ": 1");
   return out;
 }
@@ -68,7 +73,7 @@ Result<void> measure_light(const std::string& surface, bool keep_normal, const J
   TOUCHLINE_TRY_ASSIGN(
       const calibrate::LightCalibration light,
       calibrate::calibrate_light(input.path(input.state.files.venue), std::move(pictures), surface, keep_normal));
-  output.measured(measured_light(light.report, surface, light.had_colors && !keep_normal));
+  output.measured(measured_light(light, surface, light.had_colors && !keep_normal));
   TOUCHLINE_TRY(output.picture("before", before));
   return output.picture("after", corrected(before, light.map));
 }

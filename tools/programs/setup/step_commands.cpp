@@ -55,8 +55,10 @@ nlohmann::json color_pictures(const DraftState& draft) {
 Result<FieldRequest> field_request(const Arguments& arguments) {
   FieldRequest request;
   TOUCHLINE_TRY_ASSIGN(request.choice.preset, arguments.text("preset", ""));
-  TOUCHLINE_TRY_ASSIGN(request.choice.length_m, arguments.number("length_m", 0.3, 30.0, 0.0));
-  TOUCHLINE_TRY_ASSIGN(request.choice.width_m, arguments.number("width_m", 0.3, 30.0, 0.0));
+  TOUCHLINE_TRY_ASSIGN(const bool ignores_lines, arguments.flag("ignore_lines", false));
+  if (ignores_lines) request.choice.drawing = calibrate::kNoDrawing;
+  TOUCHLINE_TRY_ASSIGN(request.choice.length_m, arguments.number("length_m", 0.1, 30.0, 0.0));
+  TOUCHLINE_TRY_ASSIGN(request.choice.width_m, arguments.number("width_m", 0.1, 30.0, 0.0));
   TOUCHLINE_TRY_ASSIGN(request.choice.camera_height_m, arguments.number("camera_height_m", 0.0, 20.0, 0.0));
   return request;
 }

@@ -59,6 +59,7 @@ export interface FieldStep extends Step {
   max_mm?: number | null;
   rms_px?: number | null;
   top_sigma_mm?: number | null; // of a robot's top in the worst corner
+  top_assumes?: string; // what that figure assumes, as the end of a sentence
   corners_px?: [number, number][] | null; // -x-y, +x-y, +x+y, -x+y
   overlay?: [number, number][][]; // the model's lines, as the picture must show them
   report?: string;
@@ -171,7 +172,7 @@ export interface SetupMessage {
   state?: Partial<SetupState>;
 }
 
-type FieldSize = { camera_height_m: number } & ({ preset: string } | { length_m: number; width_m: number });
+type FieldSize = { camera_height_m: number; ignore_lines: boolean } & ({ preset: string } | { length_m: number; width_m: number });
 
 /** The page's commands: {type: 'setup', request, ...}. Only the driver's are carried out. The answer comes when the work is done. */
 export type SetupCommand =

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "tools/programs/calibrate/colors/color_names.h"
+#include "tools/programs/calibrate/colors/mirror_check.h"
 #include "tools/programs/command_line/formatted.h"
 
 namespace touchline::calibrate {
@@ -74,9 +75,7 @@ Result<DetectedColors> detect_without_clicks(const ColorFiles& files, const Colo
   return std::move(best.found);
 }
 
-}  // namespace
-
-Result<DetectedColors> detect_with_clicks(const ColorFiles& files, const ColorFitInput& input) {
+Result<DetectedColors> detect(const ColorFiles& files, const ColorFitInput& input) {
   if (input.clicks.empty()) return detect_without_clicks(files, input);
   TOUCHLINE_TRY_ASSIGN(DetectedColors all, auto_detect_colors(files.draft, files.colors, input.clicks, input.pictures));
   if (std::none_of(all.uses.begin(), all.uses.end(), [](const ClickUse& use) { return use.used; })) return all;
@@ -105,6 +104,15 @@ Result<DetectedColors> detect_with_clicks(const ColorFiles& files, const ColorFi
   for (std::size_t k = 0; k < numbers.size(); ++k) uses[numbers[k]] = best.found.uses[k];
   best.found.uses = std::move(uses);
   return std::move(best.found);
+}
+
+}  // namespace
+
+Result<DetectedColors> detect_with_clicks(const ColorFiles& files, const ColorFitInput& input) {
+  TOUCHLINE_TRY_ASSIGN(DetectedColors found, detect(files, input));
+  const auto mirror = mirror_doubt(files.draft, files.colors, input.clicks, input.pictures, found);
+  if (mirror) found.doubts = {*mirror};
+  return found;
 }
 
 Result<void> write_copy(const std::string& venue, const std::vector<Section>& sections, const std::string& copy) {

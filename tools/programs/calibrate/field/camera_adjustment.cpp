@@ -16,6 +16,9 @@ namespace {
 // sensors have square pixels.
 constexpr double kCenterSigma = 0.04;
 constexpr double kSensorAspectSigma = 0.002;
+// A picture that the driver has stretched has pixels of some other shape, which clicked points tell to a percent (two
+// pixels in two hundred). Beyond kSquare, the start is such a picture.
+constexpr double kStretchedAspectSigma = 0.01, kSquare = 0.01;
 // Typical sizes of the distortion terms: terms that the border does not determine stay near zero.
 constexpr std::array<double, 5> kLensSigma{0.5, 0.3, 0.1, 0.003, 0.003};
 constexpr Eigen::Index kUnknowns = kIntrinsics + 6;
@@ -131,48 +134,60 @@ Adjustment::Adjustment(int width_px, int height_px, const std::optional<HeightPr
 
 namespace {
 
-void build(ceres::Problem& problem, const std::vector<MarkPoint>& points, const AdjustmentWeights& weights,
-           AdjustedCamera& camera) {
+void expect(ceres::Problem& problem, AdjustedCamera& camera, std::size_t index, double value, double sigma) {
+  problem.AddResidualBlock(new ceres::AutoDiffCostFunction<Prior, 1, kIntrinsics>(new Prior{index, value, sigma}),
+                           nullptr, camera.intrinsics.data());
+}
+
+}  // namespace
+
+Adjustment Adjustment::of_any_focal_length(const std::optional<HeightPrior>& height) const {
+  Adjustment other = *this;
+  other.height_ = height;
+  other.usual_focal_length_ = false;
+  return other;
+}
+
+void Adjustment::add_lens_knowledge(ceres::Problem& problem, AdjustedCamera& camera) const {
+  expect(problem, camera, kAspect, aspect_,
+         std::abs(aspect_ - 1) > kSquare ? kStretchedAspectSigma : kSensorAspectSigma);
+  expect(problem, camera, kCenterU, center_u_, kCenterSigma * width_px_);
+  expect(problem, camera, kCenterV, center_v_, kCenterSigma * width_px_);
+  for (std::size_t i = 0; i < kLensSigma.size(); ++i) expect(problem, camera, kK1 + i, 0.0, kLensSigma[i]);
+  if (!usual_focal_length_) return;
+  problem.AddResidualBlock(new ceres::AutoDiffCostFunction<LogPrior, 1, kIntrinsics>(
+                               new LogPrior{kFocal, kFocalWidths * width_px_, kFocalSigma}),
+                           nullptr, camera.intrinsics.data());
+}
+
+void Adjustment::build(ceres::Problem& problem, const std::vector<MarkPoint>& points, const AdjustmentWeights& weights,
+                       AdjustedCamera& camera) const {
   for (const MarkPoint& point : points) {
     problem.AddResidualBlock(
         new ceres::AutoDiffCostFunction<AcrossMark, 1, kIntrinsics, 3, 3>(new AcrossMark{point, weights.edge_sigma_px}),
         new ceres::CauchyLoss(weights.loss_px / weights.edge_sigma_px), camera.intrinsics.data(),
         camera.rotation.data(), camera.position_m.data());
   }
-}
-
-void expect(ceres::Problem& problem, AdjustedCamera& camera, std::size_t index, double value, double sigma) {
-  problem.AddResidualBlock(new ceres::AutoDiffCostFunction<Prior, 1, kIntrinsics>(new Prior{index, value, sigma}),
-                           nullptr, camera.intrinsics.data());
-}
-
-void add_lens_knowledge(ceres::Problem& problem, AdjustedCamera& camera, int width_px,
-                        const std::array<double, 2>& center, double aspect) {
-  expect(problem, camera, kAspect, aspect, kSensorAspectSigma);
-  expect(problem, camera, kCenterU, center[0], kCenterSigma * width_px);
-  expect(problem, camera, kCenterV, center[1], kCenterSigma * width_px);
-  for (std::size_t i = 0; i < kLensSigma.size(); ++i) expect(problem, camera, kK1 + i, 0.0, kLensSigma[i]);
-  problem.AddResidualBlock(new ceres::AutoDiffCostFunction<LogPrior, 1, kIntrinsics>(
-                               new LogPrior{kFocal, kFocalWidths * width_px, kFocalSigma}),
-                           nullptr, camera.intrinsics.data());
-}
-
-void add_height_knowledge(ceres::Problem& problem, AdjustedCamera& camera, const std::optional<HeightPrior>& height) {
-  if (height) {
+  add_lens_knowledge(problem, camera);
+  if (height_) {
     problem.AddResidualBlock(
-        new ceres::AutoDiffCostFunction<Prior, 1, 3>(new Prior{2, height->height_m, height->sigma_m}), nullptr,
+        new ceres::AutoDiffCostFunction<Prior, 1, 3>(new Prior{2, height_->height_m, height_->sigma_m}), nullptr,
         camera.position_m.data());
   }
 }
 
-}  // namespace
+double Adjustment::chi_square(const std::vector<MarkPoint>& points, const AdjustmentWeights& weights,
+                              AdjustedCamera camera) const {
+  ceres::Problem problem;
+  build(problem, points, weights, camera);
+  double half = 0;
+  return problem.Evaluate({}, &half, nullptr, nullptr, nullptr) ? 2 * half : std::numeric_limits<double>::infinity();
+}
 
 bool Adjustment::run(const std::vector<MarkPoint>& points, const AdjustmentWeights& weights,
                      AdjustedCamera& camera) const {
   ceres::Problem problem;
   build(problem, points, weights, camera);
-  add_lens_knowledge(problem, camera, width_px_, {center_u_, center_v_}, aspect_);
-  add_height_knowledge(problem, camera, height_);
   std::vector<int> fixed;
   if (weights.lens < 3) fixed.insert(fixed.end(), {kAspect, kK3, kP1, kP2});
   if (weights.lens < 2) fixed.insert(fixed.end(), {kCenterU, kCenterV, kK2});
@@ -189,14 +204,12 @@ CameraUncertainty Adjustment::uncertainty(const std::vector<MarkPoint>& points, 
   CameraUncertainty out{kNothing, kNothing, kNothing, kNothing, kNothing, kNothing,
                         kNothing, kNothing, kNothing, kNothing, kNothing};
   ceres::Problem lens;
-  add_lens_knowledge(lens, camera, width_px_, {center_u_, center_v_}, aspect_);
+  add_lens_knowledge(lens, camera);
   double half_squares = 0;
   if (!lens.Evaluate({}, &half_squares, nullptr, nullptr, nullptr)) return out;
   out.lens_chi_square = 2 * half_squares;
   ceres::Problem problem;
   build(problem, points, weights, camera);
-  add_lens_knowledge(problem, camera, width_px_, {center_u_, center_v_}, aspect_);
-  add_height_knowledge(problem, camera, height_);
   const std::optional<Eigen::MatrixXd> inverse = covariance_of(problem);
   if (!inverse || inverse->rows() != kUnknowns) return out;
   const Eigen::MatrixXd& covariance = *inverse;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -8,6 +9,10 @@
 #include "core/marker/matcher.h"
 #include "tools/programs/calibrate/field/edge_search.h"
 #include "tools/programs/calibrate/field/field_fit.h"
+
+namespace ceres {
+class Problem;
+}
 
 namespace touchline::calibrate {
 
@@ -33,6 +38,16 @@ struct CameraUncertainty {
 };
 inline constexpr double kTop_m = 0.075;
 
+/// What the picture alone says about the camera's height: perspective and distortion of the marks, seen through a lens
+/// that distorts around a point near the middle of the picture. Neither a given height, nor the rules of a league, nor
+/// the focal lengths of usual lenses belong to it.
+struct HeightEvidence {
+  // Infinite: the picture does not show the height. Straight above the field, a camera twice as high with twice the
+  // focal length sees nearly the same.
+  double height_m = 0, sigma_m = std::numeric_limits<double>::infinity();
+  double chi_square = 0;  // of the given height and its standard deviation; 0 if none is given
+};
+
 /// Weights of the adjustment: standard deviation of a point, scale of the Cauchy loss beyond which a point has little
 /// influence, and the free lens parameters (1: k1; 2: k1, k2 and the principal point; 3: all).
 struct AdjustmentWeights {
@@ -46,6 +61,8 @@ struct AdjustmentWeights {
 class Adjustment {
  public:
   Adjustment(int width_px, int height_px, const std::optional<HeightPrior>& height, const AdjustedCamera& start);
+  /// The same camera without the prior of usual focal lengths, and with this prior of the height.
+  [[nodiscard]] Adjustment of_any_focal_length(const std::optional<HeightPrior>& height) const;
 
   /// Returns false if the result is not a camera above the floor.
   [[nodiscard]] bool run(const std::vector<MarkPoint>& points, const AdjustmentWeights& weights,
@@ -54,11 +71,19 @@ class Adjustment {
   /// Infinite where the equations are singular.
   [[nodiscard]] CameraUncertainty uncertainty(const std::vector<MarkPoint>& points, const AdjustmentWeights& weights,
                                               AdjustedCamera camera, const FieldParameters& field) const;
+  /// Twice the negative log-likelihood of the camera, up to a constant: distances from the marks, and priors.
+  [[nodiscard]] double chi_square(const std::vector<MarkPoint>& points, const AdjustmentWeights& weights,
+                                  AdjustedCamera camera) const;
 
  private:
+  void build(ceres::Problem& problem, const std::vector<MarkPoint>& points, const AdjustmentWeights& weights,
+             AdjustedCamera& camera) const;
+  void add_lens_knowledge(ceres::Problem& problem, AdjustedCamera& camera) const;
+
   int width_px_;
   double center_u_, center_v_, aspect_;
   std::optional<HeightPrior> height_;
+  bool usual_focal_length_ = true;
 };
 
 }  // namespace touchline::calibrate

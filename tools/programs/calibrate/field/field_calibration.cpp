@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "tools/programs/calibrate/field/field_overlay.h"
+#include "tools/programs/calibrate/field/fit_consistency.h"
 #include "tools/programs/calibrate/field/paper_fit.h"
 #include "tools/programs/calibrate/field/residual_map.h"
 #include "tools/programs/calibrate/field/vanishing_points.h"
@@ -113,8 +114,9 @@ Result<void> fit_border(const LightPicture& picture, const ChosenField& chosen, 
   return {};
 }
 
-Result<void> fit_points(const FieldPictures& input, const LightPicture& light, const ChosenField& chosen,
-                        FieldFitInput fit_input, FieldReport& found) {
+// Fits square pixels, or with `fit_input.free_aspect` others.
+Result<void> fit_points_once(const FieldPictures& input, const LightPicture& light, const ChosenField& chosen,
+                             FieldFitInput fit_input, FieldReport& found) {
   fit_input.start_only = input.refine;
   TOUCHLINE_TRY(fit_field(fit_input, found.fit));
   Result<void> refined;
@@ -137,16 +139,93 @@ Result<void> fit_points(const FieldPictures& input, const LightPicture& light, c
   return {};
 }
 
+// Drivers scale pictures of another shape to the size that was asked for: 5 : 4 to 4 : 3 is the smallest such stretch,
+// 1.07. Less is a wrong length or width.
+constexpr double kLeastStretch = 0.05;
+
+double stretch_of(const FieldFit& fit) {
+  return static_cast<double>(fit.camera.full.fx_px) / static_cast<double>(fit.camera.full.fy_px) - 1;
+}
+
+// Tries square pixels first, and others only if the border does not fit those.
+Result<void> fit_points(const FieldPictures& input, const LightPicture& light, const ChosenField& chosen,
+                        const FieldFitInput& fit_input, FieldReport& found) {
+  FieldReport stretched = found;
+  Result<void> square = fit_points_once(input, light, chosen, fit_input, found);
+  if (!input.refine || !fit_input.camera_height_m || (square.ok() && found.unrefined.empty())) return square;
+  FieldFitInput free_input = fit_input;
+  free_input.free_aspect = true;
+  if (!fit_points_once(input, light, chosen, free_input, stretched).ok() || !stretched.unrefined.empty() ||
+      std::abs(stretch_of(stretched.fit)) < kLeastStretch || !check_center_markings(light, stretched, 0).ok()) {
+    return square;
+  }
+  found = std::move(stretched);
+  return {};
+}
+
+// Border or points, without a comparison of what a person said with what the picture shows.
+Result<FieldReport> fit_pictures(const FieldPictures& input, const LightPicture& light, const ChosenField& field,
+                                 double camera_height_m) {
+  const hal::Picture& picture = input.pictures.front();
+  const bool clicked = !input.points.empty();
+  FieldReport found;
+  found.marks = marks_of(field.drawing);
+  found.height = field.height_source;
+  found.points = input.points;
+  FieldFitInput fit_input;
+  fit_input.width_px = static_cast<int>(picture.width_px);
+  fit_input.height_px = static_cast<int>(picture.height_px);
+  fit_input.points = input.points;
+  if (camera_height_m > 0) fit_input.camera_height_m = camera_height_m;
+  // Steps: reading, border, one fit per orientation.
+  Progress progress("field", clicked ? 2 : 4);
+  progress.step();
+  if (clicked) {
+    TOUCHLINE_TRY(fit_points(input, light, field, std::move(fit_input), found));
+    return found;
+  }
+  found.border.emplace();
+  if (Result<void> border = find_border(picture, *found.border); !border.ok()) {
+    return prefixed("the border of the field was not found", std::move(border).error());
+  }
+  progress.step();
+  Result<void> fitted = fit_border(light, field, fit_input.camera_height_m, progress, found);
+  if (!fitted.ok()) return prefixed("a border was found, but", std::move(fitted).error());
+  return found;
+}
+
+// The picture contradicts the given height if a fit without it is good and far from it. kOutOfRange: it does; the
+// message says what was tried.
+Result<void> check_height_given(const FieldPictures& input, const LightPicture& light, const ChosenField& field,
+                                double camera_height_m, const Result<FieldReport>& with_height) {
+  ChosenField unmeasured = field;
+  unmeasured.height = field.rules;
+  unmeasured.height_source = field.rules ? HeightSource::kRules : HeightSource::kSeen;
+  const Result<FieldReport> free_fit = fit_pictures(input, light, unmeasured, 0);
+  const bool is_found = free_fit.ok() && shows_height(free_fit.value().refinement.height);
+  const HeightEvidence& evidence = is_found
+                                       ? free_fit.value().refinement.height
+                                       : (with_height.ok() ? with_height.value().refinement.height : HeightEvidence{});
+  const double sigmas = std::abs(evidence.height_m - camera_height_m) / std::hypot(evidence.sigma_m, kHeightSigma_m);
+  if (sigmas * sigmas < kImpossibleHeight) return {};
+  return failure(ErrorCode::kOutOfRange,
+                 "the camera is not %.2f m above the floor, as given (--camera-height): %s, from the perspective of "
+                 "border and markings. Measure from the floor to the lens again%s",
+                 camera_height_m, describe(evidence).c_str(),
+                 is_found ? ", or give no height: the field is found without it" : "");
+}
+
 }  // namespace
 
 Result<ChosenField> choose_field(const VenueDraft& venue, const FieldChoice& choice) {
-  if (!choice.drawing.empty() && !choice.preset.empty()) {
+  ChosenField out;
+  const bool ignores_markings = choice.drawing == kNoDrawing, is_drawn = !choice.drawing.empty() && !ignores_markings;
+  if (is_drawn && !choice.preset.empty()) {
     return Error{ErrorCode::kInconsistent, "a drawing and a preset of the field cannot be combined"};
   }
-  ChosenField out;
   FieldParameters field = venue.file.field;
   const bool sized = choice.length_m > 0 && choice.width_m > 0;
-  if (!choice.drawing.empty()) {
+  if (is_drawn) {
     TOUCHLINE_TRY_ASSIGN(out.drawing, read_drawing(choice.drawing));
     field = out.drawing.field;
   } else if (!choice.preset.empty()) {
@@ -167,7 +246,7 @@ Result<ChosenField> choose_field(const VenueDraft& venue, const FieldChoice& cho
   if (choice.length_m > 0) field.length_m = static_cast<float>(choice.length_m);
   if (choice.width_m > 0) field.width_m = static_cast<float>(choice.width_m);
   const bool resized = choice.length_m > 0 || choice.width_m > 0;
-  if (resized || (choice.drawing.empty() && choice.preset.empty())) {
+  if (resized || (!is_drawn && choice.preset.empty())) {
     // The markings are known only for the size of a league.
     const FieldPreset* league = find_preset(field.length_m, field.width_m);
     out.drawing = league != nullptr ? league->drawing : bare_drawing(field);
@@ -177,7 +256,14 @@ Result<ChosenField> choose_field(const VenueDraft& venue, const FieldChoice& cho
       copy_markings(league != nullptr ? league->drawing.field : FieldParameters{}, field);
     }
   }
+  // The goals of a league are wider than a field on a desk.
+  if (resized && field.goal_width_m >= field.width_m) field.goal_width_m = field.goal_depth_m = 0.0f;
   out.drawing.field = field;
+  if (ignores_markings) {
+    out.drawing.line.clear();
+    out.drawing.arc.clear();
+  }
+  out.rules = out.height;
   if (out.height) out.height_source = HeightSource::kRules;
   if (choice.camera_height_m > 0) {
     out.height = HeightPrior{choice.camera_height_m, kHeightSigma_m};
@@ -206,31 +292,30 @@ Result<FieldReport> calibrate_field(const FieldPictures& input, const ChosenFiel
         "pixels",
         p.u_px, p.v_px, p.x_m, p.y_m, picture.width_px, picture.height_px);
   }
-  FieldReport found;
-  found.marks = marks_of(field.drawing);
-  found.height = field.height_source;
-  found.points = input.points;
-  FieldFitInput fit_input;
-  fit_input.width_px = static_cast<int>(picture.width_px);
-  fit_input.height_px = static_cast<int>(picture.height_px);
-  fit_input.points = input.points;
-  if (camera_height_m > 0) fit_input.camera_height_m = camera_height_m;
-  // Steps: reading, border, one fit per orientation.
-  Progress progress("field", clicked ? 2 : 4);
   const LightPicture light(input.pictures);
-  progress.step();
-  if (clicked) {
-    TOUCHLINE_TRY(fit_points(input, light, field, std::move(fit_input), found));
-    return found;
+  Result<FieldReport> fitted = fit_pictures(input, light, field, camera_height_m);
+  if (camera_height_m > 0 && (!fitted.ok() || contradicts(fitted.value().refinement.height))) {
+    if (Result<void> height = check_height_given(input, light, field, camera_height_m, fitted); !height.ok()) {
+      return std::move(height).error();
+    }
   }
-  found.border.emplace();
-  if (Result<void> border = find_border(picture, *found.border); !border.ok()) {
-    return prefixed("the border of the field was not found", std::move(border).error());
+  if (!fitted.ok()) return fitted;
+  FieldReport& report = fitted.value();
+  // What an unknown distortion and the clicks may move in the middle of the field.
+  const double tolerance_m = report.fit.has_distortion ? 0.0 : distortion_effect_m(report.fit.camera, report.points);
+  TOUCHLINE_TRY(check_center_markings(light, report, tolerance_m));
+  report.doubts = height_doubts(report, field.rules, light.width_px());
+  bool is_round = false;  // a circle tells stretched pixels from a wrong length or width
+  for (std::size_t m = 0; m < report.refinement.marks.size(); ++m) {
+    is_round |= report.marks[m].radius_m > 0 && report.refinement.marks[m].used;
   }
-  progress.step();
-  Result<void> fitted = fit_border(light, field, fit_input.camera_height_m, progress, found);
-  if (!fitted.ok()) return prefixed("a border was found, but", std::move(fitted).error());
-  return found;
+  if (std::abs(stretch_of(report.fit)) >= kLeastStretch && !is_round) {
+    report.doubts.push_back(formatted(
+        "the pixels of this picture are %.2f times as high as wide, or length or width of the field is wrong by as "
+        "much: compare with a tape, and prefer a camera mode that does not stretch",
+        1 + stretch_of(report.fit)));
+  }
+  return fitted;
 }
 
 std::vector<Section> field_sections(const VenueDraft& venue, const hal::Picture& picture, const FieldParameters& field,

@@ -2,6 +2,7 @@
 
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "hal/replay/picture.h"
@@ -12,9 +13,12 @@
 // The whole way from pictures to the sections of the venue file, for touchline-calibrate field and for touchline-setup.
 namespace touchline::calibrate {
 
+/// Instead of the path of a drawing: only the border counts, whatever is painted inside it.
+inline constexpr std::string_view kNoDrawing = "none";
+
 /// What a person says about the field.
 struct FieldChoice {
-  std::string preset, drawing;       // name of a preset, or path of a drawing; at most one of them
+  std::string preset, drawing;       // name of a preset, or path of a drawing (or kNoDrawing); at most one of them
   double length_m = 0, width_m = 0;  // 0: as the preset, drawing or venue file says
   double camera_height_m = 0;        // of the lens above the floor; 0: not measured
 };
@@ -22,7 +26,8 @@ struct FieldChoice {
 /// The field to look for.
 struct ChosenField {
   FieldDrawing drawing;
-  std::optional<HeightPrior> height;
+  std::optional<HeightPrior> height;  // measured, otherwise that of the rules
+  std::optional<HeightPrior> rules;   // what the rules of the league say about it
   HeightSource height_source = HeightSource::kSeen;
 };
 
@@ -37,8 +42,9 @@ struct FieldPictures {
 };
 
 /// Finds the camera model from the border of the field or from known points. kInconsistent: pictures of different
-/// sizes, or fewer than four points. Errors of find_border(), fit_field() and refine_field(); the message says what was
-/// found before.
+/// sizes, or fewer than four points. kOutOfRange: the picture contradicts the given height (0: none) or the drawing of
+/// the center line and circle, or a point lies outside of it. Errors of find_border(), fit_field() and refine_field();
+/// the message says what was found before.
 Result<FieldReport> calibrate_field(const FieldPictures& input, const ChosenField& field, double camera_height_m);
 
 /// [picture], [field] and [camera_model] of the venue file.

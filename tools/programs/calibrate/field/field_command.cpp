@@ -80,12 +80,14 @@ void FieldCommand::add_options(CLI::App& app) {
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   app.add_option("--field-preset", preset,
                  "Size of field and goals, and markings: mirosot-middle, vsss, ssl-a (or ssl), ssl-b");
-  app.add_option("--drawing", drawing,
-                 "TOML file with size, border, lines and arcs of the field (docs/calibration.md)");
-  app.add_option("--length", length_m, "Length of the field, m")->check(number_range(0.3, 30.0));
-  app.add_option("--width", width_m, "Width of the field, m")->check(number_range(0.3, 30.0));
+  app.add_option(
+      "--drawing", drawing,
+      "TOML file with size, border, lines and arcs of the field (docs/calibration.md), or none: only the border\n"
+      "counts, whatever is painted inside it");
+  app.add_option("--length", length_m, "Length of the field, m")->check(number_range(0.1, 30.0));
+  app.add_option("--width", width_m, "Width of the field, m")->check(number_range(0.1, 30.0));
   app.add_option("--camera-height", camera_height_m, "Measured height of the lens above the floor, m")
-      ->check(number_range(0.3, 20.0));
+      ->check(number_range(0.1, 20.0));
   app.add_option("--kind", kind, "Camera model that the firmware uses: full, or paper (Klancar eq. 12-15)")
       ->check(CLI::IsMember({"full", "paper"}));
   app.add_flag_callback(
@@ -127,13 +129,27 @@ Result<void> FieldCommand::run() const {
     return Error{ErrorCode::kInconsistent,
                  formatted("--roi: there are %zu corners; 3 to %zu are possible", region.size(), kMaxPolygonPoints)};
   }
+  Polygon roi_polygon;
+  for (const PixelPoint& p : region) roi_polygon.push_back(p);
+  if (const std::optional<CrossingSides> crossing = crossing_sides(roi_polygon)) {
+    return failure(ErrorCode::kInconsistent,
+                   "--roi: the sides that begin at corners %zu and %zu cross or touch; give the corners in their order "
+                   "around the region",
+                   crossing->first + 1, crossing->second + 1);
+  }
 
   Result<FieldReport> calibrated = calibrate_field(input, chosen, camera_height_m);
   if (!calibrated.ok()) {
+    // What the picture contradicts stays wrong, however the border is found.
+    const bool contradicted = calibrated.code() == ErrorCode::kOutOfRange;
     const bool skippable = refine && calibrated.code() == ErrorCode::kInconsistent;
-    const char* const advice = input.points.empty() ? " (try --corners or --point)"
-                               : skippable          ? " (--no-refine skips the refinement)"
-                                                    : "";
+    const char* const advice = contradicted ? ""
+                               : input.points.empty()
+                                   ? "; you can give the corners of the field (--corners), or, if it "
+                                     "has no visible border, four or more known points, such as ends "
+                                     "of lines (--point X,Y,U,V)"
+                               : skippable ? " (--no-refine skips the refinement)"
+                                           : "";
     return Error{calibrated.code(), pictures[0] + ": " + calibrated.text() + advice};
   }
   FieldReport& found = calibrated.value();
@@ -142,12 +158,11 @@ Result<void> FieldCommand::run() const {
   std::vector<Section> sections = field_sections(draft, photograph, field, found);
   Polygon searched = draft.region_of_interest;
   if (!region.empty()) {
-    searched = {};
+    searched = roi_polygon;
     config::RegionOfInterestEntry roi;
     for (const PixelPoint& p : region) {
       roi.u_px.push_back(p.u_px);
       roi.v_px.push_back(p.v_px);
-      searched.push_back(p);
     }
     sections.push_back(section_of("region_of_interest", roi, ""));
   }

@@ -71,6 +71,11 @@ class Solver {
 
   [[nodiscard]] bool has_distortion() const { return input_.points.size() >= kPointsForDistortion; }
 
+  // Four points and a height are nine equations for eight unknowns.
+  [[nodiscard]] bool has_free_aspect() const {
+    return (has_distortion() || input_.free_aspect) && input_.camera_height_m.has_value();
+  }
+
   // Standard deviation of the camera height for clicks with kClickSigma_px; infinity if the height is not determined.
   double height_sigma_m(CameraUnknowns& x) const {
     ceres::Problem problem;
@@ -121,7 +126,7 @@ class Solver {
           nullptr, &x.focal_px);
     }
     // While the height is free, a tilt has the same effect as non-square pixels.
-    if (!has_distortion() || !input_.camera_height_m) {
+    if (!has_free_aspect()) {
       problem.SetParameterBlockConstant(&x.aspect);
     } else {
       problem.AddResidualBlock(new ceres::AutoDiffCostFunction<Prior, 1, 1>(new Prior{0, 1.0, kScaledAspectSigma}),
@@ -313,7 +318,7 @@ Result<void> fit_field(const FieldFitInput& input, FieldFit& out) {
     return failure(ErrorCode::kInconsistent,
                    "no camera%s fits these points: residual %.1f px (RMS); is the order right, are length and "
                    "width exchanged, is --camera-height right?",
-                   solver.has_distortion() && input.camera_height_m ? "" : " with square pixels", misfit_px);
+                   solver.has_free_aspect() ? "" : " with square pixels", misfit_px);
   }
   const Eigen::Vector3d turn(best.rotation.data());
   const Eigen::Matrix3d rotation = Eigen::AngleAxisd(turn.norm(), turn.normalized()).toRotationMatrix();

@@ -37,6 +37,7 @@ struct FieldFitInput {
   std::vector<FloorPoint> points;         // at least four, no three of four on one line
   std::optional<double> camera_height_m;  // measured by a person, with standard deviation kHeightSigma_m
   bool start_only = false;                // a refinement follows: accept an uncertain height
+  bool free_aspect = false;               // with a given height: pixels need not be square, even with few points
 };
 
 // Standard deviation of a height measured with a tape from the floor to the lens.

@@ -131,6 +131,31 @@ void add_residuals(const CameraModel& camera, RefinementReport& report) {
   report.max_mm = mm.max;
 }
 
+// Fits the points with the height free, and compares with the given height. The scatter of the points about the free
+// fit counts, because a wrong height bends the marks, which looks like scatter.
+HeightEvidence height_evidence(const Adjustment& adjustment, const std::vector<MarkPoint>& points,
+                               AdjustmentWeights weights, const AdjustedCamera& start, const FieldParameters& field,
+                               const std::optional<HeightPrior>& given) {
+  const Adjustment free_height = adjustment.of_any_focal_length(std::nullopt);
+  AdjustedCamera free_camera = start;
+  HeightEvidence out;
+  CameraParameters parameters;
+  CameraModel model;
+  if (!free_height.run(points, weights, free_camera)) return out;
+  parameters.full = free_camera.full();
+  if (!model.configure(parameters).ok()) return out;
+  weights.edge_sigma_px = independent_sigma(model, points);
+  if (!free_height.run(points, weights, free_camera)) return out;
+  out.height_m = free_camera.position_m[2];
+  out.sigma_m = free_height.uncertainty(points, weights, free_camera, field).height_m;
+  const Adjustment given_height = adjustment.of_any_focal_length(given);
+  AdjustedCamera given_camera = start;
+  if (!given || !given_height.run(points, weights, given_camera)) return out;
+  out.chi_square = std::max(0.0, given_height.chi_square(points, weights, given_camera) -
+                                     free_height.chi_square(points, weights, free_camera));
+  return out;
+}
+
 Result<void> refine(const LightPicture& picture, const FieldParameters& field, const std::vector<Mark>& marks,
                     const std::optional<HeightPrior>& height, FieldFit& fit, RefinementReport& report) {
   report = {};
@@ -178,6 +203,7 @@ Result<void> refine(const LightPicture& picture, const FieldParameters& field, c
   }
   report.edge_sigma_px = weights.edge_sigma_px;
   report.sigma = adjustment.uncertainty(report.found, weights, camera, field);
+  report.height = height_evidence(adjustment, report.found, weights, camera, field, height);
   add_residuals(model, report);
   // Checks again, because a side whose points are mostly outliers was not found.
   std::vector<std::size_t> tried_points;

@@ -25,6 +25,7 @@ struct RefinementReport {
   double rms_mm = 0, p95_mm = 0, max_mm = 0;
   double edge_sigma_px = 0;  // standard deviation per point that accounts for correlated neighbors
   CameraUncertainty sigma;
+  HeightEvidence height;
   std::vector<MarkReport> marks;  // one per mark
   std::vector<MarkPoint> found;   // without the outliers
 };

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "firmware/config/file_backup.h"
+#include "tools/programs/calibrate/field/fit_consistency.h"
 #include "tools/programs/command_line/formatted.h"
 
 namespace touchline::calibrate {
@@ -95,23 +96,26 @@ std::string describe_markings(const FieldReport& report) {
 nlohmann::json json_of(const ResidualSummary& spread) { return {{"rms", spread.rms}, {"max", spread.max}}; }
 
 nlohmann::json json_of(const RefinementReport& r) {
-  return {{"points", r.points},
-          {"left_out", r.outliers},
-          {"px", {{"rms", r.rms_px}, {"p95", r.p95_px}, {"max", r.max_px}}},
-          {"mm", {{"rms", r.rms_mm}, {"p95", r.p95_mm}, {"max", r.max_mm}}},
-          {"independent_edge_sigma_px", r.edge_sigma_px},
-          {"sigma",
-           {{"height_m", r.sigma.height_m},
-            {"x_m", r.sigma.x_m},
-            {"y_m", r.sigma.y_m},
-            {"tilt_rad", r.sigma.tilt_rad},
-            {"focal_px", r.sigma.focal_px},
-            {"center_u_px", r.sigma.center_u_px},
-            {"center_v_px", r.sigma.center_v_px},
-            {"floor_center_mm", r.sigma.floor_center_mm},
-            {"floor_corner_mm", r.sigma.floor_corner_mm},
-            {"robot_top_corner_mm", r.sigma.top_corner_mm}}},
-          {"strain", r.sigma.lens_chi_square}};
+  return {
+      {"points", r.points},
+      {"left_out", r.outliers},
+      {"px", {{"rms", r.rms_px}, {"p95", r.p95_px}, {"max", r.max_px}}},
+      {"mm", {{"rms", r.rms_mm}, {"p95", r.p95_mm}, {"max", r.max_mm}}},
+      {"independent_edge_sigma_px", r.edge_sigma_px},
+      {"sigma",
+       {{"height_m", r.sigma.height_m},
+        {"x_m", r.sigma.x_m},
+        {"y_m", r.sigma.y_m},
+        {"tilt_rad", r.sigma.tilt_rad},
+        {"focal_px", r.sigma.focal_px},
+        {"center_u_px", r.sigma.center_u_px},
+        {"center_v_px", r.sigma.center_v_px},
+        {"floor_center_mm", r.sigma.floor_center_mm},
+        {"floor_corner_mm", r.sigma.floor_corner_mm},
+        {"robot_top_corner_mm", r.sigma.top_corner_mm}}},
+      {"height_of_the_picture_alone",
+       {{"height_m", r.height.height_m}, {"sigma_m", r.height.sigma_m}, {"chi_square_of_given", r.height.chi_square}}},
+      {"strain", r.sigma.lens_chi_square}};
 }
 
 }  // namespace
@@ -195,17 +199,21 @@ std::string text_of(const FieldReport& report) {
   const FullModelParameters& full = fit.camera.full;
   const auto value = [](float number) { return static_cast<double>(number); };
   std::string out = report.border ? describe_steps(*report.border, report.steps) : "";
-  out += formatted("camera %.3f m (+- %.3f) above the floor, %.1f degrees off the vertical%s\n", fit.height_m,
-                   fit.height_sigma_m, fit.tilt_rad * kDegrees, remark(report.height));
+  const std::string assumption = assumption_of(report);
+  out += formatted("camera %.3f m (+- %.3f) above the floor, %.1f degrees off the vertical%s%s\n", fit.height_m,
+                   fit.height_sigma_m, fit.tilt_rad * kDegrees, remark(report.height),
+                   refined ? ("; " + describe(report.refinement.height)).c_str() : "");
   out += residual_text(report) + "\n";
   if (refined) {
     out += formatted(
-        "standard deviations: place %.1f, %.1f mm, tilt %.2f degrees, focal length %.1f px, center %.1f, %.1f px;\n"
-        "  floor %.2f mm in the field's center, %.2f mm in its corners; a robot's top in a corner %.1f mm\n",
+        "standard deviations: place %.1f, %.1f mm, tilt %.2f degrees, focal length %.1f px, center %.1f, %.1f px%s;\n"
+        "  floor %.2f mm in the field's center, %.2f mm in its corners; a robot's top in a corner %.1f mm%s\n",
         1e3 * sigma.x_m, 1e3 * sigma.y_m, sigma.tilt_rad * kDegrees, sigma.focal_px, sigma.center_u_px,
-        sigma.center_v_px, sigma.floor_center_mm, sigma.floor_corner_mm, sigma.top_corner_mm);
+        sigma.center_v_px, assumption.c_str(), sigma.floor_center_mm, sigma.floor_corner_mm, sigma.top_corner_mm,
+        assumption.c_str());
     out += describe_markings(report);
   }
+  for (const std::string& doubt : report.doubts) out += "warning: " + doubt + "\n";
   out += describe_unknowns(report);
   if (!report.unrefined.empty()) out += "the camera model was not refined along the border: " + report.unrefined + "\n";
   out +=
@@ -238,6 +246,7 @@ Result<void> write_json(const FieldReport& report, const std::string& path) {
   nlohmann::json out = {{"height_m", fit.height_m},
                         {"height_sigma_m", fit.height_sigma_m},
                         {"height_from", word(report.height)},
+                        {"doubts", report.doubts},
                         {"tilt_rad", fit.tilt_rad},
                         {"position_m", full.position_m},
                         {"focal_px", {full.fx_px, full.fy_px}},

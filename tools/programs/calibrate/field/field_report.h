@@ -25,6 +25,7 @@ struct FieldReport {
   std::string unrefined;           // why it was not refined
   std::vector<Mark> marks;
   HeightSource height = HeightSource::kSeen;
+  std::vector<std::string> doubts;  // what speaks against the result without refuting it
   double seconds = 0;
 };
 

@@ -8,6 +8,8 @@
 #include "core/geometry/camera_model.h"
 #include "core/parameter.h"
 #include "firmware/config/light_writer.h"
+#include "tools/programs/calibrate/imaging/channel_image.h"
+#include "tools/programs/calibrate/light/paper_check.h"
 #include "tools/programs/calibrate/venue/venue_draft.h"
 
 namespace touchline::calibrate {
@@ -61,6 +63,32 @@ Result<void> read_normal(const std::string& venue, const config::LightEntry& ent
   return {};
 }
 
+// kOutOfRange: the field is not covered with paper. Advises the surface that can be measured in these pictures.
+Result<void> require_paper(const LightFitInput& input, std::vector<std::uint8_t> floor) {
+  const hal::Picture& first = input.pictures.front();
+  const std::vector<std::uint8_t> inside =
+      inside_mask(input.region_of_interest, static_cast<int>(first.width_px), static_cast<int>(first.height_px));
+  for (std::size_t i = 0; i < floor.size(); ++i) floor[i] = inside[i] != 0 ? floor[i] : std::uint8_t{0};
+  for (const hal::Picture& picture : input.pictures) {
+    if (picture.width_px != first.width_px || picture.height_px != first.height_px) return {};  // fit_light() says so
+  }
+  const PaperCheck paper = check_paper(input.pictures, floor);
+  if (paper.other_share <= kMostOther) return {};
+  LightFitInput uncovered = input;
+  uncovered.surface = LightSurface::kField;
+  uncovered.floor = std::move(floor);
+  LightMap map;
+  LightReport report;
+  const bool shows_floor = fit_light(uncovered, map, report).ok();
+  return failure(
+      ErrorCode::kOutOfRange,
+      "the field is not covered with grey paper: %.1f %% of it show something else in picture %zu, such as "
+      "at %zu,%zu px (robots, lines, hands). Cover it and take everything off%s",
+      100 * paper.other_share, paper.picture + 1, paper.u_px, paper.v_px,
+      shows_floor ? ", or measure the light on what is there: surface field leaves out robots, lines and gaps of paper"
+                  : "");
+}
+
 }  // namespace
 
 Result<LightCalibration> calibrate_light(const std::string& venue, std::vector<hal::Picture> pictures,
@@ -78,7 +106,10 @@ Result<LightCalibration> calibrate_light(const std::string& venue, std::vector<h
   input.region_of_interest = draft.region_of_interest;
   CameraModel camera;
   const hal::Picture& first = input.pictures.front();
-  if (input.surface != LightSurface::kGreyPaper && camera_of(draft, camera)) {
+  const bool has_camera = camera_of(draft, camera);
+  if (has_camera && input.surface == LightSurface::kGreyPaper) {
+    TOUCHLINE_TRY(require_paper(input, floor_mask(draft, camera, first)));
+  } else if (has_camera) {
     input.floor = floor_mask(draft, camera, first);
     input.border = border_places(camera, draft.file.field, first.width_px, first.height_px);
   } else if (input.surface == LightSurface::kBorder) {
@@ -86,6 +117,7 @@ Result<LightCalibration> calibrate_light(const std::string& venue, std::vector<h
                  venue + ": surface border needs the camera model: calibrate the field first"};
   }
   LightCalibration out;
+  out.paper_checked = has_camera;
   TOUCHLINE_TRY(fit_light(input, out.map, out.report));
   config::LightEntry entry;
   entry.surface = surface;

@@ -67,6 +67,9 @@ Result<void> LightCommand::run() const {
   }
   if (report.spots.size() > kShown) std::printf("and %zu smaller spots\n", report.spots.size() - kShown);
   std::printf("%s written, %s: [light] written\n", light.map_path.c_str(), venue.c_str());
+  if (measured_on == "grey" && !light.paper_checked) {
+    std::printf("whether the field is covered with paper was not checked: calibrate the field first\n");
+  }
   if (light.had_colors && !keep_normal) {
     std::printf(
         "the colors were learned with another map: learn them again, or measure the light with --keep-normal\n");

@@ -17,16 +17,12 @@ constexpr double kLeastFloorShare = 0.3;
 // core/light limits the gain to 4; the file format ends at 65535 / 32768 = 1.99997.
 constexpr float kLeastIllumination = 0.25f, kMostIllumination = 65535.0f / 32768.0f;
 
-double value_at(const hal::Picture& picture, std::size_t index) {
-  return picture.is_16_bit() ? picture.rgb16[index] / 257.0 : static_cast<double>(picture.rgb8[index]);
-}
-
 // The median of each pixel over all pictures: what is visible in most of them.
 Plane usual_value(const std::vector<hal::Picture>& pictures, std::size_t channel) {
   Plane out(std::size_t{pictures[0].width_px} * pictures[0].height_px);
   std::vector<double> values(pictures.size());
   for (std::size_t i = 0; i < out.size(); ++i) {
-    for (std::size_t p = 0; p < pictures.size(); ++p) values[p] = value_at(pictures[p], 3 * i + channel);
+    for (std::size_t p = 0; p < pictures.size(); ++p) values[p] = channel_value(pictures[p], 3 * i + channel);
     out[i] = statistics::median(values);
   }
   return out;
@@ -35,7 +31,7 @@ Plane usual_value(const std::vector<hal::Picture>& pictures, std::size_t channel
 Plane mean_value(const std::vector<hal::Picture>& pictures, std::size_t channel) {
   Plane out(std::size_t{pictures[0].width_px} * pictures[0].height_px, 0.0);
   for (std::size_t i = 0; i < out.size(); ++i) {
-    for (const hal::Picture& p : pictures) out[i] += value_at(p, 3 * i + channel);
+    for (const hal::Picture& p : pictures) out[i] += channel_value(p, 3 * i + channel);
     out[i] /= static_cast<double>(pictures.size());
   }
   return out;
@@ -70,6 +66,10 @@ void add_spots(const LightGrid& grid, std::vector<std::uint8_t> flagged, bool sa
 }
 
 }  // namespace
+
+double channel_value(const hal::Picture& picture, std::size_t index) {
+  return picture.is_16_bit() ? picture.rgb16[index] / 257.0 : static_cast<double>(picture.rgb8[index]);
+}
 
 Result<void> fit_light(const LightFitInput& input, LightMap& out, LightReport& report) {
   report = {};

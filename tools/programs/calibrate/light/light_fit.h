@@ -62,6 +62,9 @@ struct LightReport {
 /// of a map, or there is hardly any floor. kNotFound: fewer than three pictures with moving objects.
 Result<void> fit_light(const LightFitInput& input, LightMap& out, LightReport& report);
 
+/// Value 0 to 255 of a channel; `index` counts channels in raster order.
+double channel_value(const hal::Picture& picture, std::size_t index);
+
 /// Returns the map in the form of the map file: 16 bits per channel, 32768 is illumination 1.
 hal::Picture map_picture(const LightMap& map);
 

@@ -13,6 +13,7 @@
 #include "tests/benchmark/field_picture.h"
 #include "tests/benchmark/step_benchmark.h"
 #include "tests/linux/jpeg_encoder.h"
+#include "tests/region/patterns.h"
 
 namespace touchline::testing {
 namespace {

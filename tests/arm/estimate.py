@@ -28,8 +28,8 @@ class Core:
         self.memory, self.mispredicted = memory_ns * 1e-9 * hertz, mispredicted
 
 
-# Cache sizes: Arm's manuals, BCM2711, BCM2712 and RK3328. Cycles of a mispredicted branch: LLVM's models. Latencies are assumptions on the
-# side of caution, rounded up from what Arm states (A76: L2 9, L3 26 to 31 cycles) and what others measured with chains of pointers.
+# Cache sizes: of the Raspberry Pi 4 (BCM2711), 5 (BCM2712) and 3 (BCM2837). Cycles of a mispredicted branch: MispredictPenalty in LLVM's
+# models of A57, Neoverse N1 and A53. Latencies of caches and memory are assumptions on the side of caution: no board was measured.
 CORES = [
     Core("A72, 1.5 GHz", "cortex-a72", 1.5e9, ("49152,3,64", "32768,2,64"), ["1048576,16,64"], [21], 150, 14),
     Core("A76, 2.4 GHz", "neoverse-n1", 2.4e9, ("65536,4,64", "65536,4,64"), ["524288,8,64", "2097152,16,64"], [11, 35], 130, 11),

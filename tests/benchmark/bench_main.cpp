@@ -7,6 +7,7 @@
 #include "tests/benchmark/mjpg_benchmark.h"
 #include "tests/benchmark/real_pictures.h"
 #include "tests/benchmark/step_benchmark.h"
+#include "tests/benchmark/store_pictures.h"
 #include "tools/programs/command_line/command_line.h"
 
 namespace touchline::testing {
@@ -16,6 +17,7 @@ constexpr char kProgram[] = "touchline-bench";
 
 struct Options {
   std::string filter, json, once, search_of = "all";
+  std::vector<std::string> store;
   std::size_t repetitions = 500, calls = 1, pictures = kMostRealPictures;
   double search_s = 0.0;
   unsigned seed = 1;
@@ -49,6 +51,9 @@ void add_options(CLI::App& app, Options& options) {
   app.add_option("--calls", options.calls, "Calls of --once; each takes the next of several pictures")
       ->check(CLI::Range(std::size_t{1}, kMaxRepetitions))
       ->capture_default_str();
+  app.add_option("--store", options.store, "Write pictures for profile_step into a file: game, or the name of clutter")
+      ->type_name("PICTURE FORMAT VENUE FILE")
+      ->expected(4);
 }
 
 [[gnu::noinline]] void counted_call(const std::function<void()>& work) { work(); }
@@ -100,7 +105,7 @@ Result<void> add_step(BenchmarkCases& cases, StepBenchmark& step, const std::str
   auto benchmark = std::make_unique<BenchmarkCase>(BenchmarkCase{
       .name = "step, ten robots and ball", .picture = OwnedPicture(PixelFormat::kRgb24, 1, 1, 0), .parameters = {}});
   if (benchmark->name.find(filter) == std::string::npos) return {};
-  TOUCHLINE_TRY(step.prepare(TOUCHLINE_BOARDS "/mock/board.toml"));
+  TOUCHLINE_TRY(step.prepare(mock_files()));
   benchmark->methods.push_back({std::string("scan") + kEveryRow, [&step] { step.scan_only(); }, {}});
   benchmark->methods.push_back({"step", [&step] { static_cast<void>(step.step()); }, {}});
   cases.push_back(std::move(benchmark));
@@ -118,6 +123,10 @@ int run(int argc, char** argv) {
   if (options.quick) options.repetitions = 50;
   if (!options.once.empty()) return call_once(options);
   if (options.search_s > 0.0) return search(options);
+  if (!options.store.empty()) {
+    const Result<void> stored = store_pictures(options.store[0], options.store[1], options.store[2], options.store[3]);
+    return stored.ok() ? kExitOk : fail(kProgram, stored.text());
+  }
 
   BenchmarkCases cases;
   if (const Result<void> added = add_cases(cases, options.filter, options.pictures); !added.ok())

@@ -16,36 +16,6 @@ constexpr double kFrameInterval_s = 1.0 / 60.0;
 // The tracks of what the picture seems to show are complete by then.
 constexpr int kStepsBefore = 6;
 
-// Two teams of eleven robots; six patches of 18 mm in two columns, with every sequence of colors once.
-TeamMarkings largest_teams(const TeamMarkings& mock) {
-  TeamMarkings teams = mock;
-  std::vector<ColorId> colors;
-  for (const TeamMarking& team : mock) {
-    for (const RobotMarking& robot : team.robots) colors.insert(colors.end(), robot.colors.begin(), robot.colors.end());
-  }
-  for (std::size_t t = 0; t < teams.size(); ++t) {
-    TeamMarking& team = teams[t];
-    team.layout.patches.clear();
-    for (int i = 0; i < 6; ++i) {
-      PatchPlace place;
-      place.role = i == 0 ? PatchRole::kTeam : PatchRole::kIdentification;
-      place.x_m = 0.024f * static_cast<float>(1 - i / 2), place.y_m = i % 2 == 0 ? 0.014f : -0.014f;
-      place.length_m = place.width_m = 0.018f;
-      team.layout.patches.push_back(place);
-    }
-    team.max_robots = kMaxRobotsPerTeam;
-    team.robots.clear();
-    for (std::size_t r = 0; r < kMaxRobotsPerTeam; ++r) {
-      RobotMarking robot;
-      robot.id = static_cast<RobotId>(r);
-      for (std::size_t s = 0; s < 5; ++s)
-        robot.colors.push_back(colors[(r + s * (1 + r / 10) + 3 * t) % colors.size()]);
-      team.robots.push_back(robot);
-    }
-  }
-  return teams;
-}
-
 ClutterRecipe random_clutter(std::mt19937& random) {
   ClutterRecipe recipe;
   for (const ClutterNumber& number : latency::clutter_numbers()) {
@@ -84,8 +54,8 @@ double time_of(Step step) {
 
 }  // namespace
 
-Result<void> ClutterStep::configure(ClutterTeams teams) {
-  TOUCHLINE_TRY(config::load({TOUCHLINE_BOARDS "/mock/board.toml", "", "", {}}, *configuration_));
+Result<void> ClutterStep::configure(const config::FilePaths& files, ClutterTeams teams) {
+  TOUCHLINE_TRY(config::load(files, *configuration_));
   PipelineParameters& parameters = configuration_->pipeline;
   if (teams == ClutterTeams::kLargest) parameters.marker.teams = largest_teams(parameters.marker.teams);
   Status status = pipeline_->configure(parameters);
@@ -105,12 +75,14 @@ void ClutterStep::show(const ClutterRecipe& recipe) {
   for (int i = 0; i < kStepsBefore; ++i) step();
 }
 
-const StepTrace& ClutterStep::step() {
+Frame ClutterStep::next_frame() {
   Frame frame = picture_.frame();
   frame.sequence = ++frames_;
   frame.capture_time = Instant(from_seconds(kFrameInterval_s * frames_));
-  return pipeline_->step(frame);
+  return frame;
 }
+
+const StepTrace& ClutterStep::step() { return pipeline_->step(next_frame()); }
 
 Result<void> add_clutter_cases(BenchmarkCases& cases, const std::string& filter) {
   for (const latency::NamedClutter& clutter : latency::worst_clutter()) {
@@ -121,7 +93,7 @@ Result<void> add_clutter_cases(BenchmarkCases& cases, const std::string& filter)
       const auto recipe = latency::clutter_recipe_of(clutter.recipe);
       if (!recipe) return failure(ErrorCode::kInconsistent, "%s: not a recipe", clutter.name);
       const auto steps = std::make_shared<ClutterStep>();
-      TOUCHLINE_TRY(steps->configure(teams));
+      TOUCHLINE_TRY(steps->configure(mock_files(), teams));
       steps->show(*recipe);
       const StepTrace& trace = steps->step();
       auto benchmark = std::make_unique<BenchmarkCase>(
@@ -138,9 +110,9 @@ Result<void> add_clutter_cases(BenchmarkCases& cases, const std::string& filter)
 
 Result<void> search_slowest_step(double seconds, unsigned seed, ClutterTeams teams) {
   static StepBenchmark field;
-  TOUCHLINE_TRY(field.prepare(TOUCHLINE_BOARDS "/mock/board.toml"));
+  TOUCHLINE_TRY(field.prepare(mock_files()));
   ClutterStep clutter;
-  TOUCHLINE_TRY(clutter.configure(teams));
+  TOUCHLINE_TRY(clutter.configure(mock_files(), teams));
   std::mt19937 random(seed);
   std::size_t pictures = 0;
   const auto evaluate = [&](const ClutterRecipe& recipe, int calls) {

@@ -6,14 +6,12 @@
 #include "core/pipeline.h"
 #include "firmware/config/configuration.h"
 #include "hal/result.h"
+#include "tests/benchmark/clutter_teams.h"
 #include "tests/benchmark/measurement.h"
 #include "tests/color/owned_picture.h"
 #include "tools/programs/latency/clutter_picture.h"
 
 namespace touchline::testing {
-
-/// The teams that look for robots in clutter: those of the mock board, or two of eleven robots with six patches each.
-enum class ClutterTeams { kMock, kLargest };
 
 // Suffix of the name of cases with ClutterTeams::kLargest.
 inline constexpr char kLargestTeams[] = ", 22 robots of six patches";
@@ -21,9 +19,10 @@ inline constexpr char kLargestTeams[] = ", 22 robots of six patches";
 /// Runs the whole pipeline step on one cluttered picture again and again, with the venue of the mock board.
 class ClutterStep {
  public:
-  Result<void> configure(ClutterTeams teams);
+  Result<void> configure(const config::FilePaths& files, ClutterTeams teams);
   void show(const latency::ClutterRecipe& recipe);
   /// The next frame, which shows the same picture.
+  Frame next_frame();
   const StepTrace& step();
   [[nodiscard]] const PipelineParameters& parameters() const { return configuration_->pipeline; }
 

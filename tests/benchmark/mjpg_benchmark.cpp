@@ -13,6 +13,7 @@
 #include "tests/benchmark/field_picture.h"
 #include "tests/benchmark/step_benchmark.h"
 #include "tests/linux/jpeg_encoder.h"
+#include "tests/region/patterns.h"
 
 namespace touchline::testing {
 namespace {
@@ -275,7 +276,7 @@ class JpegGame {
 
 Result<void> add_steps(BenchmarkCase& benchmark, const Compression& compression) {
   StepBenchmark game;
-  TOUCHLINE_TRY(game.prepare(TOUCHLINE_BOARDS "/mock/board.toml"));
+  TOUCHLINE_TRY(game.prepare(mock_files()));
   for (const ColorSpace space : kSpaces) {
     const auto of_space = std::make_shared<JpegGame>();
     TOUCHLINE_TRY(of_space->prepare(space, game, compression));
@@ -286,6 +287,8 @@ Result<void> add_steps(BenchmarkCase& benchmark, const Compression& compression)
 }
 
 }  // namespace
+
+std::vector<std::uint8_t> camera_jpeg(const Frame& frame) { return encode(frame, 2, quality_of({"", 2, true}, frame)); }
 
 Result<void> add_mjpg_cases(BenchmarkCases& cases, const std::string& filter) {
   const auto add = [&](const std::string& name, const auto& fill) -> Result<void> {

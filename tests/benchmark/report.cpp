@@ -39,7 +39,7 @@ std::vector<Goal> goals_of(const BenchmarkCases& cases) {
     return median_of(cases, benchmark, method);
   };
   // The kernel that the program picks on this processor.
-  const std::string kernel = std::isnan(time(kRealistic, "avx2")) ? "neon" : "avx2";
+  const std::string kernel(kKernelChoices[static_cast<std::size_t>(resolve(KernelChoice::kFastest))].word);
   add("OpenCV table / scan of every row", time(kRealistic, "OpenCV table") / time(kRealistic, kernel), 30.0, true);
   for (const std::string set : kRealSets) {
     const std::string name = "real " + set;

@@ -52,8 +52,8 @@ Result<void> StepBenchmark::play(std::size_t frames) {
   return {};
 }
 
-Result<void> StepBenchmark::prepare(const std::string& board_file, std::size_t frames) {
-  TOUCHLINE_TRY(config::load({board_file, "", "", {}}, *configuration_));
+Result<void> StepBenchmark::prepare(const config::FilePaths& files, std::size_t frames) {
+  TOUCHLINE_TRY(config::load(files, *configuration_));
   if (const Status s = pipeline_->configure(configuration_->pipeline); !s.ok()) {
     return Error{s.code(), "the pipeline refuses its configuration"};
   }

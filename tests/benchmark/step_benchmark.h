@@ -11,6 +11,9 @@
 
 namespace touchline::testing {
 
+/// The mock board with its venue and team, whose pictures are RGB24.
+inline config::FilePaths mock_files() { return {TOUCHLINE_BOARDS "/mock/board.toml", "", "", {}}; }
+
 /// Runs the whole pipeline step for benchmarks, on about a second of a game in a board's mock arena (ten robots, ball,
 /// uneven light, sensor noise) that is rendered beforehand.
 class StepBenchmark {
@@ -18,7 +21,7 @@ class StepBenchmark {
   /// Plays the board's arena and stores `frames` pictures. Their number must be odd: each measured call follows an
   /// unmeasured one, and an even number would measure only every second frame. An error if a frame does
   /// not show all robots.
-  Result<void> prepare(const std::string& board_file, std::size_t frames = 49);
+  Result<void> prepare(const config::FilePaths& files, std::size_t frames = 49);
 
   /// Classifies and labels every row of the next frame, which is the unit of the step's time. Both methods
   /// cycle through the frames independently.

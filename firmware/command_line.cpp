@@ -133,6 +133,10 @@ std::optional<int> parse_command_line(int argc, char** argv, CommandLine& out) {
   keys->add_option("--update", out.page_to_update, "Write the reference into this page (docs/files.md) instead")
       ->type_name("FILE");
 
+  CLI::App* faults = app.add_subcommand("faults", "List all faults: what you see, what robots do, how it ends");
+  faults->add_option("--update", out.page_to_update, "Write the tables into this page (docs/faults.md) instead")
+      ->type_name("FILE");
+
   CLI::App* console_command = app.add_subcommand("console", "Show what a browser on another computer needs");
   add_files(*console_command, out.session.files);
   bool prints_token = false;  // the only thing that it does so far
@@ -142,6 +146,7 @@ std::optional<int> parse_command_line(int argc, char** argv, CommandLine& out) {
   out.command = init->parsed()              ? Command::kInit
                 : check->parsed()           ? Command::kCheck
                 : keys->parsed()            ? Command::kKeys
+                : faults->parsed()          ? Command::kFaults
                 : console_command->parsed() ? Command::kConsole
                                             : Command::kRun;
   out.console.is_requested = console->count() > 0;

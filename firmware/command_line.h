@@ -12,7 +12,7 @@
 
 namespace touchline {
 
-enum class Command : std::uint8_t { kRun, kCheck, kKeys, kInit, kConsole };
+enum class Command : std::uint8_t { kRun, kCheck, kKeys, kFaults, kInit, kConsole };
 /// How fast simulated time passes. kDefault: kReal if somebody watches or a program is connected, else kFast.
 enum class Pace : std::uint8_t { kDefault, kReal, kFast };
 
@@ -25,7 +25,7 @@ struct CommandLine {
   bool headless = false;
   bool dump = false;
   std::string drawing;         // check --draw
-  std::string page_to_update;  // keys --update
+  std::string page_to_update;  // keys --update, faults --update
   InitOptions init;
 };
 

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <string_view>
 
 #include "core/status.h"
 
@@ -41,5 +43,37 @@ constexpr FaultAction action_for(ErrorCode code) {
   }
   return FaultAction::kLeave;  // not an enumerator: memory is corrupt
 }
+
+/// What a person sees of a device's error. docs/faults.md is made from it.
+struct ErrorDescription {
+  ErrorCode code;
+  std::string_view seen;
+};
+/// All codes but kOk, in their order.
+inline constexpr std::array kErrorDescriptions{
+    ErrorDescription{ErrorCode::kTimeout,
+                     "the camera sent nothing in time; after faults.camera_timeout_s it is reopened"},
+    ErrorDescription{ErrorCode::kBusy, "the radio takes no packet at the moment; dropped packets are counted"},
+    ErrorDescription{ErrorCode::kEndOfStream, "a recording has ended"},
+    ErrorDescription{ErrorCode::kShortFrame, "a picture is incomplete; unusable frames are counted"},
+    ErrorDescription{ErrorCode::kCorruptFrame, "a picture is damaged; unusable frames are counted"},
+    ErrorDescription{ErrorCode::kUnsupported, "the device does not offer what the board file asks for"},
+    ErrorDescription{ErrorCode::kNotFound, "the device is not there"},
+    ErrorDescription{ErrorCode::kPermission, "the system denies access to the device"},
+    ErrorDescription{ErrorCode::kDeviceBusy, "another program uses the device"},
+    ErrorDescription{ErrorCode::kDisconnected, "the device went away"},
+    ErrorDescription{ErrorCode::kIo, "the device failed; the system's error follows"},
+    ErrorDescription{ErrorCode::kOutOfRange, "the device refuses a value"},
+    ErrorDescription{ErrorCode::kInconsistent, "the device contradicts the board file"},
+    ErrorDescription{ErrorCode::kFull, "overloads are counted; see also `overload`"},
+    ErrorDescription{ErrorCode::kStopped, "the program was asked to end"},
+};
+static_assert(kErrorDescriptions.size() == static_cast<std::size_t>(ErrorCode::kStopped));
+static_assert([] {
+  for (std::size_t i = 0; i < kErrorDescriptions.size(); ++i) {
+    if (static_cast<std::size_t>(kErrorDescriptions[i].code) != i + 1) return false;
+  }
+  return true;
+}());
 
 }  // namespace touchline

@@ -5,6 +5,7 @@
 #include "firmware/config/key_reference.h"
 #include "firmware/config/uncalibrated.h"
 #include "firmware/console_command.h"
+#include "firmware/fault_reference.h"
 #include "firmware/init_command.h"
 #include "firmware/layout_drawing.h"
 #include "firmware/network/connections.h"
@@ -83,11 +84,13 @@ int check_command(const CommandLine& command_line) {
                std::string(config::kernel_word(configuration.board)) + " kernel\n" + describe(plan.value()));
 }
 
-int keys_command(const std::string& page_to_update) {
-  if (page_to_update.empty()) return print(config::key_reference_text());
+/// Prints a reference, or writes it into a page of the documentation.
+int reference_command(const std::string& page_to_update, std::string (*text)(),
+                      Result<std::string> (*update)(std::string page)) {
+  if (page_to_update.empty()) return print(text());
   Result<std::string> page = hal::read_file(page_to_update, hal::kMaxTextFileBytes);
   if (!page.ok()) return fail(page.text());
-  const Result<std::string> updated = config::updated_key_reference(std::move(page).value());
+  const Result<std::string> updated = update(std::move(page).value());
   if (!updated.ok()) return fail(page_to_update + ": " + updated.text());
   const Result<void> written = hal::write_file(page_to_update, updated.value());
   return written.ok() ? kExitOk : fail(written.text());
@@ -111,7 +114,11 @@ int main(int argc, char** argv) {
       case touchline::Command::kConsole:
         return touchline::console_command(command_line);
       case touchline::Command::kKeys:
-        return touchline::keys_command(command_line.page_to_update);
+        return touchline::reference_command(command_line.page_to_update, touchline::config::key_reference_text,
+                                            touchline::config::updated_key_reference);
+      case touchline::Command::kFaults:
+        return touchline::reference_command(command_line.page_to_update, touchline::fault_reference_markdown,
+                                            touchline::updated_fault_reference);
     }
   } catch (const std::exception& error) {  // Loop::run() has stopped the robots
     std::fprintf(stderr, "touchline: internal error: %s\n", error.what());

@@ -357,6 +357,15 @@ TEST_F(Program, ConfirmsAColorThatDoesNotLookLikeItsName) {
   EXPECT_TRUE(run(colors + " --odd-color blue")) << read("out");
 }
 
+// Nothing can be learned for a robot's patch with the color of its team.
+TEST_F(Program, ReportsContradictionsOfTheTeamFileFirst) {
+  write("team.toml",
+        "version = 1\n[own]\nlayout = \"paper\"\ncolor = \"red\"\n[[own.robot]]\nid = 0\ncolors = [\"red\"]\n");
+  EXPECT_FALSE(run("colors --picture " + path("missing.png") + venue() + " --team " + path("team.toml")));
+  EXPECT_NE(read("out").find("team.toml:7: own.robot[0].colors: \"red\" is also own.color at "), std::string::npos)
+      << read("out");
+}
+
 TEST_F(Program, RejectsAnInvalidVenue) {
   write("venue.toml", "version = 1\n[field\n");
   EXPECT_FALSE(run(field() + corners_ + " --camera-height 1.8"));

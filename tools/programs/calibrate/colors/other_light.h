@@ -16,8 +16,8 @@ struct OtherLight {
 
 /// What lamps do between two pictures, without a change that a person sees: mains flicker and warming up change the
 /// brightness by some percent, daylight the tint.
-inline constexpr std::array<OtherLight, 4> kOtherLights{{{"5 % brighter", {1.05, 1.05, 1.05}},
-                                                         {"5 % darker", {0.95, 0.95, 0.95}},
+inline constexpr std::array<OtherLight, 4> kOtherLights{{{"if 5 % brighter", {1.05, 1.05, 1.05}},
+                                                         {"if 5 % darker", {0.95, 0.95, 0.95}},
                                                          {"with warmer light", {1.03, 1.0, 0.97}},
                                                          {"with colder light", {0.97, 1.0, 1.03}}}};
 

@@ -1,0 +1,250 @@
+// Plays every row of docs/faults.md: robots drive, the fault is planted, its reason holds and packets stop the robots,
+// and after what ends it they drive again.
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <functional>
+#include <map>
+#include <set>
+
+#include "firmware/fault_reference.h"
+#include "firmware/loop.h"
+#include "hal/linux/monotonic_clock.h"
+#include "hal/mock/arena.h"
+#include "hal/mock/mock_devices.h"
+#include "tests/results.h"
+
+namespace touchline {
+namespace {
+
+using hal::mock::FaultKind;
+
+/// Inputs that cannot be read while `fails` is set.
+class UnreadableGpio final : public hal::Gpio {
+ public:
+  explicit UnreadableGpio(hal::Gpio& gpio) : gpio_(gpio) {}
+  bool fails = false;
+
+ private:
+  Result<void> do_open() override { return gpio_.open(); }
+  void do_close() override { gpio_.close(); }
+  Result<hal::GpioInputs> do_inputs(Instant now) override {
+    if (fails) return failure(ErrorCode::kIo, "planted");
+    return gpio_.inputs(now);
+  }
+  Result<void> do_set_status_led(bool on) override { return gpio_.set_status_led(on); }
+  Result<void> do_set_strobe(bool on) override { return gpio_.set_strobe(on); }
+
+  hal::Gpio& gpio_;
+};
+
+/// The mock board's game, with a console and a referee.
+struct FaultGame {
+  explicit FaultGame(std::vector<hal::mock::ArenaFault> faults, const std::function<void(LoopSettings&)>& change) {
+    EXPECT_OK(config::load({TOUCHLINE_BOARDS "/mock/board.toml", "", "", {}}, *configuration));
+    config::BoardFile& board = configuration->board;
+    board.arena.fault = std::move(faults);
+    EXPECT_TRUE(pipeline->configure(configuration->pipeline).ok());
+    arena.emplace(board.arena, board.camera, board.radio, 1);
+    clock.emplace(*arena);
+    camera.emplace(*arena, *clock);
+    radio.emplace(*arena, *clock);
+    mock_gpio.emplace(*arena, *clock);
+    gpio.emplace(*mock_gpio);
+    LoopSettings settings;
+    settings.faults = board.faults;
+    settings.radio_delay = from_seconds(board.radio.delay_s);
+    settings.radio_byte_time = hal::byte_time(board.radio);
+    settings.external.console = &console;
+    settings.external.referee = &referee;
+    if (change) change(settings);
+    loop.emplace(HalDevices{*camera, *radio, *gpio, *clock, true}, *pipeline, settings, *ring,
+                 LoopObserver{&FaultGame::observe, this});
+    EXPECT_OK(loop->open());
+    put();
+  }
+
+  [[nodiscard]] double now_s() const { return seconds(arena->now() - hal::mock::Arena::kBegin); }
+  /// Runs until `reached`, at most `for_s`. Returns whether it was reached.
+  bool run_until(const std::function<bool()>& reached, double for_s) {
+    for (const double end_s = now_s() + for_s; now_s() < end_s && !reached();) {
+      if (loop->iterate().has_value()) return false;
+    }
+    return reached();
+  }
+  void put() { console.input.put(wanted); }
+  void start() {
+    wanted.stop = wanted.setup_ended = false;
+    ++wanted.starts;
+    wanted.start_number = console.held_number;
+    if (wanted.driver_heard) wanted.driver_heard = hal::MonotonicClock::read();
+    put();
+  }
+  void put(RefereeState state) {
+    state.received = hal::MonotonicClock::read();
+    referee.put(state);
+  }
+
+  std::unique_ptr<config::Configuration> configuration = std::make_unique<config::Configuration>();
+  std::unique_ptr<Pipeline> pipeline = std::make_unique<Pipeline>();
+  std::unique_ptr<ReportRing> ring = std::make_unique<ReportRing>();
+  ConsoleLink console;
+  ConsoleInput wanted;
+  Mailbox<RefereeState> referee;
+  std::optional<hal::mock::Arena> arena;
+  std::optional<hal::mock::ArenaClock> clock;
+  std::optional<hal::mock::MockCamera> camera;
+  std::optional<hal::mock::MockRadio> radio;
+  std::optional<hal::mock::MockGpio> mock_gpio;
+  std::optional<UnreadableGpio> gpio;
+  std::optional<Loop> loop;
+  bool drives = false;  // the last frame's packet
+
+ private:
+  static void observe(void* context, const StepTrace& trace, const StepTiming&) {
+    static_cast<FaultGame*>(context)->drives = !trace.commands.stop;
+  }
+};
+
+struct FaultScenario {
+  std::vector<hal::mock::ArenaFault> faults{};
+  std::function<void(LoopSettings&)> change{};
+  std::function<void(FaultGame&)> plant{}, end{};
+  bool holds_at_first = false;
+};
+
+const std::map<std::string, FaultScenario>& fault_scenarios() {
+  // The arena's own faults begin at 2.5 s: a tile of the picture is judged after one to two seconds.
+  const auto arena = [](FaultKind kind, double for_s, bool needs_start = false) {
+    FaultScenario scenario{.faults = {{kind, 2.5, for_s}}};
+    if (needs_start) scenario.end = [](FaultGame& game) { game.start(); };
+    return scenario;
+  };
+  const auto console = [](auto set, auto end) {
+    FaultScenario scenario;
+    scenario.plant = [set](FaultGame& game) {
+      set(game.wanted);
+      game.put();
+    };
+    scenario.end = end;
+    return scenario;
+  };
+  const auto referee_says = [](GamePhase phase, float own_height_m, bool repeats) {
+    return [=](FaultGame& game) {
+      RefereeState state;
+      state.phase = phase;
+      state.own_height_m = own_height_m;
+      state.repeats = repeats;
+      game.put(state);
+    };
+  };
+  const auto start = [](FaultGame& game) { game.start(); };
+  const auto held = [start](auto change) {
+    return FaultScenario{.change = change, .end = start, .holds_at_first = true};
+  };
+  static const std::map<std::string, FaultScenario> scenarios{
+      {"no_frames", arena(FaultKind::kCameraStall, 0.6)},
+      {"repeats", arena(FaultKind::kPictureFrozen, 0.6)},
+      {"overload", arena(FaultKind::kPictureRandom, 0.6)},
+      {"field", arena(FaultKind::kDark, 0.6)},
+      {"motion", arena(FaultKind::kPictureTurned, 0.6, true)},
+      {"emergency", arena(FaultKind::kEmergencyStop, 0.6, true)},
+      {"radio", arena(FaultKind::kRadioLost, 0.3)},
+      {"unreadable_line",
+       {.plant = [](FaultGame& game) { game.gpio->fails = true; },
+        .end =
+            [](FaultGame& game) {
+              game.gpio->fails = false;
+              game.run_until([&] { return (game.loop->halt() & kHaltUnreadableLine) == 0; }, 3.0);
+              game.start();
+            }}},
+      {"start", held([](LoopSettings& settings) { settings.start_button = true; })},
+      {"crash", held([](LoopSettings& settings) { settings.held.reasons = kHaltCrash; })},
+      {"referee",
+       {.plant = referee_says(GamePhase::kHalt, 0.0f, false), .end = referee_says(GamePhase::kRunning, 0.0f, false)}},
+      {"silence",
+       {.plant = referee_says(GamePhase::kRunning, 0.0f, true), .end = referee_says(GamePhase::kRunning, 0.0f, false)}},
+      {"teams",
+       {.plant = referee_says(GamePhase::kRunning, 1e6f, false),
+        .end = referee_says(GamePhase::kRunning, 0.0f, false)}},
+      {"console", console([](ConsoleInput& wanted) { wanted.stop = true; }, start)},
+      {"setup_ended", console([](ConsoleInput& wanted) { wanted.stop = wanted.setup_ended = true; }, start)},
+      {"driver",
+       console(
+           [](ConsoleInput& wanted) { wanted.driver_heard = hal::MonotonicClock::read() - std::chrono::seconds(2); },
+           start)},
+      {"setup", console([](ConsoleInput& wanted) { wanted.setup = SetupWish::kStand; },
+                        [](FaultGame& game) {
+                          game.wanted.setup = SetupWish::kNone;
+                          game.put();
+                        })}};
+  return scenarios;
+}
+
+std::string read_fault_page() {
+  std::ostringstream page;
+  page << std::ifstream(TOUCHLINE_DOCS "/faults.md").rdbuf();
+  return page.str();
+}
+
+/// Words of the first table: "| `word` | ...".
+std::set<std::string> words_of_fault_page() {
+  std::set<std::string> words;
+  std::istringstream lines(read_fault_page());
+  for (std::string line; std::getline(lines, line) && !line.starts_with("## Errors");) {
+    if (line.starts_with("| `")) words.insert(line.substr(3, line.find('`', 3) - 3));
+  }
+  return words;
+}
+
+TEST(FaultTable, ThePageIsWhatTheProgramPrints) {
+  const std::string page = read_fault_page();
+  ASSERT_FALSE(page.empty());
+  const Result<std::string> updated = updated_fault_reference(page);
+  ASSERT_OK(updated);
+  EXPECT_EQ(page, updated.value()) << "touchline faults --update docs/faults.md";
+}
+
+TEST(FaultTable, EveryRowIsPlayed) {
+  std::set<std::string> played;
+  for (const auto& [word, scenario] : fault_scenarios()) played.insert(word);
+  EXPECT_EQ(words_of_fault_page(), played);
+}
+
+class FaultRow : public ::testing::TestWithParam<std::string> {};
+
+TEST_P(FaultRow, StopsTheRobotsAndEnds) {
+  const FaultScenario& scenario = fault_scenarios().at(GetParam());
+  const auto* const description = std::find_if(kHaltDescriptions.begin(), kHaltDescriptions.end(),
+                                               [](const HaltDescription& halt) { return halt.word == GetParam(); });
+  ASSERT_NE(description, kHaltDescriptions.end());
+  FaultGame game(scenario.faults, scenario.change);
+  const auto drives = [&] { return game.drives && game.loop->halt() == kHaltNone; };
+  if (!scenario.holds_at_first) {
+    ASSERT_TRUE(game.run_until(drives, 2.0)) << "before the fault";
+    game.run_until([&] { return game.now_s() >= 2.45; }, 3.0);
+    EXPECT_TRUE(drives());
+    if (scenario.plant) scenario.plant(game);
+  }
+  ASSERT_TRUE(game.run_until([&] { return (game.loop->halt() & description->bit) != 0; }, 3.0));
+  // A frame later at most, unless there are no frames.
+  const std::uint64_t frames = game.loop->statistics().frames;
+  game.run_until([&] { return game.loop->statistics().frames > frames; }, 0.1);
+  EXPECT_TRUE(!game.drives || GetParam() == "no_frames");
+  if (!scenario.faults.empty()) game.run_until([&] { return game.now_s() >= 3.3; }, 2.0);
+  if (scenario.end) {
+    EXPECT_FALSE(game.run_until(drives, 0.3)) << "it must not end by itself";
+    scenario.end(game);
+  }
+  EXPECT_TRUE(game.run_until(drives, 3.0)) << "after what ends it; halt " << game.loop->halt();
+}
+
+std::vector<std::string> played_faults() {
+  std::vector<std::string> words;
+  for (const auto& [word, scenario] : fault_scenarios()) words.push_back(word);
+  return words;
+}
+INSTANTIATE_TEST_SUITE_P(, FaultRow, ::testing::ValuesIn(played_faults()), [](const auto& test) { return test.param; });
+
+}  // namespace
+}  // namespace touchline

@@ -11,6 +11,7 @@ class MachineMonitor {
  public:
   /// `files` reads the kernel's files, because a sensor may be slow. It calls nothing of this object after its end.
   explicit MachineMonitor(FileThread& files) : files_(files) {}
+  ~MachineMonitor() = default;
   MachineMonitor(const MachineMonitor&) = delete;
   MachineMonitor& operator=(const MachineMonitor&) = delete;
 

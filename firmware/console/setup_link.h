@@ -35,6 +35,7 @@ class SetupLink {
   /// "": there is no setup program. `files` looks for the socket, whose folder may be on a disk; it calls nothing of
   /// this object after its end.
   SetupLink(std::string path, FileThread& files) : path_(std::move(path)), files_(files) {}
+  ~SetupLink() = default;
   SetupLink(const SetupLink&) = delete;
   SetupLink& operator=(const SetupLink&) = delete;
 

@@ -110,8 +110,11 @@ void SetupProgram::end_job(const std::string& error) {
       const std::string name = entry.path().filename().string();
       if (!is_file_name(name)) continue;
       Result<FileContent> one = read_setup_file(entry.path().string());
-      if (!one.ok()) read = std::move(one).error();
-      if (one.ok()) content[name] = std::move(one).value();
+      if (one.ok()) {
+        content[name] = std::move(one).value();
+      } else {
+        read = std::move(one).error();
+      }
     }
     Result<SetupFiles> files = read.ok() ? setup_of(ended.state.files.board, content) : std::move(read).error();
     Result<void> kept = files.ok() ? keep_saved_pictures(draft_.saved(), files.value()) : files.error();

@@ -145,8 +145,8 @@ std::vector<std::string> height_doubts(const FieldReport& report, const std::opt
   }
   const double widths = static_cast<double>(report.fit.camera.full.fx_px) / width_px;
   if (std::abs(std::log(widths / kFocalWidths)) > kUnusual * kFocalSigma) {
-    constexpr double kDegrees = 180.0 / std::numbers::pi;
-    const double seen = 2 * std::atan(0.5 / widths) * kDegrees;
+    constexpr double kDegreesPerRadian = 180.0 / std::numbers::pi;
+    const double seen = 2 * std::atan(0.5 / widths) * kDegreesPerRadian;
     out.push_back(
         formatted("with the height given, %.2f m, the lens sees %.0f degrees of the picture's width; lenses above "
                   "fields see 45 to 100 degrees: measure the height again, or compare with the lens's data sheet",

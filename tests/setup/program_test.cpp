@@ -73,6 +73,24 @@ TEST_F(SetupWithRegion, ThatContainsTheFieldIsNotMentioned) {
   EXPECT_EQ(field["notes"].dump().find("region"), std::string::npos) << field["notes"];
 }
 
+// What the page calls good states what it assumes; what the picture contradicts is refused.
+TEST_F(ScriptedFirmware, JudgesAHeightByThePicture) {
+  start_program();
+  camera_ = {arena_picture(hal::mock::Floor::kField, 1)};
+  expect_ok("begin");
+  nlohmann::json field = kMiroSot;
+  field["camera_height_m"] = 1.5;
+  expect_error("field.find", field, "the picture alone says 2.3");
+  field["camera_height_m"] = 2.3;
+  expect_ok("field.find", field);
+  EXPECT_NE(state_["steps"]["field"]["quality"]["text"].get<std::string>().find("if the height is right"),
+            std::string::npos)
+      << state_["steps"]["field"]["quality"];
+  EXPECT_EQ(state_["steps"]["field"]["top_assumes"], " if the height is right");
+  // No paper lies on this field.
+  expect_error("light.measure", {{"surface", "grey"}}, "the field is not covered with grey paper");
+}
+
 TEST_F(ScriptedFirmware, UndoesAndRedoesOneStep) {
   start_program();
   camera_ = {arena_picture(hal::mock::Floor::kField, 1)};

@@ -1,5 +1,6 @@
 #include "core/marker/centroid_noise.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "core/marker/rigid_fit.h"
@@ -26,23 +27,28 @@ void write_centroid_noise(const CameraModel& camera, const std::array<TeamMarkin
   };
   for (RobotSighting& robot : out.robots) {
     const MarkerLayout& layout = teams[index_of(robot.team)].layout;
-    const float variance = variance_at(robot.pose.position, layout.height_m);
+    float variance = variance_at(robot.pose.position, layout.height_m);
     robot.lasting_share = kCentroidLastingShare;
     robot.lasts_m = kCentroidLastsPx / camera.scale_px_per_m(robot.pose.position, layout.height_m);
     if (!robot.has_heading) {
       robot.noise.xx = robot.noise.yy = variance;
       continue;
     }
+    const std::size_t patches = robot.patches.size();
+    if (patches < 2) {
+      constexpr float kXx = kUprightPosition_m * kUprightPosition_m;
+      robot.noise = {kXx, kXx, kUprightHeading * kUprightHeading, 0.0f, 0.0f, 0.0f};
+      continue;
+    }
+    // The residual has two degrees of freedom per patch, less three of the pose. If it is larger than the usual error
+    // explains, it tells the error (Birge ratio). Then a region lacks a part of its patch, or has a part of another.
+    const float squares = robot.residual_m * robot.residual_m * static_cast<float>(patches);
+    variance = std::max(variance, squares / static_cast<float>(2 * patches - 3));
     FixedVector<FieldPoint, kMaxPatches> places;
     FixedVector<PointCovariance, kMaxPatches> errors;
     for (const PatchSighting& patch : robot.patches) {
       places.push_back({layout.patches[patch.patch].x_m, layout.patches[patch.patch].y_m});
       errors.push_back({variance, 0.0f, variance});
-    }
-    if (places.size() < 2) {
-      constexpr float kXx = kUprightPosition_m * kUprightPosition_m;
-      robot.noise = {kXx, kXx, kUprightHeading * kUprightHeading, 0.0f, 0.0f, 0.0f};
-      continue;
     }
     robot.noise = rigid_fit_noise({places.data(), places.size()}, {errors.data(), errors.size()}, robot.pose.theta_rad);
   }

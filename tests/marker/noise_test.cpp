@@ -1,8 +1,11 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
+#include "core/geometry/angle.h"
+#include "core/marker/rigid_fit.h"
 #include "tests/marker/real_layouts.h"
 
 // Disturbed pictures: whatever is missing or added, no robot may get the id of another one.
@@ -101,6 +104,65 @@ TEST(CrumbledPatches, AreMergedFromTheirPieces) {
   const Comparison result = compare(placed, field.match(), parameters);
   EXPECT_EQ(result.wrong, 0u);
   EXPECT_GE(result.right, 8u) << "of " << placed.size();
+}
+
+// A quarter to a half of a patch has no color. The region's center moves; the stated error must contain how far.
+TEST(TornPatches, StateTheirError) {
+  const MarkerParameters parameters = paper_teams();
+  const MarkerLayout& layout = parameters.teams[0].layout;
+  PortableRandom random{8};
+  PaintedField field(tilted_camera(), parameters);
+  int torn = 0, far = 0;
+  float farthest_m = 0;
+  for (int n = 0; n < 60; ++n) {
+    const Placed robot{Team::kOwn,
+                       static_cast<std::size_t>(n % 5),
+                       {{random.real(-0.8f, 0.8f), random.real(-0.6f, 0.6f)}, random.real(-kPi, kPi)}};
+    const auto seen = [&]() -> const RobotSighting* {
+      const Sightings& all = field.match();
+      return all.robots.size() == 1 && all.robots[0].has_heading && all.robots[0].patches.size() == 2 ? &all.robots[0]
+                                                                                                      : nullptr;
+    };
+    const auto sigma_m = [](const RobotSighting& sighting) { return std::sqrt(sighting.noise.xx + sighting.noise.yy); };
+    field.clear();
+    field.paint(robot);
+    const RobotSighting* const intact = seen();
+    ASSERT_NE(intact, nullptr);
+    // A fifth of a pixel for each coordinate of a center. Whole pixels seldom leave a residual that explains more.
+    const float usual_m = 0.2f / field.camera().scale_px_per_m(intact->pose.position, layout.height_m);
+    EXPECT_NEAR(sigma_m(*intact), usual_m, 0.05f * usual_m);
+    // From one side of the patch.
+    const PatchPlace& place = layout.patches[n % 2 == 0 ? 0 : 1];
+    const float half = 0.5f * place.length_m, rest = half - place.length_m * random.real(0.25f, 0.5f);
+    FieldPoint low{place.x_m - half, place.y_m - half}, high{place.x_m + half, place.y_m + half};
+    switch (random.whole(0, 3)) {
+      case 0:
+        low.x_m = place.x_m + rest;
+        break;
+      case 1:
+        high.x_m = place.x_m - rest;
+        break;
+      case 2:
+        low.y_m = place.y_m + rest;
+        break;
+      default:
+        high.y_m = place.y_m - rest;
+        break;
+    }
+    field.paint_part(robot, low, high, kBackground);
+    const RobotSighting* const sighting = seen();
+    if (sighting == nullptr) continue;
+    ++torn;
+    const float error_m = distance_m(sighting->pose.position, robot.pose.position);
+    far += error_m > 0.002f ? 1 : 0;
+    farthest_m = std::max(farthest_m, error_m);
+    EXPECT_LE(error_m, 3.0f * sigma_m(*sighting)) << "picture " << n << ", residual " << sighting->residual_m;
+    EXPECT_LE(std::abs(wrap_angle(sighting->pose.theta_rad - robot.pose.theta_rad)),
+              3.0f * std::sqrt(sighting->noise.tt))
+        << "picture " << n;
+  }
+  EXPECT_GE(torn, 40);
+  EXPECT_GE(far, 20) << "of " << torn << ", farthest " << farthest_m;
 }
 
 // In all layouts but the first, both teams have the same identification colors.

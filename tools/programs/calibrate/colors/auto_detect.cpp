@@ -318,6 +318,7 @@ Result<DetectedColors> auto_detect_colors(const VenueDraft& venue, const TeamCol
   out.doubts = detection_doubts(input, out.assignment, out.images, clicks);
   out.unlisted = describe_unlisted(input, out.assignment, out.images);
   std::vector<PatchPicture> all;
+  all.reserve(searched.size());
   for (const ChannelImage* image : searched) all.push_back({*image, inside});
   out.scales = patch_scales(input, out.assignment, all, camera);
   leave_out_similar(out);

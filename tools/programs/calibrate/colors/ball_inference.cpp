@@ -119,7 +119,8 @@ class BallInference {
           region.pixels.push_back(next);
         }
       }
-      const PixelPoint at{static_cast<float>(seed % width), static_cast<float>(seed / width)};
+      const auto column = seed % width, row = seed / width;
+      const PixelPoint at{static_cast<float>(column), static_cast<float>(row)};
       FoundPatch patch = patch_of(image, at, growth_radius_px(at, camera_, {size_}), std::move(region));
       if (relative_area(patch, camera_, size_) >= kLeastRelative) out.push_back(std::move(patch));
     }

@@ -47,7 +47,10 @@ std::vector<std::size_t> continue_patch(const ChannelImage& image, const std::ve
   if (pixels.empty()) return {};
   const auto width = static_cast<std::size_t>(image.width_px);
   const auto column = [width](std::size_t pixel) { return static_cast<double>(pixel % width); };
-  const auto row = [width](std::size_t pixel) { return static_cast<double>(pixel / width); };
+  const auto row = [width](std::size_t pixel) {
+    const std::size_t v = pixel / width;
+    return static_cast<double>(v);
+  };
   double u = 0, v = 0, radius = 0;
   std::array<std::vector<std::uint8_t>, 3> values;
   for (const std::size_t pixel : pixels) {

@@ -98,9 +98,11 @@ void keep_rarest(std::vector<FoundPatch>& patches, const ChannelImage& image, co
   std::nth_element(rank.begin(), rank.begin() + static_cast<std::ptrdiff_t>(kMostPatches), rank.end());
   rank.resize(kMostPatches);
   std::vector<std::size_t> kept;
+  kept.reserve(rank.size());
   for (const auto& one : rank) kept.push_back(one.second);
   std::sort(kept.begin(), kept.end());
   std::vector<FoundPatch> out;
+  out.reserve(kept.size());
   for (const std::size_t p : kept) out.push_back(std::move(patches[p]));
   patches = std::move(out);
 }

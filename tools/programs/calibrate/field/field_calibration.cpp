@@ -181,7 +181,7 @@ Result<FieldReport> fit_pictures(const FieldPictures& input, const LightPicture&
   Progress progress("field", clicked ? 2 : 4);
   progress.step();
   if (clicked) {
-    TOUCHLINE_TRY(fit_points(input, light, field, std::move(fit_input), found));
+    TOUCHLINE_TRY(fit_points(input, light, field, fit_input, found));
     return found;
   }
   found.border.emplace();

@@ -67,9 +67,15 @@ std::string hold_text(const hal::GpioSettings& gpio) {
          "\n";
 }
 
-struct FinishAtEnd {
-  hal::TextOutput& output;
-  ~FinishAtEnd() { static_cast<void>(output.finish(hal::TextOutput::kPatience)); }
+class FinishAtEnd {
+ public:
+  explicit FinishAtEnd(hal::TextOutput& output) : output_(output) {}
+  FinishAtEnd(const FinishAtEnd&) = delete;
+  FinishAtEnd& operator=(const FinishAtEnd&) = delete;
+  ~FinishAtEnd() { static_cast<void>(output_.finish(hal::TextOutput::kPatience)); }
+
+ private:
+  hal::TextOutput& output_;
 };
 
 /// What all sessions of a run share.

@@ -65,7 +65,7 @@ inline constexpr std::array kHaltDescriptions{
     HaltDescription{kHaltEmergency, "emergency", "emergency stop", "stop at once",
                     "its release and a start; with faults.resume_after_emergency = true the release alone"},
     HaltDescription{kHaltUnreadableLine, "unreadable_line", "emergency stop cannot be read", "stop at once",
-                    "a line that can be read and is not pulled"},
+                    "a line that can be read and is not pulled, and a start as after an emergency stop"},
     HaltDescription{kHaltStart, "start", "waiting for the start button", "stand",
                     "a start (the start button, or Start of the page)"},
     HaltDescription{kHaltReferee, "referee", "the referee stopped the game", "stop at once", "the referee"},

@@ -151,6 +151,7 @@ function(touchline_test name)
       gtest_discover_tests(${name} DISCOVERY_MODE PRE_TEST TEST_FILTER "${slow}" TEST_LIST ${name}_slow_tests
                            PROPERTIES LABELS slow)
       add_test(NAME ${name}.SlowTestsExist COMMAND bash ${CMAKE_SOURCE_DIR}/tests/checks/patterns-match $<TARGET_FILE:${name}> ${ARG_SLOW})
+      set_tests_properties(${name}.SlowTestsExist PROPERTIES LABELS "${labels}")
     endif()
     get_property(each DIRECTORY PROPERTY TEST_INCLUDE_FILES)
     set_property(DIRECTORY PROPERTY TEST_INCLUDE_FILES ${others})

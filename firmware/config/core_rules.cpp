@@ -49,7 +49,7 @@ Status check_camera_height(const PipelineParameters& p) {
                                                             : p.camera.paper.position_m[2]);
 }
 
-const std::array kRules{
+const std::array rules{
     CoreRule{"camera", &Configuration::venue_where,
              [](const PipelineParameters& p) {
                return model_key(p) + (p.camera.kind == CameraModelKind::kFull ? ".fx_px" : ".focal_px");
@@ -96,7 +96,7 @@ const std::array kRules{
 void add_core_refusals(const Configuration& configuration, ErrorList& errors) {
   const PipelineParameters& parameters = configuration.pipeline;
   std::string_view reported;
-  for (const CoreRule& rule : kRules) {
+  for (const CoreRule& rule : rules) {
     if (rule.stage == reported) continue;
     const Status status = rule.check(parameters);
     if (status.ok()) continue;

@@ -142,7 +142,7 @@ TEST_F(ThreadsReportPrinter, ABlockedTerminalHoldsUpNobody) {
   EXPECT_EQ(statuses, 3);
   EXPECT_EQ(halts, 1);
   EXPECT_TRUE(radio.sent.back().stop);
-  for (const int end : ends) ::close(end);  // lets the writer go
+  ::close(ends[0]);  // lets the writer go, which may still use the other end
 }
 
 TEST_F(ThreadsReportPrinter, TerminationStopsTheRobots) {

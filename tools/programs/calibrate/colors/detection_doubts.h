@@ -16,7 +16,8 @@ struct DetectionDoubt {
 };
 
 /// Returns the doubts about detected colors; empty if a person only has to confirm them. `images`:
-/// AssignmentInput::picture is an index into these. `clicks`: those of the person, of which none is advised again.
+/// AssignmentInput::picture is an index into these. Points that the person has clicked (`clicks`) are not advised
+/// again.
 std::vector<DetectionDoubt> detection_doubts(const AssignmentInput& input, const Assignment& assignment,
                                              const std::vector<std::string>& images, const std::vector<Click>& clicks);
 

@@ -123,7 +123,9 @@ def print_rows(rows, base):
         last = row["set"]
         print(text_of(row, base))
     goals = [row for row in rows if row.get("goal")]
-    print(f"\n{len(goals) - sum(bool(missed_goals(r)) for r in goals)} of {len(goals)} cases reach their goals")
+    failed = sum("failed" in row for row in rows)
+    print(f"\n{len(goals) - sum(bool(missed_goals(r)) for r in goals)} of {len(goals)} cases reach their goals"
+          + (f"; {failed} could not be measured, see above" if failed else ""))
 
 
 def print_reliability(rows):

@@ -301,8 +301,10 @@ Result<FieldReport> calibrate_field(const FieldPictures& input, const ChosenFiel
   }
   if (!fitted.ok()) return fitted;
   FieldReport& report = fitted.value();
-  // What an unknown distortion and the clicks may move in the middle of the field.
-  const double tolerance_m = report.fit.has_distortion ? 0.0 : distortion_effect_m(report.fit.camera, report.points);
+  // What an unknown distortion and the clicks may move in the middle of the field. Points that were clicked on markings
+  // also show how exactly this field is painted.
+  const double tolerance_m = (report.fit.has_distortion ? 0.0 : distortion_effect_m(report.fit.camera, report.points)) +
+                             report.fit.residual_mm.rms / 1e3;
   TOUCHLINE_TRY(check_center_markings(light, report, tolerance_m));
   report.doubts = height_doubts(report, field.rules, light.width_px());
   bool is_round = false;  // a circle tells stretched pixels from a wrong length or width

@@ -34,24 +34,6 @@ std::uint32_t number_in(const Frame& frame) {
   return number;
 }
 
-TEST_F(V4l2StreamTest, FramesArriveInOrderInTheDriversMemory) {
-  begin(settings());
-  for (std::uint32_t i = 0; i < 20; ++i) {
-    Result<FrameLease> result = camera_->wait(soon());
-    ASSERT_TRUE(result.ok()) << result.text();
-    const Frame& frame = result.value().frame();
-    EXPECT_EQ(frame.sequence, i);
-    EXPECT_EQ(number_in(frame), i);
-    EXPECT_EQ(frame.format, PixelFormat::kYuyv);
-    EXPECT_EQ(frame.width_px, 640);
-    EXPECT_EQ(frame.height_px, 480);
-    EXPECT_EQ(frame.stride_bytes[0], 1280u);
-    EXPECT_EQ(frame.plane[0][640 * 480 * 2 - 1], i);
-  }
-  EXPECT_EQ(camera_->counters().frames, 20u);
-  EXPECT_EQ(camera_->counters().lost, 0u);
-}
-
 TEST_F(V4l2StreamTest, PlanesAndStridesAreSetForAllFormats) {
   struct Case {
     CameraFormat format;

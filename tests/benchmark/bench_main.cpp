@@ -18,7 +18,7 @@ constexpr char kProgram[] = "touchline-bench";
 struct Options {
   std::string filter, json, once, search_of = "all";
   std::vector<std::string> store;
-  std::size_t repetitions = 500, calls = 1, pictures = kMostRealPictures;
+  std::size_t repetitions = 500, calls = 1, pictures = kMaxRealPictures;
   double search_s = 0.0;
   unsigned seed = 1;
   bool quick = false, check = false, list = false;
@@ -33,7 +33,7 @@ void add_options(CLI::App& app, Options& options) {
   app.add_option("--filter", options.filter, "Measure only the frames whose names contain this text");
   app.add_option("--pictures", options.pictures,
                  "Pictures of each real set that are measured in turn; a single one stays in the cache")
-      ->check(CLI::Range(std::size_t{1}, kMostRealPictures))
+      ->check(CLI::Range(std::size_t{1}, kMaxRealPictures))
       ->capture_default_str();
   app.add_option("--json", options.json, "Write all times into this file");
   app.add_flag("--check", options.check, "Check the results without measuring");

@@ -12,8 +12,7 @@
 #include "firmware/fault_reference.h"
 #include "firmware/loop.h"
 #include "hal/linux/monotonic_clock.h"
-#include "hal/mock/arena.h"
-#include "hal/mock/mock_devices.h"
+#include "tests/mock/mock_game.h"
 #include "tests/results.h"
 
 namespace touchline {
@@ -64,33 +63,17 @@ class FailingCamera final : public hal::Camera {
 };
 
 /// The mock board's game, with a console and a referee.
-struct FaultGame {
-  explicit FaultGame(std::vector<hal::mock::ArenaFault> faults, const std::function<void(LoopSettings&)>& change) {
-    EXPECT_OK(config::load({TOUCHLINE_BOARDS "/mock/board.toml", "", "", {}}, *configuration));
-    config::BoardFile& board = configuration->board;
-    board.arena.fault = std::move(faults);
-    EXPECT_TRUE(pipeline->configure(configuration->pipeline).ok());
-    arena.emplace(board.arena, board.camera, board.radio, 1);
-    clock.emplace(*arena);
-    mock_camera.emplace(*arena, *clock);
-    camera.emplace(*mock_camera);
-    radio.emplace(*arena, *clock);
-    mock_gpio.emplace(*arena, *clock);
-    gpio.emplace(*mock_gpio);
-    LoopSettings settings;
-    settings.faults = board.faults;
-    settings.radio_delay = from_seconds(board.radio.delay_s);
-    settings.radio_byte_time = hal::byte_time(board.radio);
-    settings.external.console = &console;
-    settings.external.referee = &referee;
-    if (change) change(settings);
-    loop.emplace(HalDevices{*camera, *radio, *gpio, *clock, true}, *pipeline, settings, *ring,
-                 LoopObserver{&FaultGame::observe, this});
-    EXPECT_OK(loop->open());
+struct FaultGame : public MockGame {
+  explicit FaultGame(std::vector<hal::mock::ArenaFault> faults, const std::function<void(LoopSettings&)>& change)
+      : MockGame(1, std::move(faults)), failing_camera(*camera), failing_gpio(*gpio) {
+    LoopSettings changed = settings();
+    changed.external.console = &console;
+    changed.external.referee = &referee;
+    if (change) change(changed);
+    open(loop, failing_camera, *radio, failing_gpio, changed, LoopObserver{&FaultGame::observe, this});
     put();
   }
 
-  [[nodiscard]] double now_s() const { return seconds(arena->now() - hal::mock::Arena::kBegin); }
   /// Runs until `reached`, at most `for_s`. Returns whether it was reached.
   bool run_until(const std::function<bool()>& reached, double for_s) {
     for (const double end_s = now_s() + for_s; now_s() < end_s && !reached();) {
@@ -111,19 +94,11 @@ struct FaultGame {
     referee.put(state);
   }
 
-  std::unique_ptr<config::Configuration> configuration = std::make_unique<config::Configuration>();
-  std::unique_ptr<Pipeline> pipeline = std::make_unique<Pipeline>();
-  std::unique_ptr<ReportRing> ring = std::make_unique<ReportRing>();
   ConsoleLink console;
   ConsoleInput wanted;
   Mailbox<RefereeState> referee;
-  std::optional<hal::mock::Arena> arena;
-  std::optional<hal::mock::ArenaClock> clock;
-  std::optional<hal::mock::MockCamera> mock_camera;
-  std::optional<FailingCamera> camera;
-  std::optional<hal::mock::MockRadio> radio;
-  std::optional<hal::mock::MockGpio> mock_gpio;
-  std::optional<UnreadableGpio> gpio;
+  FailingCamera failing_camera;
+  UnreadableGpio failing_gpio;
   std::optional<Loop> loop;
   bool drives = false;  // the last frame's packet
 
@@ -178,10 +153,10 @@ const std::map<std::string, FaultScenario>& fault_scenarios() {
       {"emergency", arena(FaultKind::kEmergencyStop, 0.6, true)},
       {"radio", arena(FaultKind::kRadioLost, 0.3)},
       {"unreadable_line",
-       {.plant = [](FaultGame& game) { game.gpio->fails = true; },
+       {.plant = [](FaultGame& game) { game.failing_gpio.fails = true; },
         .end =
             [](FaultGame& game) {
-              game.gpio->fails = false;
+              game.failing_gpio.fails = false;
               game.run_until([&] { return (game.loop->halt() & kHaltUnreadableLine) == 0; }, 3.0);
               game.start();
             }}},
@@ -284,7 +259,7 @@ TEST_P(ErrorRow, StopsTheRobotsAndEnds) {
   FaultGame game({}, {});
   const auto drives = [&] { return game.drives && game.loop->halt() == kHaltNone; };
   ASSERT_TRUE(game.run_until(drives, 2.0)) << "before the error";
-  game.camera->error = code;
+  game.failing_camera.error = code;
   if (action_for(code) == FaultAction::kLeave) {
     std::optional<LoopEnd> end;
     for (const double until_s = game.now_s() + 1.0; game.now_s() < until_s && !end;) end = game.loop->iterate();
@@ -299,7 +274,7 @@ TEST_P(ErrorRow, StopsTheRobotsAndEnds) {
   }
   EXPECT_TRUE(game.run_until([&] { return (game.loop->halt() & kHaltNoFrames) != 0; }, 1.0));
   EXPECT_FALSE(game.run_until(drives, 0.3)) << "it must not end by itself";
-  game.camera->error.reset();
+  game.failing_camera.error.reset();
   EXPECT_TRUE(game.run_until(drives, 5.0)) << "after what ends it; halt " << game.loop->halt();
 }
 

@@ -284,7 +284,8 @@ TEST_F(Program, AMissingDeviceGivesExitCode2) {
 TEST_F(Program, PlaysAWholeRecording) {
   const CommandOutput outcome = touchline("run --headless --status-interval 0.25 " + board());
   EXPECT_EQ(outcome.code, 0) << outcome.text;
-  EXPECT_NE(outcome.text.find("own 0/1  opp 0/0  ball lost  latency p50"), std::string::npos) << outcome.text;
+  EXPECT_NE(outcome.text.find("own 0/1  opp 0/0  ball lost  playing right  latency p50"), std::string::npos)
+      << outcome.text;
   EXPECT_NE(outcome.text.find("end       end of the input\nframes    30 in "), std::string::npos) << outcome.text;
 }
 

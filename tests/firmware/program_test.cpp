@@ -172,6 +172,23 @@ TEST_F(Program, SaysAtTheStartThatPacketsWithoutATeamNumberDriveEveryRobot) {
   EXPECT_EQ(with.text.find(note), std::string::npos) << with.text;
 }
 
+// The only place that states the hash of a game. It covers the whole way from rendered picture to wheels.
+TEST_F(Program, AGameInTheArenaKeepsItsHash) {
+  constexpr const char* kHash = "0c56830ad86b5637";
+  const CommandOutput game = touchline("run --board '" TOUCHLINE_MOCK_BOARD "' --duration 3 --seed 1 --headless");
+  ASSERT_EQ(game.code, 0) << game.text;
+  const std::string before = "\narena state: ";
+  const std::size_t at = game.text.find(before);
+  ASSERT_NE(at, std::string::npos) << game.text;
+  EXPECT_EQ(game.text.substr(at + before.size()), std::string(kHash) + "\n")
+      << "The game of `tools/run --headless --duration 3 --seed 1` has changed. If your change should not change "
+         "results, "
+         "look for the mistake. If it should, put the new hash here, and say in the commit message why it changed.";
+  EXPECT_NE(game.text.find("\ngame      score 0 : 0, playing to the right\n"), std::string::npos) << game.text;
+  EXPECT_NE(game.text.find("  score 0:0  playing right  latency"), std::string::npos) << game.text;
+  EXPECT_EQ(game.text.find("not from reports"), std::string::npos) << "the arena's noise is no fault of the radio";
+}
+
 TEST_F(Program, CheckOpensNoDevice) {
   write_board("v4l2", "there-is-no-such-camera");
   EXPECT_EQ(touchline("check " + board()).code, 0);

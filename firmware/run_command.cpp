@@ -195,6 +195,7 @@ LoopEnd run_session(Session& session, RunContext& run, const std::string& error)
     const network::ConnectionThreads threads(run.connections, session.configuration(), print_line);
     if (run.serves_console && is_first) {
       run.console_thread.emplace(run.console, session, &run.adaptation, TOUCHLINE_VERSION, print_line);
+      if (run.console.port() != 0) run.service->set_ready();
     } else if (run.serves_console) {
       run.console.begin_session(session, error);
     }

@@ -28,7 +28,8 @@ int print(const std::string& text) {
 }
 
 int init_command(const InitOptions& options) {
-  const Result<std::string> steps = write_initial_files(options);
+  const Result<std::string> steps =
+      write_initial_files(options, devices::list_devices({.camera = "", .serial = "", .gpio = {}}));
   return steps.ok() ? print(steps.value()) : fail(steps.text());
 }
 

@@ -4,15 +4,14 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cstdlib>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <optional>
-#include <utility>
 #include <vector>
 
 #include "firmware/console/jpeg_encoder.h"
 #include "firmware/device_list/device_list.h"
+#include "firmware/device_list/suggestion.h"
 #include "hal/linux/monotonic_clock.h"
 #include "hal/linux/v4l2/v4l2_camera.h"
 
@@ -30,33 +29,6 @@ std::string resolved(const std::string& device) {
   std::error_code missing;
   const std::filesystem::path path = std::filesystem::canonical(device, missing);
   return missing ? device : path.string();
-}
-
-/// The settings for one small picture: the offered size that is closest to 640 x 480.
-std::optional<hal::CameraSettings> thumbnail_settings(const devices::Camera& camera) {
-  std::optional<hal::CameraSettings> best;
-  long least = 0;
-  for (const hal::V4l2FormatInfo& format : camera.formats) {
-    const auto* const choice = std::find_if(hal::kCameraFormats.begin(), hal::kCameraFormats.end(),
-                                            [&](const auto& each) { return each.word == format.word; });
-    if (choice == hal::kCameraFormats.end()) continue;
-    for (const hal::V4l2FrameSize& size : format.sizes) {
-      if (size.width_px > kMaxFrameWidth || size.height_px > kMaxFrameHeight) continue;
-      const long distance =
-          std::labs(static_cast<long>(size.width_px) - 640) + std::labs(static_cast<long>(size.height_px) - 480);
-      if (best && distance >= least) continue;
-      hal::CameraSettings settings;
-      settings.backend = hal::CameraBackend::kV4l2;
-      settings.device = camera.node.path;
-      settings.format = choice->value;
-      settings.width_px = static_cast<std::uint16_t>(size.width_px);
-      settings.height_px = static_cast<std::uint16_t>(size.height_px);
-      if (!size.rates_hz.empty()) settings.rate_hz = *std::max_element(size.rates_hz.begin(), size.rates_hz.end());
-      best = settings;
-      least = distance;
-    }
-  }
-  return best;
 }
 
 Result<std::vector<std::byte>> thumbnail(const hal::CameraSettings& settings) {
@@ -100,9 +72,10 @@ std::string device_answer(const std::string& used_camera) {
     const devices::Camera& camera = (*list.cameras)[i];
     nlohmann::json& entry = answer["cameras"][i];
     entry.erase("controls");
+    entry["name"] = devices::lasting_name(camera.node);
     entry["used"] = resolved(camera.node.path) == resolved(used_camera);
     if (entry["used"] || entry.contains("refused")) continue;
-    const std::optional<hal::CameraSettings> settings = thumbnail_settings(camera);
+    const std::optional<hal::CameraSettings> settings = devices::suggested_settings(camera);
     if (!settings) {
       entry["refused"] = camera.node.path + ": offers no format that Touchline reads";
       continue;

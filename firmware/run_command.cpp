@@ -53,7 +53,7 @@ void print_start(const Session& session, const network::Connections& connections
                    configuration.team_where.file() + " and in the robots (docs/radio.md)");
   }
   add_device("gpio", session.gpio_description());
-  output.print(text + connections.start_text() + console.start_text());
+  output.print(text + connections.start_text() + console.start_text(::isatty(STDOUT_FILENO) != 0));
   for (const std::string& refusal : refused) output.print_error("real time: " + refusal + "\n");
 }
 

@@ -1,7 +1,9 @@
 #include "firmware/console/console_plan.h"
 
+#include <unistd.h>
 #include <charconv>
 
+#include "firmware/config/user_files.h"
 #include "hal/linux/network/network_address.h"
 
 namespace touchline::console {
@@ -29,6 +31,10 @@ Result<ConsolePlan> plan_console(const config::ConsoleSettings& board, const con
                    place.c_str(), text.c_str());
   }
   plan.address = address;
+  plan.is_interactive = options.is_requested;
+  if (plan.is_interactive && ::access(plan.token_file.c_str(), R_OK) != 0) {
+    plan.token_file = config::user_state_file("console-token");
+  }
   return plan;
 }
 

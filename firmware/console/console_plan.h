@@ -22,6 +22,9 @@ struct ConsolePlan {
   std::string address;  // IPv4 address in numbers
   std::uint16_t port = 0;
   std::string token_file;
+  // For a person at the terminal, not for a service: the token is made if there is none, and the next port is taken if
+  // one is busy.
+  bool is_interactive = false;
   std::vector<std::string> hosts, origins;
   double picture_rate_hz = 0.0;
   std::string setup_socket;

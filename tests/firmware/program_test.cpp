@@ -189,6 +189,31 @@ TEST_F(Program, AGameInTheArenaKeepsItsHash) {
   EXPECT_EQ(game.text.find("not from reports"), std::string::npos) << "the arena's noise is no fault of the radio";
 }
 
+TEST_F(Program, NoColorLeavesTheMapWithoutColors) {
+  const auto map_with = [](const std::string& environment) {
+    return run_command(environment + " TERM=xterm script -qec \"'" TOUCHLINE_PROGRAM
+                                     "' run --board '" TOUCHLINE_MOCK_BOARD
+                                     "' --pace fast --status-interval 0.1 --frames 10\" /dev/null 2>&1")
+        .text;
+  };
+  const std::string red = "\x1b[1;31mx", colored = map_with("env -u NO_COLOR"), plain = map_with("NO_COLOR=1");
+  EXPECT_NE(colored.find(red), std::string::npos) << colored;
+  EXPECT_EQ(plain.find("\x1b[1;"), std::string::npos) << plain;
+  EXPECT_EQ(plain.find("\x1b[2m"), std::string::npos) << plain;
+  EXPECT_NE(plain.find("+----"), std::string::npos) << "the map is drawn: " << plain;
+}
+
+TEST_F(Program, KeysCommandFiltersByWords) {
+  const CommandOutput found = touchline("keys camera exposure_us");
+  EXPECT_EQ(found.code, 0);
+  EXPECT_TRUE(found.text.starts_with("board.toml\n  camera.exposure_us: ")) << found.text;
+  const CommandOutput unknown = touchline("keys exposre");
+  EXPECT_EQ(unknown.code, 1);
+  EXPECT_EQ(unknown.text,
+            "touchline: no key has \"exposre\" in its file, section, name or meaning; did you mean \"exposure\"?\n");
+  EXPECT_EQ(touchline("keys camera --update x.md").code, 64);
+}
+
 TEST_F(Program, CheckOpensNoDevice) {
   write_board("v4l2", "there-is-no-such-camera");
   EXPECT_EQ(touchline("check " + board()).code, 0);

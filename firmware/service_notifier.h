@@ -11,9 +11,9 @@
 namespace touchline {
 
 /// Notifies systemd (sd_notify): READY=1 after the first good frame or when the page answers, WATCHDOG=1 only while the
-/// loop iterates, STATUS= as text, STOPPING=1 at the end. The file `frames` in $RUNTIME_DIRECTORY shows that good frames
-/// have come. It has its own thread, so that blocked output does not look like a hanging loop
-/// and the loop makes no system calls for it. Does nothing without a service manager ($NOTIFY_SOCKET).
+/// loop iterates, STATUS= as text, STOPPING=1 at the end. The file `frames` in $RUNTIME_DIRECTORY shows that good
+/// frames have come. It has its own thread, so that blocked output does not look like a hanging loop and the loop makes
+/// no system calls for it. Does nothing without a service manager ($NOTIFY_SOCKET).
 class ServiceNotifier {
  public:
   /// `heartbeat` must outlive the notifier, or the next call of watch().

@@ -2,11 +2,20 @@
 
 #include <unistd.h>
 #include <charconv>
+#include <filesystem>
 
 #include "firmware/config/user_files.h"
 #include "hal/linux/network/network_address.h"
 
 namespace touchline::console {
+
+std::string usable_token_file(const config::ConsoleSettings& board) {
+  const std::string folder = std::filesystem::path(board.token_file).parent_path();
+  const bool is_usable = ::access(board.token_file.c_str(), F_OK) == 0
+                             ? ::access(board.token_file.c_str(), R_OK) == 0
+                             : ::access(folder.empty() ? "." : folder.c_str(), W_OK) == 0;
+  return is_usable ? board.token_file : config::user_state_file("console-token");
+}
 
 Result<ConsolePlan> plan_console(const config::ConsoleSettings& board, const config::Locations& where,
                                  const ConsoleOptions& options) {
@@ -32,9 +41,7 @@ Result<ConsolePlan> plan_console(const config::ConsoleSettings& board, const con
   }
   plan.address = address;
   plan.is_interactive = options.is_requested;
-  if (plan.is_interactive && ::access(plan.token_file.c_str(), R_OK) != 0) {
-    plan.token_file = config::user_state_file("console-token");
-  }
+  if (plan.is_interactive) plan.token_file = usable_token_file(board);
   return plan;
 }
 

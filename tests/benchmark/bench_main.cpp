@@ -35,14 +35,14 @@ void add_options(CLI::App& app, Options& options) {
                  "Pictures of each real set that are measured in turn; a single one stays in the cache")
       ->check(CLI::Range(std::size_t{1}, kMostRealPictures))
       ->capture_default_str();
-  app.add_option("--json", options.json, "Write all times into this file");
+  app.add_option("--json", options.json, "Write all times into this file")->type_name("FILE");
   app.add_flag("--check", options.check, "Check the results without measuring");
   app.add_option("--search", options.search_s,
                  "Search for the slowest pictures and print them, each of --of for this many seconds")
       ->check(number_range(1.0, 100000.0));
   app.add_option("--of", options.search_of,
                  "What --search makes slow: the scan, the whole step, the step with more robots")
-      ->check(CLI::IsMember({"all", "scan", "step", "large-step"}))
+      ->check(one_of({"all", "scan", "step", "large-step"}))
       ->capture_default_str();
   app.add_option("--seed", options.seed, "Random seed of the search")->check(CLI::Range(1, 100000));
   app.add_flag("--list", options.list, "List the names that --once accepts");
@@ -54,6 +54,8 @@ void add_options(CLI::App& app, Options& options) {
   app.add_option("--store", options.store, "Write pictures for profile_step into a file: game, or the name of clutter")
       ->type_name("PICTURE FORMAT VENUE FILE")
       ->expected(4);
+  add_examples(app, {{"touchline-bench --quick", "measure everything in a minute"},
+                     {"touchline-bench --filter \"field 640\"", "measure the frames with this text in their names"}});
 }
 
 [[gnu::noinline]] void counted_call(const std::function<void()>& work) { work(); }

@@ -172,6 +172,48 @@ TEST_F(Program, SaysAtTheStartThatPacketsWithoutATeamNumberDriveEveryRobot) {
   EXPECT_EQ(with.text.find(note), std::string::npos) << with.text;
 }
 
+// The only place that states the hash of a game. It covers the whole way from rendered picture to wheels.
+TEST_F(Program, AGameInTheArenaKeepsItsHash) {
+  constexpr const char* kHash = "0c56830ad86b5637";
+  const CommandOutput game = touchline("run --board '" TOUCHLINE_MOCK_BOARD "' --duration 3 --seed 1 --headless");
+  ASSERT_EQ(game.code, 0) << game.text;
+  const std::string before = "\narena state: ";
+  const std::size_t at = game.text.find(before);
+  ASSERT_NE(at, std::string::npos) << game.text;
+  EXPECT_EQ(game.text.substr(at + before.size()), std::string(kHash) + "\n")
+      << "The game of `tools/run --headless --duration 3 --seed 1` has changed. If your change should not change "
+         "results, "
+         "look for the mistake. If it should, put the new hash here, and say in the commit message why it changed.";
+  EXPECT_NE(game.text.find("\ngame      score 0 : 0, playing to the right\n"), std::string::npos) << game.text;
+  EXPECT_NE(game.text.find("  score 0:0  playing right  latency"), std::string::npos) << game.text;
+  EXPECT_EQ(game.text.find("not from reports"), std::string::npos) << "the arena's noise is no fault of the radio";
+}
+
+TEST_F(Program, NoColorLeavesTheMapWithoutColors) {
+  const auto map_with = [](const std::string& environment) {
+    return run_command(environment + " TERM=xterm script -qec \"'" TOUCHLINE_PROGRAM
+                                     "' run --board '" TOUCHLINE_MOCK_BOARD
+                                     "' --pace fast --status-interval 0.1 --frames 10\" /dev/null 2>&1")
+        .text;
+  };
+  const std::string red = "\x1b[1;31mx", colored = map_with("env -u NO_COLOR"), plain = map_with("NO_COLOR=1");
+  EXPECT_NE(colored.find(red), std::string::npos) << colored;
+  EXPECT_EQ(plain.find("\x1b[1;"), std::string::npos) << plain;
+  EXPECT_EQ(plain.find("\x1b[2m"), std::string::npos) << plain;
+  EXPECT_NE(plain.find("+----"), std::string::npos) << "the map is drawn: " << plain;
+}
+
+TEST_F(Program, KeysCommandFiltersByWords) {
+  const CommandOutput found = touchline("keys camera exposure_us");
+  EXPECT_EQ(found.code, 0);
+  EXPECT_TRUE(found.text.starts_with("board.toml\n  camera.exposure_us: ")) << found.text;
+  const CommandOutput unknown = touchline("keys exposre");
+  EXPECT_EQ(unknown.code, 1);
+  EXPECT_EQ(unknown.text,
+            "touchline: no key has \"exposre\" in its file, section, name or meaning; did you mean \"exposure\"?\n");
+  EXPECT_EQ(touchline("keys camera --update x.md").code, 64);
+}
+
 TEST_F(Program, CheckOpensNoDevice) {
   write_board("v4l2", "there-is-no-such-camera");
   EXPECT_EQ(touchline("check " + board()).code, 0);
@@ -284,7 +326,8 @@ TEST_F(Program, AMissingDeviceGivesExitCode2) {
 TEST_F(Program, PlaysAWholeRecording) {
   const CommandOutput outcome = touchline("run --headless --status-interval 0.25 " + board());
   EXPECT_EQ(outcome.code, 0) << outcome.text;
-  EXPECT_NE(outcome.text.find("own 0/1  opp 0/0  ball lost  latency p50"), std::string::npos) << outcome.text;
+  EXPECT_NE(outcome.text.find("own 0/1  opp 0/0  ball lost  playing right  latency p50"), std::string::npos)
+      << outcome.text;
   EXPECT_NE(outcome.text.find("end       end of the input\nframes    30 in "), std::string::npos) << outcome.text;
 }
 

@@ -193,12 +193,21 @@ std::optional<int> parse_command_line(int argc, char** argv, CommandLine& out) {
   add_examples(*console_command, {{"touchline console --link", "print login links and a QR code"},
                                   {"sudo -u touchline touchline console --token", "print the token of the service"}});
 
+  CLI::App* link = app.add_subcommand(
+      "link",
+      "Open the installed service's page to the computers and phones of the local network, and print login\n"
+      "links. Restarts the service, which stops the robots");
+  link->add_flag("--undo", out.link.is_undone, "Close the page again");
+  add_examples(*link, {{"sudo touchline link", "open the page of this board"},
+                       {"sudo touchline link --undo", "close it again"}});
+
   if (const std::optional<int> exit_code = parse_arguments(app, argc, argv)) return exit_code;
   out.command = init->parsed()              ? Command::kInit
                 : check->parsed()           ? Command::kCheck
                 : keys->parsed()            ? Command::kKeys
                 : faults->parsed()          ? Command::kFaults
                 : console_command->parsed() ? Command::kConsole
+                : link->parsed()            ? Command::kLink
                                             : Command::kRun;
   out.console.is_requested = console->count() > 0 || out.console.is_for_network;
   if (out.console.is_for_network) out.console.address = "0.0.0.0:8642";

@@ -102,7 +102,7 @@ TEST_F(Program, RejectsFilesThatAreNotRegularFiles) {
 TEST_F(Program, AWrongCommandLineGivesExitCode64) {
   EXPECT_EQ(touchline("").code, 64);
   EXPECT_EQ(touchline("play").code, 64);
-  EXPECT_EQ(touchline("run").code, 64);
+  EXPECT_EQ(touchline("init").code, 64);
   EXPECT_EQ(touchline("run " + board() + "--frames -1").code, 64);
   EXPECT_EQ(touchline("run " + board() + "--sed 1").code, 64);
   EXPECT_EQ(touchline("run " + board() + "--duration nan").code, 64);
@@ -123,12 +123,12 @@ TEST_F(Program, AWrongWordIsNamedBeforeWhatIsMissingBecauseOfIt) {
   expect_first_line("run --bord b.toml", "run: \"--bord\" is no option; did you mean \"--board\"?");
   expect_first_line("run --bord=b.toml", "run: \"--bord\" is no option; did you mean \"--board\"?");
   expect_first_line("run --board b.toml --sede 1", "run: \"--sede\" is no option; did you mean \"--seed\"?");
-  expect_first_line("play", "\"play\" is no command; known commands: run, check, init, keys, faults, console");
+  expect_first_line("play", "\"play\" is no command; known commands: run, check, init, keys, faults, console, link");
   expect_first_line("check --board b.toml --headless",
                     "check: \"--headless\" is no option here, but one of touchline run");
   expect_first_line("init vsss", "init: \"vsss\" is one word too many");
   expect_first_line("--bord b.toml run", "run: \"--bord\" is no option; did you mean \"--board\"?");
-  EXPECT_EQ(touchline("run").text.substr(0, 20), "--board is required\n") << "nothing is wrong but missing";
+  EXPECT_EQ(touchline("init").text.substr(0, 21), "--league is required\n") << "nothing is wrong but missing";
 }
 
 TEST_F(Program, CheckRefusesWhatNoCameraCanDo) {

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "firmware/config/standard_layouts.h"
+#include "firmware/config/user_files.h"
 #include "firmware/config/wording.h"
 #include "firmware/parse_arguments.h"
 
@@ -41,8 +42,9 @@ CLI::Validator between(double low, double high) {
 }
 
 void add_files(CLI::App& app, config::FilePaths& files) {
-  app.add_option("--board", files.board, "Board file: devices, real-time settings, faults")
-      ->required()
+  app.add_option("--board", files.board,
+                 "Board file: devices, real-time settings, faults. Default: board.toml in this folder, in\n"
+                 "~/.config/touchline or in /etc/touchline")
       ->type_name("FILE");
   app.add_option("--venue", files.venue, "Venue file; default: the one in the board file")->type_name("FILE");
   app.add_option("--team", files.team, "Team file; default: the one in the board file")->type_name("FILE");
@@ -106,6 +108,11 @@ std::optional<int> parse_command_line(int argc, char** argv, CommandLine& out) {
              "127.0.0.1:8642. Port 0: a free one, which is printed")
           ->type_name("ADDRESS:PORT")
           ->expected(0, 1);
+  run->add_flag(
+         "--lan", out.console.is_for_network,
+         "Serve the console to other computers and phones too, at port 8642 or the next free one, and print login\n"
+         "links. It is the same as --console 0.0.0.0:8642")
+      ->excludes(console);
   std::string pace;
   run->add_option(
          "--pace", pace,
@@ -178,10 +185,21 @@ std::optional<int> parse_command_line(int argc, char** argv, CommandLine& out) {
 
   CLI::App* console_command = app.add_subcommand("console", "Show what a browser on another computer needs");
   add_files(*console_command, out.session.files);
-  bool prints_token = false;  // the only thing that it does so far
-  console_command->add_flag("--token", prints_token, "Print the token, and make it if there is none")->required();
-  add_examples(*console_command,
-               {{"touchline console --token --board /etc/touchline/board.toml", "print the token of the service"}});
+  CLI::Option_group* const what = console_command->add_option_group("what");
+  bool prints_token = false;
+  what->add_flag("--token", prints_token, "Print the token, and make it if there is none");
+  what->add_flag("--link", out.prints_login_link, "Print the links with which other computers log in, and a QR code");
+  what->require_option(1);
+  add_examples(*console_command, {{"touchline console --link", "print login links and a QR code"},
+                                  {"sudo -u touchline touchline console --token", "print the token of the service"}});
+
+  CLI::App* link = app.add_subcommand(
+      "link",
+      "Open the installed service's page to the computers and phones of the local network, and print login\n"
+      "links. Restarts the service, which stops the robots");
+  link->add_flag("--undo", out.link.is_undone, "Close the page again");
+  add_examples(*link, {{"sudo touchline link", "open the page of this board"},
+                       {"sudo touchline link --undo", "close it again"}});
 
   if (const std::optional<int> exit_code = parse_arguments(app, argc, argv)) return exit_code;
   out.command = init->parsed()              ? Command::kInit
@@ -189,8 +207,19 @@ std::optional<int> parse_command_line(int argc, char** argv, CommandLine& out) {
                 : keys->parsed()            ? Command::kKeys
                 : faults->parsed()          ? Command::kFaults
                 : console_command->parsed() ? Command::kConsole
+                : link->parsed()            ? Command::kLink
                                             : Command::kRun;
-  out.console.is_requested = console->count() > 0;
+  out.console.is_requested = console->count() > 0 || out.console.is_for_network;
+  if (out.console.is_for_network) out.console.address = "0.0.0.0:8642";
+  const bool needs_board = out.command == Command::kRun || out.command == Command::kCheck;
+  if (out.session.files.board.empty()) {
+    const Result<std::string> found = config::find_board_file();
+    if (!found.ok() && needs_board) {
+      std::fprintf(stderr, "touchline: %s\n", found.error().text.c_str());
+      return kExitBadFile;
+    }
+    if (found.ok()) out.session.files.board = found.value();
+  }
   if (!pace.empty()) out.pace = pace == "real" ? Pace::kReal : Pace::kFast;
   out.session.duration = from_seconds(duration_s);
   out.session.status_interval = from_seconds(interval_s);

@@ -8,12 +8,13 @@
 #include "firmware/console/console_plan.h"
 #include "firmware/exit_codes.h"
 #include "firmware/init_command.h"
+#include "firmware/link_command.h"
 #include "firmware/network/network_plan.h"
 #include "firmware/session.h"
 
 namespace touchline {
 
-enum class Command : std::uint8_t { kRun, kCheck, kKeys, kFaults, kInit, kConsole };
+enum class Command : std::uint8_t { kRun, kCheck, kKeys, kFaults, kInit, kConsole, kLink };
 /// How fast simulated time passes. kDefault: kReal if somebody watches or a program is connected, else kFast.
 enum class Pace : std::uint8_t { kDefault, kReal, kFast };
 
@@ -25,10 +26,12 @@ struct CommandLine {
   Pace pace = Pace::kDefault;
   bool headless = false;
   bool dump = false;
+  bool prints_login_link = false;      // console --link
   std::string drawing;                 // check --draw
   std::vector<std::string> key_words;  // keys WORD...
   std::string page_to_update;          // keys --update, faults --update
   InitOptions init;
+  LinkOptions link;
 };
 
 /// Empty: continue with `out`. Otherwise help, version or an error has been printed, and the value is the exit code.

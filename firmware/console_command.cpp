@@ -4,20 +4,35 @@
 #include <memory>
 
 #include "firmware/console/access.h"
+#include "firmware/console/login_link.h"
 
 namespace touchline {
+namespace {
+
+Result<std::string> text_of(const CommandLine& command_line, const config::Configuration& configuration) {
+  const config::ConsoleSettings& settings = configuration.board.console;
+  TOUCHLINE_TRY_ASSIGN(const std::string token, console::make_token(console::usable_token_file(settings)));
+  if (!command_line.prints_login_link) return token + "\n";
+  TOUCHLINE_TRY_ASSIGN(const console::ConsolePlan plan, console::plan_console(settings, configuration.board_where, {}));
+  // Of the board file's address, which --lan replaces.
+  return console::login_text(console::is_loopback(plan.address) ? "0.0.0.0" : plan.address, plan.port, token);
+}
+
+}  // namespace
 
 int console_command(const CommandLine& command_line) {
   const auto configuration = std::make_unique<config::Configuration>();
   const config::FilePaths& files = command_line.session.files;
-  Result<void> loaded = config::load_board(files.board, files.overrides, *configuration);
-  const Result<std::string> token = loaded.ok() ? console::make_token(configuration->board.console.token_file)
-                                                : Result<std::string>(std::move(loaded).error());
-  if (!token.ok()) {
-    std::fprintf(stderr, "%s\n", token.error().text.c_str());
+  // Without a board file the token is the user's own.
+  Result<void> loaded;
+  if (!files.board.empty()) loaded = config::load_board(files.board, files.overrides, *configuration);
+  const Result<std::string> text =
+      loaded.ok() ? text_of(command_line, *configuration) : Result<std::string>(std::move(loaded).error());
+  if (!text.ok()) {
+    std::fprintf(stderr, "%s\n", text.error().text.c_str());
     return kExitBadFile;
   }
-  std::printf("%s\n", token.value().c_str());
+  std::fputs(text.value().c_str(), stdout);
   return kExitOk;
 }
 

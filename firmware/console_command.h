@@ -4,7 +4,7 @@
 
 namespace touchline {
 
-/// touchline console: prints the token that browsers on other computers need. Returns the exit code.
+/// touchline console: prints the token or the login links that browsers on other computers need. Returns the exit code.
 int console_command(const CommandLine& command_line);
 
 }  // namespace touchline

@@ -1,6 +1,7 @@
 #include "firmware/loop.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "firmware/crash_stop.h"
 #include "hal/linux/monotonic_clock.h"
@@ -54,11 +55,18 @@ void Loop::set_faults(const config::FaultSettings& faults) {
 }
 
 Result<void> Loop::open() {
-  TOUCHLINE_TRY(devices_.open(from_seconds(settings_.faults.reopen_after_s)));
-  crash_stop::set_radio(devices_.radio().descriptor());
+  const Result<LoopDevices::OpenResults> opened =
+      devices_.open(from_seconds(settings_.faults.reopen_after_s), settings_.awaited);
+  if (!opened.ok()) return opened.error();
+  if (devices_.is_open(Device::kRadio)) crash_stop::set_radio(devices_.radio().descriptor());
   const Instant now = devices_.clock().now();
   statistics_.begin = last_frame_ = last_packet_ = now;
   reports_.begin(now);
+  for (const Device device : kDevices) {
+    const Result<void>& result = opened.value()[static_cast<std::size_t>(device)];
+    was_open_[static_cast<std::size_t>(device)] = result.ok();
+    if (!result.ok()) report_fault(device, result.error(), reopening_action(device), now);
+  }
   return {};
 }
 
@@ -368,8 +376,7 @@ void Loop::on_fault(Device device, const Error& error, Instant now) {
     end_ = LoopEnd::kEndOfStream;
     return;
   }
-  const FaultAction optional = is_awaited(device) ? FaultAction::kReopen : FaultAction::kContinueWithout;
-  const FaultAction action = is_required(device) ? action_for(error.code) : optional;
+  const FaultAction action = is_required(device) ? action_for(error.code) : reopening_action(device);
   report_fault(device, error, action, now);
   if (action == FaultAction::kReopen || action == FaultAction::kContinueWithout) {
     if (device == Device::kRadio) crash_stop::set_radio(-1);  // its descriptor will be closed
@@ -394,18 +401,21 @@ void Loop::reopen_lost_devices(Instant now) {
     if (attempt && attempt->ok()) {
       on_reopened(device, now);
     } else if (attempt) {
-      // Never kLeave, whatever the code: the device has worked with these settings, and it may have been plugged in
-      // badly.
-      const FaultAction action = is_awaited(device) ? FaultAction::kReopen : FaultAction::kContinueWithout;
-      report_fault(device, attempt->error(), action, now);
+      // Never kLeave, whatever the code: the device has worked with these settings and may have been plugged in badly,
+      // or a person is choosing them.
+      report_fault(device, attempt->error(), reopening_action(device), now);
     }
     const Duration limit = from_seconds(settings_.faults.leave_after_s);
-    if (is_required(device) && limit > 0s && devices_.time_lost(device, now) > limit) end_ = LoopEnd::kDeviceLost;
+    const bool was_open = was_open_[static_cast<std::size_t>(device)];
+    if (was_open && is_required(device) && limit > 0s && devices_.time_lost(device, now) > limit)
+      end_ = LoopEnd::kDeviceLost;
   }
 }
 
 void Loop::on_reopened(Device device, Instant now) {
   ++statistics_.reopened[static_cast<std::size_t>(device)];
+  const bool was_open = std::exchange(was_open_[static_cast<std::size_t>(device)], true);
+  reports_.end_loss(device);
   if (is_awaited(device)) report_fault(device, {ErrorCode::kOk, {}}, FaultAction::kNone, now);
   switch (device) {
     case Device::kCamera:
@@ -413,6 +423,7 @@ void Loop::on_reopened(Device device, Instant now) {
       pipeline_.reset();
       frame_gaps_.restart();
       last_frame_ = now;
+      if (!was_open) end_ = LoopEnd::kRestart;
       break;
     case Device::kGpio:
       outputs_.on_reopened();

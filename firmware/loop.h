@@ -44,8 +44,11 @@ struct LoopSettings {
   bool emergency_stop = true;                      // the board has one; robots are stopped while it cannot be read
   HeldStops held{};                                // of the previous session or run: robots wait for a start
   const std::atomic<bool>* restart = nullptr;      // ends the loop with kRestart when it is set; null: never
-  std::uint64_t first_number = 0;                  // of the first frame's snapshot
-  LiveUpdate* live_update = nullptr;               // new settings while the loop runs; null: none
+  // If one of these cannot be opened, the loop starts nevertheless, and robots stand until it can be. When the camera
+  // is there, the loop ends with kRestart, since those who use its pictures have to learn their format.
+  DeviceFlags awaited{};
+  std::uint64_t first_number = 0;     // of the first frame's snapshot
+  LiveUpdate* live_update = nullptr;  // new settings while the loop runs; null: none
   ExternalInputSettings external;
   SnapshotRing* snapshots = nullptr;    // gets a snapshot of every frame; null: nobody reads them
   PictureExchange* pictures = nullptr;  // gets a picture when it asks for one; null: nobody asks
@@ -72,7 +75,7 @@ struct LoopObserver {
 
 enum class LoopEnd : std::uint8_t {
   kRequested,    // the stop flag was set
-  kRestart,      // LoopSettings::restart was set
+  kRestart,      // LoopSettings::restart was set, or an awaited camera is there
   kLimit,        // frames or duration reached
   kEndOfStream,  // a replayed input has ended
   kDeviceLost,   // a device was lost for longer than faults.leave_after_s
@@ -101,7 +104,8 @@ class Loop {
   Loop(const Loop&) = delete;
   Loop& operator=(const Loop&) = delete;
 
-  /// Opens radio, GPIO and camera, in this order. The error text names the device and the cause.
+  /// Opens radio, GPIO and camera, in this order. The error text names the device and the cause. No error
+  /// for those of LoopSettings::awaited.
   Result<void> open();
   /// Iterates until one of the reasons in LoopEnd, then sends the final stop packets, also before an exception leaves
   /// this function. Call it after open().
@@ -116,6 +120,7 @@ class Loop {
   [[nodiscard]] const LoopStatistics& statistics() const { return statistics_; }
   /// For a watchdog; callable from any thread.
   [[nodiscard]] const LoopHeartbeat& heartbeat() const { return heartbeat_; }
+  [[nodiscard]] bool is_open(Device device) const { return devices_.is_open(device); }
   /// Bits of Halt.
   [[nodiscard]] std::uint32_t halt() const { return rules_.halt(); }
   /// What the next session's robots wait for.
@@ -156,6 +161,9 @@ class Loop {
   void report_fault(Device device, const Error& error, FaultAction action, Instant now);
   void set_faults(const config::FaultSettings& faults);
   [[nodiscard]] bool is_required(Device device) const { return device != Device::kGpio || settings_.emergency_stop; }
+  [[nodiscard]] FaultAction reopening_action(Device device) const {
+    return is_awaited(device) ? FaultAction::kReopen : FaultAction::kContinueWithout;
+  }
   // Until the start button is pressed, robots wait for its chip as well.
   [[nodiscard]] bool is_awaited(Device device) const { return is_required(device) || !rules_.is_started(); }
 
@@ -176,6 +184,7 @@ class Loop {
   Instant last_frame_{};                // arrival of the last frame, good or not
   Instant last_packet_{};
   Duration packet_time_{};          // of the last packet on the radio's line
+  DeviceFlags was_open_{};          // since open()
   bool needs_final_stops_ = false;  // packets were sent since the last final stop packets
   FrameGaps frame_gaps_;
   LatencyEstimate latency_;

@@ -5,16 +5,24 @@
 namespace touchline {
 namespace {
 
-Result<void> reopen_camera(void* device) {
-  auto& camera = *static_cast<hal::Camera*>(device);
-  camera.stop();
-  camera.close();
+// The radio is first, so that robots that are still moving can be stopped.
+constexpr std::array kOpeningOrder{Device::kRadio, Device::kGpio, Device::kCamera};
+static_assert(kOpeningOrder.size() == kDeviceCount);
+
+Result<void> open_camera(hal::Camera& camera) {
   TOUCHLINE_TRY(camera.open());
   Result<void> started = camera.start();
   // A camera that stays open until the next attempt would keep its device number, and its kernel module could not be
   // unloaded.
   if (!started.ok()) camera.close();
   return started;
+}
+
+Result<void> reopen_camera(void* device) {
+  auto& camera = *static_cast<hal::Camera*>(device);
+  camera.stop();
+  camera.close();
+  return open_camera(camera);
 }
 
 template <class Device>
@@ -25,26 +33,45 @@ Result<void> reopen(void* device) {
 
 }  // namespace
 
-Result<void> LoopDevices::open(Duration first_pause) {
-  const auto close_all = [&](Device device, Result<void>&& failed) {
-    hal_.camera.close();
-    hal_.radio.close();
-    hal_.gpio.close();
-    return prefixed(describe(device), std::move(failed).error());
-  };
-  // The radio is first, so that robots that are still moving can be stopped.
-  if (Result<void> r = hal_.radio.open(); !r.ok()) return close_all(Device::kRadio, std::move(r));
-  if (Result<void> r = hal_.gpio.open(); !r.ok()) return close_all(Device::kGpio, std::move(r));
-  if (Result<void> r = hal_.camera.open(); !r.ok()) return close_all(Device::kCamera, std::move(r));
-  if (Result<void> r = hal_.camera.start(); !r.ok()) return close_all(Device::kCamera, std::move(r));
-  const auto watch = [&](Device device, DeviceReconnector::Reopen how, void* which) {
+Result<void> LoopDevices::open_device(Device device) {
+  switch (device) {
+    case Device::kRadio:
+      return hal_.radio.open();
+    case Device::kGpio:
+      return hal_.gpio.open();
+    case Device::kCamera:
+      return open_camera(hal_.camera);
+  }
+  return {};
+}
+
+Result<LoopDevices::OpenResults> LoopDevices::open(Duration first_pause, const DeviceFlags& awaited) {
+  OpenResults results;
+  for (const Device device : kOpeningOrder) {
+    const auto index = static_cast<std::size_t>(device);
+    results[index] = open_device(device);
+    if (results[index].ok() || awaited[index]) continue;
+    close_all();
+    return prefixed(describe(device), std::move(results[index]).error());
+  }
+  const auto emplace = [&](Device device, DeviceReconnector::Reopen how, void* which) {
     reconnectors_[static_cast<std::size_t>(device)].emplace(how, which, first_pause, hal_.simulated_time);
   };
-  watch(Device::kCamera, reopen_camera, &hal_.camera);
-  watch(Device::kRadio, reopen<hal::Radio>, &hal_.radio);
-  watch(Device::kGpio, reopen<hal::Gpio>, &hal_.gpio);
+  emplace(Device::kCamera, reopen_camera, &hal_.camera);
+  emplace(Device::kRadio, reopen<hal::Radio>, &hal_.radio);
+  emplace(Device::kGpio, reopen<hal::Gpio>, &hal_.gpio);
   are_open_ = true;
-  return {};
+  const Instant now = hal_.clock.now();
+  for (const Device device : kDevices) {
+    if (!results[static_cast<std::size_t>(device)].ok()) mark_lost(device, now);
+  }
+  return results;
+}
+
+void LoopDevices::close_all() {
+  hal_.camera.close();
+  hal_.radio.close();
+  hal_.gpio.close();
 }
 
 void LoopDevices::close() {
@@ -52,9 +79,7 @@ void LoopDevices::close() {
   are_open_ = false;
   for (auto& reconnector : reconnectors_) reconnector->stop();
   hal_.camera.stop();
-  hal_.camera.close();
-  hal_.radio.close();
-  hal_.gpio.close();
+  close_all();
 }
 
 void LoopDevices::set_first_pause(Duration pause) {

@@ -31,8 +31,12 @@ class LoopDevices {
   LoopDevices(const LoopDevices&) = delete;
   LoopDevices& operator=(const LoopDevices&) = delete;
 
-  /// Opens radio, GPIO and camera, in this order, and starts the camera. On error nothing is open.
-  Result<void> open(Duration first_pause);
+  using OpenResults = std::array<Result<void>, kDeviceCount>;  // by Device
+
+  /// Opens radio, GPIO and camera, in this order, and starts the camera. A device of `awaited` that cannot be opened
+  /// counts as lost from now on, and the result says why; poll() tries again. Any other one is an error, after which
+  /// nothing is open.
+  Result<OpenResults> open(Duration first_pause, const DeviceFlags& awaited = {});
   /// Waits for attempts in progress, then closes all.
   void close();
   [[nodiscard]] hal::Camera& camera() const { return hal_.camera; }
@@ -56,6 +60,9 @@ class LoopDevices {
     return *reconnectors_[static_cast<std::size_t>(device)];
   }
   DeviceReconnector& at(Device device) { return *reconnectors_[static_cast<std::size_t>(device)]; }
+
+  Result<void> open_device(Device device);
+  void close_all();
 
   HalDevices hal_;
   std::array<std::optional<DeviceReconnector>, kDeviceCount> reconnectors_;

@@ -16,10 +16,10 @@ const char* describe(Device device) noexcept {
   return "device";
 }
 
-void FaultReport::set_reason(std::string_view text) {
-  const std::size_t size = std::min(text.size(), reason.size() - 1);
-  std::copy_n(text.begin(), size, reason.begin());
-  reason[size] = '\0';
+void ReasonText::set(std::string_view text) {
+  const std::size_t size = std::min(text.size(), bytes_.size() - 1);
+  std::copy_n(text.begin(), size, bytes_.begin());
+  bytes_[size] = '\0';
 }
 
 }  // namespace touchline

@@ -22,6 +22,7 @@ namespace touchline {
 enum class Device : std::uint8_t { kCamera, kRadio, kGpio };
 inline constexpr std::array kDevices{Device::kCamera, Device::kRadio, Device::kGpio};
 inline constexpr std::size_t kDeviceCount = kDevices.size();
+using DeviceFlags = std::array<bool, kDeviceCount>;  // by Device
 const char* describe(Device device) noexcept;
 
 struct SeenRobot {
@@ -38,6 +39,22 @@ struct RobotStatus {
   std::int8_t link_percent = kLinkUnknown;  // percentage of our packets that it received recently
   double age_s = 0.0;
   bool battery_low = false;
+};
+
+// Maximum length of an error text; the rest is cut off.
+inline constexpr std::size_t kMaxReasonBytes = 240;
+
+/// Text of fixed size, which may be cut off.
+class ReasonText {
+ public:
+  void set(std::string_view text);
+  /// Ends with a zero byte.
+  [[nodiscard]] const char* c_str() const { return bytes_.data(); }
+  [[nodiscard]] std::string_view view() const { return bytes_.data(); }
+  [[nodiscard]] bool empty() const { return bytes_[0] == '\0'; }
+
+ private:
+  std::array<char, kMaxReasonBytes> bytes_{};
 };
 
 /// Status, once per interval.
@@ -57,24 +74,21 @@ struct StatusReport {
   std::uint32_t halt = kHaltNone;
   std::uint32_t stop_number = 0;  // ExternalInput::stop_number()
   AdaptationMode adaptation = AdaptationMode::kFollow;
-  PictureTrace picture{};   // of the last frame
-  float brightness = 1.0f;  // of the light, relative to the calibration
+  std::array<ReasonText, kDeviceCount> lost;  // by Device: why it cannot be used; "": it is open
+  PictureTrace picture{};                     // of the last frame
+  float brightness = 1.0f;                    // of the light, relative to the calibration
   FixedVector<SeenRobot, kMaxRobots> robots;
   FixedVector<RobotStatus, kMaxRobotsPerTeam> robot_status;
 };
 
-// Maximum length of an error text; the rest is cut off.
-inline constexpr std::size_t kMaxReasonBytes = 240;
-
-/// First failure of a device with this code in this interval, or the device was reopened (code kOk).
+/// First failure of a device with this code in this interval and, while the device is lost, with this reason; or the
+/// device was reopened (code kOk).
 struct FaultReport {
   double elapsed_s = 0.0;
   Device device = Device::kCamera;
   ErrorCode code = ErrorCode::kOk;
   FaultAction action = FaultAction::kNone;
-  std::array<char, kMaxReasonBytes> reason{};
-
-  void set_reason(std::string_view text);
+  ReasonText reason;
 };
 
 /// Robots were stopped, or may move again; or they are stopped as before and by another stop.

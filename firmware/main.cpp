@@ -8,6 +8,7 @@
 #include "firmware/fault_reference.h"
 #include "firmware/init_command.h"
 #include "firmware/layout_drawing.h"
+#include "firmware/link_command.h"
 #include "firmware/network/connections.h"
 #include "firmware/run_command.h"
 #include "hal/files/input_file.h"
@@ -28,7 +29,8 @@ int print(const std::string& text) {
 }
 
 int init_command(const InitOptions& options) {
-  const Result<std::string> steps = write_initial_files(options);
+  const Result<std::string> steps =
+      write_initial_files(options, devices::list_devices({.camera = "", .serial = "", .gpio = {}}));
   return steps.ok() ? print(steps.value()) : fail(steps.text());
 }
 
@@ -84,6 +86,11 @@ int check_command(const CommandLine& command_line) {
                std::string(config::kernel_word(configuration.board)) + " kernel\n" + describe(plan.value()));
 }
 
+int link(const LinkOptions& options) {
+  const Result<std::string> text = link_command(options);
+  return text.ok() ? print(text.value()) : fail(text.text());
+}
+
 /// Writes a reference into a page of the documentation.
 int update_page(const std::string& path, Result<std::string> (*update)(std::string page)) {
   Result<std::string> page = hal::read_file(path, hal::kMaxTextFileBytes);
@@ -124,6 +131,8 @@ int main(int argc, char** argv) {
         return touchline::check_command(command_line);
       case touchline::Command::kConsole:
         return touchline::console_command(command_line);
+      case touchline::Command::kLink:
+        return touchline::link(command_line.link);
       case touchline::Command::kKeys:
         return touchline::keys_command(command_line);
       case touchline::Command::kFaults:

@@ -67,6 +67,7 @@ void ReportWriter::report_status_if_due(const LoopStatistics& statistics, std::u
   status.halt = halt;
   status.stop_number = stop_number;
   status.adaptation = adaptation;
+  status.lost = lost_;
   if (last_trace_ != nullptr) status.picture = last_trace_->picture;
   // Without new frames, the robots of the last frame no longer count as seen.
   if (last_trace_ != nullptr && good > 0) {
@@ -106,6 +107,13 @@ void ReportWriter::report_batteries(const RobotReports& robots, Instant now) {
 }
 
 void ReportWriter::report_fault(Device device, ErrorCode code, FaultAction action, std::string_view text, Instant now) {
+  if (action == FaultAction::kReopen) {
+    ReasonText& lost = lost_[static_cast<std::size_t>(device)];
+    const std::string_view reason = text.empty() ? std::string_view(describe(code)) : text;
+    const ErrorCode before = std::exchange(lost_code_[static_cast<std::size_t>(device)], code);
+    if (before == code && lost.view() == reason.substr(0, kMaxReasonBytes - 1)) return;
+    lost.set(reason);
+  }
   bool& reported = action == FaultAction::kContinueWithout
                        ? continue_without_reported_
                        : fault_reported_[static_cast<std::size_t>(device)][static_cast<std::size_t>(code)];
@@ -115,7 +123,7 @@ void ReportWriter::report_fault(Device device, ErrorCode code, FaultAction actio
   report_.fault.device = device;
   report_.fault.code = code;
   report_.fault.action = action;
-  report_.fault.set_reason(text);
+  report_.fault.reason.set(text);
   if (code != ErrorCode::kOk) last_fault_ = report_.fault;
   ring_.push(report_);
 }

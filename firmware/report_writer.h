@@ -25,12 +25,14 @@ class ReportWriter {
   /// Reports that all commanded robots have begun to stand (PictureTrace::stands), at most once in ten seconds.
   void report_standing(Instant now);
   /// Reports a fault, at most once per interval for each device and code, and only once for
-  /// FaultAction::kContinueWithout. `text`: device and cause.
+  /// FaultAction::kContinueWithout. While a device is lost, a reason is reported only once. `text`: device and cause.
   void report_fault(Device device, ErrorCode code, FaultAction action, std::string_view text, Instant now);
   /// Reports robots whose battery has become low since the last call.
   void report_batteries(const RobotReports& robots, Instant now);
   void report_status_if_due(const LoopStatistics& statistics, std::uint32_t halt, std::uint32_t stop_number,
                             AdaptationMode adaptation, Instant now);
+  /// From now on the status does not call the device lost.
+  void end_loss(Device device) { lost_[static_cast<std::size_t>(device)].set({}); }
 
   /// The last fault, without reports of reopened devices.
   [[nodiscard]] const FaultReport& last_fault() const { return last_fault_; }
@@ -45,6 +47,8 @@ class ReportWriter {
   LatencyHistogram latency_;                                                      // since the last status
   std::array<std::array<bool, kErrorCodeCount>, kDeviceCount> fault_reported_{};  // since the last status
   bool continue_without_reported_ = false;
+  std::array<ReasonText, kDeviceCount> lost_{};
+  std::array<ErrorCode, kDeviceCount> lost_code_{};
   std::uint32_t halt_reported_ = kHaltNoFrames;
   std::uint32_t stop_number_reported_ = 0;
   std::optional<Instant> standing_reported_;

@@ -54,7 +54,7 @@ void print_start(const Session& session, const network::Connections& connections
                    configuration.team_where.file() + " and in the robots (docs/radio.md)");
   }
   add_device("gpio", session.gpio_description());
-  output.print(text + connections.start_text() + console.start_text());
+  output.print(text + connections.start_text() + console.start_text(::isatty(STDOUT_FILENO) != 0));
   for (const std::string& refusal : refused) output.print_error("real time: " + refusal + "\n");
 }
 
@@ -197,6 +197,7 @@ LoopEnd run_session(Session& session, RunContext& run, const std::string& error)
     const network::ConnectionThreads threads(run.connections, session.configuration(), print_line);
     if (run.serves_console && is_first) {
       run.console_thread.emplace(run.console, session, &run.adaptation, TOUCHLINE_VERSION, print_line);
+      if (run.console.port() != 0) run.service->set_ready();
     } else if (run.serves_console) {
       run.console.begin_session(session, error);
     }
@@ -217,9 +218,35 @@ LoopEnd run_session(Session& session, RunContext& run, const std::string& error)
   return end;
 }
 
+/// With the page, a person can choose the devices, so the program waits for them. It never waits for a recording.
+DeviceFlags awaited_devices(const Session& session, const RunContext& run) {
+  const hal::CameraBackend camera = session.configuration().board.camera.backend;
+  DeviceFlags awaited{};
+  if (!run.serves_console) return awaited;
+  awaited.fill(true);
+  awaited[static_cast<std::size_t>(Device::kCamera)] =
+      camera == hal::CameraBackend::kV4l2 || camera == hal::CameraBackend::kLibcamera;
+  return awaited;
+}
+
+/// The session that waits; if none does, because an awaited camera is there, another one with the files of `former`.
+Result<std::unique_ptr<Session>> take_next(const Session& former, RunContext& run) {
+  if (std::unique_ptr<Session> next = run.next->take()) return next;
+  const config::FilePaths draft = former.is_draft() ? former.files() : config::FilePaths{};
+  return load_session(run.command_line.session, draft, true, *run.output);
+}
+
 /// Opens the session that waits or, if its devices cannot be opened, one with the saved files; `error` says why.
 Result<std::unique_ptr<Session>> begin_next(std::unique_ptr<Session> former, RunContext& run, std::string& error) {
-  std::unique_ptr<Session> next = run.next->take();
+  Result<std::unique_ptr<Session>> taken = take_next(*former, run);
+  if (!taken.ok()) return taken;
+  std::unique_ptr<Session> next = std::move(taken).value();
+  // A device that a person has just chosen has to be there, unless the former one was not there either.
+  DeviceFlags awaited = awaited_devices(*next, run);
+  for (const Device device : kDevices) {
+    awaited[static_cast<std::size_t>(device)] &= !next->is_draft() || !former->loop().is_open(device);
+  }
+  next->await(awaited);
   // Robots that were to stand until somebody acts stand in the next session too.
   const HeldStops held = former->loop().held();
   const std::uint64_t number = former->next_number();
@@ -237,6 +264,7 @@ Result<std::unique_ptr<Session>> begin_next(std::unique_ptr<Session> former, Run
   next.reset();
   Result<std::unique_ptr<Session>> saved = load_session(run.command_line.session, {}, true, *run.output);
   if (!saved.ok()) return saved;
+  saved.value()->await(awaited_devices(*saved.value(), run));
   TOUCHLINE_TRY(open(*saved.value()));
   return saved;
 }
@@ -292,6 +320,7 @@ int run_command(const CommandLine& command_line) {
   RunContext run{command_line, connections,     *console, serves_console, paced,
                  adaptation,   reload_requests, stop,     refused,        shared_output};
   console->set_use_files(use_files(command_line.session, run));
+  session->await(awaited_devices(*session, run));
   if (const Result<void> opened = open_session(*session, run); !opened.ok()) {
     output.print_error(opened.text() + "\n");
     return kExitDeviceFailure;

@@ -4,6 +4,9 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <string>
 #include <utility>
 
 namespace touchline {
@@ -15,6 +18,12 @@ using Microseconds = std::chrono::duration<std::uint64_t, std::micro>;
 constexpr Microseconds kLongestNotifyPeriod = std::chrono::milliseconds(50);
 // Three may be late before the watchdog acts.
 constexpr std::uint64_t kPingsPerWatchdogTime = 4;
+
+/// The file that shows that good frames have come; "": none.
+std::string frames_file() {
+  const char* const folder = std::getenv("RUNTIME_DIRECTORY");
+  return folder != nullptr ? std::string(folder) + "/frames" : std::string();
+}
 
 }  // namespace
 
@@ -55,7 +64,10 @@ void ServiceNotifier::work() {
   const Microseconds period = is_watched
                                   ? std::min(kLongestNotifyPeriod, Microseconds(watchdog_us / kPingsPerWatchdogTime))
                                   : kLongestNotifyPeriod;
-  bool is_ready = false;
+  const std::string frames = frames_file();
+  bool is_ready = false, is_marked = frames.empty();
+  std::error_code ignored;
+  std::filesystem::remove(frames, ignored);
   std::uint64_t iterations = 0;
   auto started = std::chrono::steady_clock::now();
   while (!end_.load(std::memory_order_acquire)) {
@@ -70,7 +82,9 @@ void ServiceNotifier::work() {
         is_alive = std::exchange(iterations, iterations_now) != iterations_now;
       }
     }
-    if (has_frame && !std::exchange(is_ready, true)) static_cast<void>(sd_notify(0, "READY=1"));
+    if (has_frame && !std::exchange(is_marked, true)) std::ofstream{frames};
+    const bool has_started = has_frame || is_page_ready_.load(std::memory_order_acquire);
+    if (has_started && !std::exchange(is_ready, true)) static_cast<void>(sd_notify(0, "READY=1"));
     if (is_watched && is_alive) static_cast<void>(sd_notify(0, "WATCHDOG=1"));
     std::this_thread::sleep_for(period);
   }

@@ -10,9 +10,10 @@
 
 namespace touchline {
 
-/// Notifies systemd (sd_notify): READY=1 after the first good frame, WATCHDOG=1 only while the loop iterates, STATUS=
-/// as text, STOPPING=1 at the end. It has its own thread, so that blocked output does not look like a hanging loop
-/// and the loop makes no system calls for it. Does nothing without a service manager ($NOTIFY_SOCKET).
+/// Notifies systemd (sd_notify): READY=1 after the first good frame or when the page answers, WATCHDOG=1 only while the
+/// loop iterates, STATUS= as text, STOPPING=1 at the end. The file `frames` in $RUNTIME_DIRECTORY shows that good
+/// frames have come. It has its own thread, so that blocked output does not look like a hanging loop and the loop makes
+/// no system calls for it. Does nothing without a service manager ($NOTIFY_SOCKET).
 class ServiceNotifier {
  public:
   /// `heartbeat` must outlive the notifier, or the next call of watch().
@@ -23,6 +24,8 @@ class ServiceNotifier {
 
   /// Whether there is a service manager to notify.
   [[nodiscard]] bool is_enabled() const { return enabled_; }
+  /// The console's page answers: whatever the devices do, the service has started.
+  void set_ready() { is_page_ready_.store(true, std::memory_order_release); }
   /// Sends one line; `line` has no line end. Callable from any thread but the loop's, because it may block.
   void status(const std::string& line) const;
   /// Watches another loop from now on; null: one is being started, which may take kLongestStart.
@@ -39,7 +42,7 @@ class ServiceNotifier {
   std::mutex mutex_;
   const LoopHeartbeat* heartbeat_;
   const bool enabled_;
-  std::atomic<bool> end_{false};
+  std::atomic<bool> end_{false}, is_page_ready_{false};
   std::thread thread_;
 };
 

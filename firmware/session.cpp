@@ -53,15 +53,21 @@ Result<void> Session::open(LoopObserver observer) {
   settings.external.console = console_;
   settings.external.setup = setup_;
   settings.restart = restart_;
+  settings.awaited = awaited_;
   settings.first_number = first_number_;
   settings.snapshots = snapshots_;
   settings.pictures = pictures_;
   settings.score = devices_.score();
   loop_ = std::make_unique<Loop>(devices, *pipeline_, settings, *reports_, observer);
   TOUCHLINE_TRY(loop_->open());
-  camera_info_ = devices.camera.info();
-  radio_description_ = devices.radio.description();
-  gpio_description_ = devices.gpio.description();
+  if (loop_->is_open(Device::kCamera)) {
+    camera_info_ = devices.camera.info();
+  } else {
+    const hal::CameraSettings& camera = configuration_->board.camera;
+    camera_info_ = {hal::pixel_format(camera.format), camera.width_px, camera.height_px, camera.rate_hz};
+  }
+  if (loop_->is_open(Device::kRadio)) radio_description_ = devices.radio.description();
+  if (loop_->is_open(Device::kGpio)) gpio_description_ = devices.gpio.description();
   return {};
 }
 

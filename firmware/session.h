@@ -46,6 +46,8 @@ class Session {
     if (setup_ == SetupMode::kCalibrated) setup_ = SetupMode::kDraft;
   }
   [[nodiscard]] bool is_calibrated() const { return setup_ != SetupMode::kUncalibrated; }
+  /// Devices that may be absent at open(), see LoopSettings::awaited; call it before open().
+  void await(const DeviceFlags& devices) { awaited_ = devices; }
   /// Ends the loop with LoopEnd::kRestart when it is set; call it before open().
   void set_restart(const std::atomic<bool>* restart) { restart_ = restart; }
   /// The number of the first snapshot, so that the numbers of a run go on in its next session; call it before open().
@@ -92,7 +94,7 @@ class Session {
   [[nodiscard]] Loop& loop() { return *loop_; }
   [[nodiscard]] ReportRing& reports() { return *reports_; }
   [[nodiscard]] Expectation expectation() const;
-  /// Of the devices as open() left them.
+  /// Of the devices as open() left them. Of a camera that is awaited: what the board file asks for.
   [[nodiscard]] const hal::CameraInfo& camera_info() const { return camera_info_; }
   [[nodiscard]] const std::string& radio_description() const { return radio_description_; }
   [[nodiscard]] const std::string& gpio_description() const { return gpio_description_; }
@@ -112,6 +114,7 @@ class Session {
   const std::atomic<bool>* restart_ = nullptr;
   std::uint64_t first_number_ = 0;
   bool is_draft_ = false;
+  DeviceFlags awaited_{};
   SetupMode setup_ = SetupMode::kCalibrated;
   LiveUpdate live_update_;
   // On the heap because they take megabytes.

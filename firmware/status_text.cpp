@@ -157,6 +157,10 @@ std::string status_line(const StatusReport& status, const Expectation& expected)
     if (robot.battery_low) line += " LOW";
     if (robot.age_s > kStaleRobotStatusS) print(line, " (%.0f s ago)", robot.age_s);
   }
+  for (const Device device : kDevices) {
+    const ReasonText& reason = status.lost[static_cast<std::size_t>(device)];
+    if (!reason.empty()) line.append("  no ").append(describe(device)).append(": ").append(reason.view());
+  }
   if (status.halt != kHaltNone) line += "  HALTED: " + halt_reasons(status.halt, status.picture);
   return line;
 }
@@ -166,7 +170,7 @@ std::string fault_line(const FaultReport& fault) {
   print(line, "%.1f s  %s: ", fault.elapsed_s, describe(fault.device));
   if (fault.code == ErrorCode::kOk) return line + "reopened";
   line += describe(fault.code);
-  if (fault.reason[0] != '\0') line.append(" (").append(fault.reason.data()).append(")");
+  if (!fault.reason.empty()) line.append(" (").append(fault.reason.view()).append(")");
   return line + consequence(fault.action);
 }
 

@@ -8,6 +8,7 @@
 #include <cctype>
 #include <cerrno>
 #include <cstring>
+#include <filesystem>
 
 #include "hal/files/input_file.h"
 
@@ -110,6 +111,8 @@ Result<std::string> read_token(const std::string& path) {
 }
 
 Result<std::string> make_token(const std::string& path) {
+  std::error_code ignored;  // open() reports what is missing
+  std::filesystem::create_directories(std::filesystem::path(path).parent_path(), ignored);
   const int file = ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0600);
   if (file < 0 && errno == EEXIST) return read_token(path);
   if (file < 0) return failure(ErrorCode::kIo, "%s: %s", path.c_str(), std::strerror(errno));

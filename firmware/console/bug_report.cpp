@@ -163,31 +163,4 @@ std::string make_bug_report(const BugReportContent& content) {
   return files.finish();
 }
 
-void BugReportWorker::start(BugReportContent content) {
-  is_busy_ = true;
-  is_done_ = false;
-  thread_.run([this, content = std::move(content)]() -> FileThread::Finish {
-    auto report = std::make_shared<BugReport>();
-    try {
-      *report = {bug_report_name(content), make_bug_report(content)};
-    } catch (const std::exception&) {
-      *report = {};
-    }
-    return [this, report] {
-      report_ = std::move(*report);
-      is_done_ = true;
-    };
-  });
-}
-
-bool BugReportWorker::is_done() {
-  thread_.finish();
-  return is_done_;
-}
-
-BugReport BugReportWorker::take() {
-  is_busy_ = is_done_ = false;
-  return std::exchange(report_, {});
-}
-
 }  // namespace touchline::console

@@ -5,7 +5,6 @@
 #include <string>
 #include <vector>
 
-#include "firmware/console/file_thread.h"
 #include "firmware/console/messages.h"
 
 namespace touchline::console {
@@ -32,28 +31,5 @@ std::string bug_report_name(const BugReportContent& content);
 /// A .tar.gz file (docs/console.md). Reads the files that the configuration names, and facts about the machine; writes
 /// nothing. What cannot be read is missing, and README.txt says why. Throws std::bad_alloc if memory is short.
 std::string make_bug_report(const BugReportContent& content);
-
-/// An archive and its name; both "": memory was short.
-struct BugReport {
-  std::string name, bytes;
-};
-
-/// Makes bug reports, one at a time, on a thread of the lowest priority. For the console's thread.
-class BugReportWorker {
- public:
-  /// Until take().
-  [[nodiscard]] bool is_busy() const { return is_busy_; }
-  /// Whether take() has a report.
-  [[nodiscard]] bool is_done();
-  /// Call it only if it is not busy. Throws std::system_error if there is no thread.
-  void start(BugReportContent content);
-  /// After is_done().
-  BugReport take();
-
- private:
-  bool is_busy_ = false, is_done_ = false;
-  BugReport report_;
-  FileThread thread_{FileThread::Priority::kLowest};
-};
 
 }  // namespace touchline::console

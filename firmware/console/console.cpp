@@ -2,11 +2,15 @@
 
 #include <exception>
 
+#include "firmware/console/login_link.h"
 #include "firmware/console/page_files.h"
 
 namespace touchline::console {
 
 namespace {
+
+// Beside a service, and the programs of other clones.
+constexpr std::uint16_t kFurtherPorts = 9;
 
 Scene scene_of(const Session& session, const std::string& version) {
   Scene scene = console::scene_of(session.shared_configuration(), session.camera_info(), version);
@@ -41,18 +45,22 @@ Result<void> Console::open(Session& session, AdaptationRequests* adaptation, con
   pictures_.allocate(picture_layout(camera.format, camera.width_px, camera.height_px).bytes);
   WebServerSettings settings{plan_.address, plan_.port, find_page_folder(), {plan_.hosts, {}, plan_.origins}};
   if (!is_loopback(plan_.address)) {
-    Result<std::string> token = read_token(plan_.token_file);
+    Result<std::string> token = plan_.is_interactive ? make_token(plan_.token_file) : read_token(plan_.token_file);
     if (!token.ok()) {
       return failure(token.code(), "other computers need a token, which `touchline console --token` makes: %s",
                      token.error().text.c_str());
     }
-    settings.access.token = std::move(token).value();
+    settings.access.token = token_ = std::move(token).value();
   }
   version_ = version;
   hub_ = std::make_unique<Hub>(HubLinks{*snapshots_, pictures_, loop_, reports_, adaptation, print, use_files_},
                                scene_of(session, version), HubSettings{plan_.picture_rate_hz, plan_.setup_socket});
-  server_ = std::make_unique<WebServer>(*hub_, std::move(settings));
-  return server_->open();
+  for (const std::uint16_t first = plan_.port;; ++settings.port) {
+    server_ = std::make_unique<WebServer>(*hub_, settings);
+    Result<void> opened = server_->open();
+    const bool may_try_next = plan_.is_interactive && first != 0 && settings.port < first + kFurtherPorts;
+    if (opened.ok() || opened.code() != ErrorCode::kDeviceBusy || !may_try_next) return opened;
+  }
 }
 
 void Console::work(const Print& print) {
@@ -96,8 +104,13 @@ void Console::stop() {
   server_.reset();
 }
 
-std::string Console::start_text() const {
-  return port_ == 0 ? std::string() : "console: http://" + plan_.address + ":" + std::to_string(port_) + "\n";
+std::string Console::start_text(bool is_terminal) const {
+  if (port_ == 0) return {};
+  const bool is_open = plan_.address == "0.0.0.0";
+  std::string text = "console: http://" + (is_open ? "127.0.0.1" : plan_.address) + ":" + std::to_string(port_) + "\n";
+  if (token_.empty()) return text;
+  return text + (is_terminal ? login_text(plan_.address, port_, token_)
+                             : "from other computers with the login link that `touchline console --link` prints\n");
 }
 
 }  // namespace touchline::console

@@ -40,8 +40,9 @@ class Console {
   /// Ends the thread.
   void stop();
 
-  /// "console: http://127.0.0.1:8642\n"; "" if it is not served.
-  [[nodiscard]] std::string start_text() const;
+  /// "console: http://127.0.0.1:8642\n"; "" if it is not served. If other computers may use it, also their login links,
+  /// which contain the token, if `is_terminal`: nobody else reads what is printed.
+  [[nodiscard]] std::string start_text(bool is_terminal) const;
   [[nodiscard]] SharedReports& reports() { return reports_; }
   /// 0: it is not served.
   [[nodiscard]] std::uint16_t port() const { return port_; }
@@ -59,7 +60,7 @@ class Console {
   std::unique_ptr<Hub> hub_;
   std::unique_ptr<WebServer> server_;
   UseFiles use_files_;
-  std::string version_;
+  std::string version_, token_;
   std::mutex task_mutex_;
   std::condition_variable task_done_;
   std::function<void()> task_;  // for the console's thread

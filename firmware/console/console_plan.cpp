@@ -1,10 +1,21 @@
 #include "firmware/console/console_plan.h"
 
+#include <unistd.h>
 #include <charconv>
+#include <filesystem>
 
+#include "firmware/config/user_files.h"
 #include "hal/linux/network/network_address.h"
 
 namespace touchline::console {
+
+std::string usable_token_file(const config::ConsoleSettings& board) {
+  const std::string folder = std::filesystem::path(board.token_file).parent_path();
+  const bool is_usable = ::access(board.token_file.c_str(), F_OK) == 0
+                             ? ::access(board.token_file.c_str(), R_OK) == 0
+                             : ::access(folder.empty() ? "." : folder.c_str(), W_OK) == 0;
+  return is_usable ? board.token_file : config::user_state_file("console-token");
+}
 
 Result<ConsolePlan> plan_console(const config::ConsoleSettings& board, const config::Locations& where,
                                  const ConsoleOptions& options) {
@@ -29,6 +40,8 @@ Result<ConsolePlan> plan_console(const config::ConsoleSettings& board, const con
                    place.c_str(), text.c_str());
   }
   plan.address = address;
+  plan.is_interactive = options.is_requested;
+  if (plan.is_interactive) plan.token_file = usable_token_file(board);
   return plan;
 }
 

@@ -12,8 +12,9 @@ namespace touchline::console {
 
 /// Options of the command line.
 struct ConsoleOptions {
-  bool is_requested = false;  // --console
-  std::string address;        // of --console; "": the board file's
+  bool is_requested = false;    // --console or --lan
+  bool is_for_network = false;  // --lan
+  std::string address;          // of --console; "": the board file's
 };
 
 /// Whether and where the console is served: the board file's [console] and the command line together.
@@ -22,10 +23,16 @@ struct ConsolePlan {
   std::string address;  // IPv4 address in numbers
   std::uint16_t port = 0;
   std::string token_file;
+  // For a person at the terminal, not for a service: the token is made if there is none, and the next port is taken if
+  // one is busy.
+  bool is_interactive = false;
   std::vector<std::string> hosts, origins;
   double picture_rate_hz = 0.0;
   std::string setup_socket;
 };
+
+/// The board's file with the token if this user may read or make it, else one in the user's own state folder.
+std::string usable_token_file(const config::ConsoleSettings& board);
 
 /// kOutOfRange: the address is not ADDRESS:PORT; the message names the place.
 Result<ConsolePlan> plan_console(const config::ConsoleSettings& board, const config::Locations& where,

@@ -65,6 +65,21 @@ void write_telemetry(JsonWriter& json, const StatusReport& report) {
   json.end_array();
 }
 
+void write_lost_devices(JsonWriter& json, const StatusReport& report) {
+  json.begin_array();
+  for (const Device device : kDevices) {
+    const ReasonText& reason = report.lost[static_cast<std::size_t>(device)];
+    if (reason.empty()) continue;
+    json.begin_object();
+    json.key("device");
+    json.string(describe(device));
+    json.key("reason");
+    json.string(reason.view());
+    json.end_object();
+  }
+  json.end_array();
+}
+
 std::string_view word_of_mode(AdaptationMode mode) {
   if (mode == AdaptationMode::kFrozen) return "frozen";
   return mode == AdaptationMode::kOff ? "off" : "follow";
@@ -130,6 +145,8 @@ void write_status(JsonWriter& json, const Scene& scene, const FrameFeed& feed, c
   json.integer(report.stop_number);
   json.key("waits_for_start");
   json.boolean(waits_for_start);
+  json.key("lost");
+  write_lost_devices(json, report);
   write_count(json, "overloads", report.overloads);
   write_count(json, "faults", report.faults);
   write_number(json, "cpu_percent", machine.cpu_percent, 0.1);

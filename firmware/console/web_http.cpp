@@ -3,6 +3,8 @@
 #include <cstdio>
 #include <cstring>
 
+#include "firmware/console/bug_report.h"
+#include "firmware/console/device_answer.h"
 #include "firmware/console/web_server_parts.h"
 
 namespace touchline::console {
@@ -71,6 +73,7 @@ int WebServer::Implementation::begin_request(lws* connection, std::string_view p
   if (path == "/snapshot.jpg") return begin_pictures(connection, HttpRequest::Kind::kSnapshot);
   if (path == "/stream.mjpg") return begin_pictures(connection, HttpRequest::Kind::kStream);
   if (path == "/bug-report") return begin_bug_report(connection);
+  if (path == "/devices") return begin_devices(connection);
   if (path == "/metrics") return answer(connection, HTTP_STATUS_OK, "text/plain; version=0.0.4", hub_.metrics());
   if (is_page) read_files_again();
   const PageFile* const file = files_->find(path);
@@ -156,12 +159,10 @@ int WebServer::Implementation::begin_pictures(lws* connection, HttpRequest::Kind
 }
 
 int WebServer::Implementation::begin_bug_report(lws* connection) {
-  const bool is_asked_for = std::any_of(requests_.begin(), requests_.end(), [](const auto& entry) {
-    return entry.second.kind == HttpRequest::Kind::kBugReport;
-  });
+  const bool is_wanted = is_asked_for(HttpRequest::Kind::kBugReport);
   // One that nobody waits for any more.
-  if (!is_asked_for && reporter_.is_done()) static_cast<void>(reporter_.take());
-  if (is_asked_for || reporter_.is_busy()) {
+  if (!is_wanted && reporter_.is_done()) static_cast<void>(reporter_.take());
+  if (is_wanted || reporter_.is_busy()) {
     return answer(connection, HTTP_STATUS_SERVICE_UNAVAILABLE, kPlainText, "Another bug report is on its way.\n");
   }
   return begin_pictures(connection, HttpRequest::Kind::kBugReport);
@@ -174,10 +175,12 @@ int WebServer::Implementation::write_bug_report(lws* connection, HttpRequest& re
     BugReportContent content = hub_.bug_report_content(request.picture, now);
     content.secret = settings_.access.token;
     request.is_made = true;
-    reporter_.start(std::move(content));
+    reporter_.start([content = std::move(content)]() -> MadeAnswer {
+      return {bug_report_name(content), make_bug_report(content)};
+    });
     return 0;
   }
-  const BugReport report = reporter_.take();
+  const MadeAnswer report = reporter_.take();
   if (report.bytes.empty()) {
     return answer(connection, HTTP_STATUS_INTERNAL_SERVER_ERROR, kPlainText, "Memory is too short for a report.\n");
   }
@@ -188,11 +191,43 @@ int WebServer::Implementation::write_bug_report(lws* connection, HttpRequest& re
   return answered;
 }
 
+bool WebServer::Implementation::is_asked_for(HttpRequest::Kind kind) const {
+  return std::any_of(requests_.begin(), requests_.end(),
+                     [kind](const auto& entry) { return entry.second.kind == kind; });
+}
+
+int WebServer::Implementation::begin_devices(lws* connection) {
+  const bool is_wanted = is_asked_for(HttpRequest::Kind::kDevices);
+  if (!is_wanted && device_lister_.is_done()) static_cast<void>(device_lister_.take());
+  if (is_wanted || device_lister_.is_busy()) {
+    return answer(connection, HTTP_STATUS_SERVICE_UNAVAILABLE, kPlainText, "Devices are being listed already.\n");
+  }
+  lws_set_timeout(connection, NO_PENDING_TIMEOUT, 0);  // every camera takes its time
+  HttpRequest& request = requests_[connection];
+  request = {};
+  request.kind = HttpRequest::Kind::kDevices;
+  request.is_made = true;
+  device_lister_.start([camera = hub_.used_camera()]() -> MadeAnswer { return {"", device_answer(camera)}; });
+  schedule(Duration::zero());
+  return 0;
+}
+
+int WebServer::Implementation::write_devices(lws* connection, HttpRequest& request) {
+  if (!request.body.empty()) return write_body(connection, request, kBodyPart);
+  if (!device_lister_.is_done()) return 0;
+  const MadeAnswer list = device_lister_.take();
+  if (list.bytes.empty()) {
+    return answer(connection, HTTP_STATUS_INTERNAL_SERVER_ERROR, kPlainText, "Memory is too short for a list.\n");
+  }
+  return answer(connection, HTTP_STATUS_OK, "application/json", list.bytes);
+}
+
 bool WebServer::Implementation::is_waiting(const HttpRequest& request) const {
   return request.kind != HttpRequest::Kind::kText && request.body.empty();
 }
 
 bool WebServer::Implementation::is_ready(const HttpRequest& request, Instant now) {
+  if (request.kind == HttpRequest::Kind::kDevices) return device_lister_.is_done();
   if (request.is_made) return reporter_.is_done();
   const bool is_late = request.kind != HttpRequest::Kind::kStream && now - request.begin > kPictureWait;
   return is_late || hub_.has_picture(request.picture);
@@ -207,6 +242,7 @@ int WebServer::Implementation::write_request(lws* connection) {
     return write_snapshot(connection, request, hal::MonotonicClock::read());
   if (request.kind == HttpRequest::Kind::kBugReport)
     return write_bug_report(connection, request, hal::MonotonicClock::read());
+  if (request.kind == HttpRequest::Kind::kDevices) return write_devices(connection, request);
   return write_body(connection, request, kBodyPart);
 }
 

@@ -1,6 +1,10 @@
 #include "firmware/console/web_server.h"
 
+#include <arpa/inet.h>
+#include <sys/socket.h>
+#include <unistd.h>
 #include <array>
+#include <cerrno>
 #include <exception>
 #include <utility>
 #include <vector>
@@ -76,6 +80,26 @@ WebServer::Implementation::~Implementation() {
   if (context_ != nullptr) lws_context_destroy(context_);
 }
 
+namespace {
+
+// libwebsockets does not tell why it could not bind.
+bool is_port_busy(const std::string& address, std::uint16_t port) {
+  const int probe = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  sockaddr_in wanted{};
+  wanted.sin_family = AF_INET;
+  wanted.sin_port = htons(port);
+  const bool is_address = ::inet_pton(AF_INET, address.c_str(), &wanted.sin_addr) == 1;
+  const int reuse = 1;  // as libwebsockets does: connections that are being closed do not count
+  ::setsockopt(probe, SOL_SOCKET, SO_REUSEADDR, &reuse, sizeof reuse);
+  const bool is_busy = probe >= 0 && is_address &&
+                       ::bind(probe, reinterpret_cast<const sockaddr*>(&wanted), sizeof wanted) != 0 &&
+                       errno == EADDRINUSE;
+  if (probe >= 0) ::close(probe);
+  return is_busy;
+}
+
+}  // namespace
+
 Result<void> WebServer::Implementation::open() {
   constexpr lws_callback_function* kOnHttp = [](lws* connection, lws_callback_reasons reason, void*, void* in,
                                                 std::size_t) {
@@ -119,12 +143,15 @@ Result<void> WebServer::Implementation::open() {
   info.vhost_name = "touchline";
   info.options = LWS_SERVER_OPTION_FAIL_UPON_UNABLE_TO_BIND | LWS_SERVER_OPTION_DISABLE_IPV6;
   host_ = lws_create_vhost(context_, &info);
+  if (host_ == nullptr && is_port_busy(settings_.address, settings_.port)) {
+    return failure(ErrorCode::kDeviceBusy, "%s:%d is used by another program; name another port: --console %s:%d",
+                   settings_.address.c_str(), int{settings_.port}, settings_.address.c_str(), settings_.port + 1);
+  }
   if (host_ == nullptr) {
-    return failure(
-        ErrorCode::kIo,
-        "%s:%d cannot be used: another program may have the port, the address is not one of this computer's, or "
-        "the service may not use the network (docs/deploy.md)",
-        settings_.address.c_str(), int{settings_.port});
+    return failure(ErrorCode::kIo,
+                   "%s:%d cannot be used: the address is not one of this computer's, or the service may not use the "
+                   "network (docs/deploy.md)",
+                   settings_.address.c_str(), int{settings_.port});
   }
   schedule(Duration::zero());
   return {};

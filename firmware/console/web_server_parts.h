@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 
+#include "firmware/console/answer_worker.h"
 #include "firmware/console/page_files.h"
 #include "firmware/console/web_server.h"
 
@@ -17,13 +18,13 @@ static_assert(kMessagePrefix >= LWS_PRE, "libwebsockets writes its header in fro
 
 /// A request that is being answered.
 struct HttpRequest {
-  enum class Kind : std::uint8_t { kText, kSnapshot, kStream, kBugReport };
+  enum class Kind : std::uint8_t { kText, kSnapshot, kStream, kBugReport, kDevices };
   Kind kind = Kind::kText;
-  std::string body;            // of kText and kBugReport, with LWS_PRE bytes in front
+  std::string body;            // unless pictures are sent, with LWS_PRE bytes in front
   std::size_t sent = LWS_PRE;  // bytes of it
   std::uint64_t picture = 0;   // lowest number of the next picture
   Instant begin{};             // of the wait for a picture
-  bool is_made = false;        // the bug report, or it is being made
+  bool is_made = false;        // what takes long, or it is being made
 };
 
 /// Headers of an answer beside the usual ones.
@@ -99,6 +100,9 @@ class WebServer::Implementation {
   int begin_pictures(lws* connection, HttpRequest::Kind kind);
   int begin_bug_report(lws* connection);
   int write_bug_report(lws* connection, HttpRequest& request, Instant now);
+  int begin_devices(lws* connection);
+  int write_devices(lws* connection, HttpRequest& request);
+  [[nodiscard]] bool is_asked_for(HttpRequest::Kind kind) const;
   int write_body(lws* connection, HttpRequest& request, std::size_t most);
   int write_request(lws* connection);
   int write_stream_part(lws* connection, HttpRequest& request);
@@ -128,7 +132,7 @@ class WebServer::Implementation {
   lws_vhost* host_ = nullptr;
   Timer timer_{};
   std::map<lws*, HttpRequest> requests_;
-  BugReportWorker reporter_;
+  AnswerWorker reporter_, device_lister_;
   std::map<lws*, Visitor> visitors_;
   std::map<lws*, Socket> sockets_;
   std::map<lws*, Instant> waiting_;  // to be written to, since when

@@ -6,7 +6,7 @@ source_dir=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 fakes=$work/fakes board=$work/board own_arch=$(dpkg --print-architecture)
-mkdir -p "$fakes" "$board/etc/touchline" "$board/tmp"
+mkdir -p "$fakes" "$board/etc/touchline" "$board/tmp" "$board/run/touchline"
 export TOUCHLINE_ROOT=$board TOUCHLINE_STEADY_S=0 TMPDIR=$board/tmp PATH=$fakes:$PATH
 
 fake() { cat >"$fakes/$1"; chmod +x "$fakes/$1"; }
@@ -76,12 +76,15 @@ case "$*" in
   *) rm -f "$TOUCHLINE_ROOT/tools" ;;
 esac
 END
-# Versions that begin with 7 start but get no frame; with 6 fail; with 4 fail after their first frame. Without a camera all fail.
+# Versions that begin with 7 get no frame and have no page; with 6 fail; with 4 fail after their start; with 3 have a page but no frame. Without
+# a camera all fail.
 fake systemctl <<'END'
 #!/bin/sh
 state=$TOUCHLINE_ROOT/state
 case $1 in
   start)
+    rm -f "$TOUCHLINE_ROOT/run/touchline/frames"
+    case $(cat "$TOUCHLINE_ROOT/no-camera" "$TOUCHLINE_ROOT/version" 2>/dev/null) in [367]*) ;; *) touch "$TOUCHLINE_ROOT/run/touchline/frames" ;; esac
     case $(cat "$TOUCHLINE_ROOT/no-camera" "$TOUCHLINE_ROOT/version" 2>/dev/null) in 7*) echo activating ;; 6*) echo failed ;; *) echo active ;; esac >"$state" ;;
   stop) echo inactive >"$state"; [ -f "$TOUCHLINE_ROOT/version" ] || exit 5 ;;
   show)
@@ -131,7 +134,7 @@ case $1 in
   AFirstFrameCompletesTheDeployment)
     deploy 0 robot@board --port 2222 --deb "$(package 1.0)"
     runs 1.0
-    says "first frame within"
+    says "the camera delivers frames"
     says "keep /etc/touchline"
     [ -f "$board/enabled" ] || fail "not enabled"
     [ "$(cat "$board/port")" = 2222 ] || fail "ssh used another port"
@@ -186,6 +189,18 @@ case $1 in
     deploy 4 robot@board --deb "$(package 1.1)"
     [ "$(cat "$board/version")" = 1.0 ] || fail "the former package is not back"
     ;;
+  WithoutACameraThePageIsEnough)
+    deploy 0 robot@board --deb "$(package 3.0)"
+    runs 3.0
+    says "no frame yet"
+    deploy 0 robot@board --deb "$(package 3.1)"
+    runs 3.1
+    deploy 0 robot@board --deb "$(package 1.0)"
+    says "the camera delivers frames"
+    # The former version delivered frames: the new one must.
+    deploy 3 robot@board --wait 1 --deb "$(package 3.2)"
+    runs 1.0
+    ;;
   AFailedInstallationChangesNothing)
     deploy 0 robot@board --deb "$(package 1.0)"
     deploy 1 robot@board --deb "$(package 9.0)"
@@ -236,10 +251,10 @@ case $1 in
     [ "$(cat "$board/etc/touchline/board.toml")" = "the new one's" ] || fail "a linked file did not arrive"
     [ -f "$board/etc/touchline/-what's this.toml" ] || fail "a file did not arrive"
     ;;
-  TheServiceMustKeepRunningAfterItsFirstFrame)
+  TheServiceMustKeepRunningAfterItsStart)
     export TOUCHLINE_STEADY_S=1
     deploy 2 robot@board --deb "$(package 4.0)"
-    says "the service ended soon after its first frame"
+    says "the service ended soon after its start"
     says "camera: no such device"
     ;;
   AServiceThatWasNotReplacedIsRestarted)

@@ -51,7 +51,7 @@ TEST_F(Program, RejectsFilesThatAreNotRegularFiles) {
 TEST_F(Program, AWrongCommandLineGivesExitCode64) {
   EXPECT_EQ(touchline("").code, 64);
   EXPECT_EQ(touchline("play").code, 64);
-  EXPECT_EQ(touchline("run").code, 64);
+  EXPECT_EQ(touchline("init").code, 64);
   EXPECT_EQ(touchline("run " + board() + "--frames -1").code, 64);
   EXPECT_EQ(touchline("run " + board() + "--sed 1").code, 64);
   EXPECT_EQ(touchline("run " + board() + "--duration nan").code, 64);
@@ -72,12 +72,12 @@ TEST_F(Program, AWrongWordIsNamedBeforeWhatIsMissingBecauseOfIt) {
   expect_first_line("run --bord b.toml", "run: \"--bord\" is no option; did you mean \"--board\"?");
   expect_first_line("run --bord=b.toml", "run: \"--bord\" is no option; did you mean \"--board\"?");
   expect_first_line("run --board b.toml --sede 1", "run: \"--sede\" is no option; did you mean \"--seed\"?");
-  expect_first_line("play", "\"play\" is no command; known commands: run, check, init, keys, faults, console");
+  expect_first_line("play", "\"play\" is no command; known commands: run, check, init, keys, faults, console, link");
   expect_first_line("check --board b.toml --headless",
                     "check: \"--headless\" is no option here, but one of touchline run");
   expect_first_line("init vsss", "init: \"vsss\" is one word too many");
   expect_first_line("--bord b.toml run", "run: \"--bord\" is no option; did you mean \"--board\"?");
-  EXPECT_EQ(touchline("run").text.substr(0, 20), "--board is required\n") << "nothing is wrong but missing";
+  EXPECT_EQ(touchline("init").text.substr(0, 21), "--league is required\n") << "nothing is wrong but missing";
 }
 
 TEST_F(Program, CheckRefusesWhatNoCameraCanDo) {
@@ -108,6 +108,17 @@ TEST_F(Program, CheckReportsWhetherFilesAreValid) {
   EXPECT_NE(wrong.text.find("--set camera.gain=-1: camera.gain: -1 is out of range: 0 to 65535\n"), std::string::npos)
       << wrong.text;
   EXPECT_NE(wrong.text.find("ball.radius_m: 9 is out of range: 0.005 to 0.2 m\n"), std::string::npos) << wrong.text;
+}
+
+TEST_F(Program, KeysCommandFiltersByWords) {
+  const CommandOutput found = touchline("keys camera exposure_us");
+  EXPECT_EQ(found.code, 0);
+  EXPECT_TRUE(found.text.starts_with("board.toml\n  camera.exposure_us: ")) << found.text;
+  const CommandOutput unknown = touchline("keys exposre");
+  EXPECT_EQ(unknown.code, 1);
+  EXPECT_EQ(unknown.text,
+            "touchline: no key has \"exposre\" in its file, section, name or meaning; did you mean \"exposure\"?\n");
+  EXPECT_EQ(touchline("keys camera --update x.md").code, 64);
 }
 
 TEST_F(Program, KeysCommandFiltersByWords) {

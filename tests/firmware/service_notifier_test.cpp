@@ -78,6 +78,34 @@ TEST_F(ServiceNotifierTest, SendsReadyAfterTheFirstGoodFrame) {
   EXPECT_FALSE(receives("READY=1", milliseconds(150))) << "once";
 }
 
+TEST_F(ServiceNotifierTest, APageThatAnswersIsReadyWithoutFrames) {
+  ServiceNotifier watch(heartbeat_);
+  watch.set_ready();
+  EXPECT_TRUE(receives("READY=1"));
+  heartbeat_.good_frames = 1;
+  EXPECT_FALSE(receives("READY=1", milliseconds(150))) << "once";
+}
+
+TEST_F(ServiceNotifierTest, AFileShowsThatFramesHaveCome) {
+  const std::filesystem::path folder = path_.string() + ".run";
+  std::filesystem::create_directory(folder);
+  std::ofstream(folder / "frames") << "of the former run";
+  ::setenv("RUNTIME_DIRECTORY", folder.c_str(), 1);
+  {
+    ServiceNotifier watch(heartbeat_);
+    watch.set_ready();
+    EXPECT_TRUE(receives("READY=1"));
+    EXPECT_FALSE(std::filesystem::exists(folder / "frames"));
+    drop_what_came();
+    heartbeat_.good_frames = 1;
+    ++heartbeat_.iterations;
+    EXPECT_TRUE(receives("WATCHDOG=1"));
+    EXPECT_TRUE(std::filesystem::exists(folder / "frames"));
+  }
+  ::unsetenv("RUNTIME_DIRECTORY");
+  std::filesystem::remove_all(folder);
+}
+
 TEST_F(ServiceNotifierTest, NotifiesTheWatchdogOnlyWhileTheLoopIterates) {
   const ServiceNotifier watch(heartbeat_);
   for (int turn = 0; turn < 3; ++turn) {

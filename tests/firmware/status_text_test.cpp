@@ -71,7 +71,7 @@ TEST(StatusText, Faults) {
   fault.elapsed_s = 3.25;
   fault.code = ErrorCode::kDisconnected;
   fault.action = FaultAction::kReopen;
-  fault.set_reason("/dev/video0: unplugged");
+  fault.reason.set("/dev/video0: unplugged");
   EXPECT_EQ(fault_line(fault), std::string("3.2 s  camera: ") + describe(ErrorCode::kDisconnected) +
                                    " (/dev/video0: unplugged); reopening it");
   fault.device = Device::kGpio;
@@ -86,8 +86,8 @@ TEST(StatusText, Faults) {
 
 TEST(StatusText, CutsOffLongErrorTexts) {
   FaultReport fault;
-  fault.set_reason(std::string(1000, 'x'));
-  EXPECT_EQ(std::string(fault.reason.data()).size(), kMaxReasonBytes - 1);
+  fault.reason.set(std::string(1000, 'x'));
+  EXPECT_EQ(std::string(fault.reason.c_str()).size(), kMaxReasonBytes - 1);
 }
 
 TEST(FieldMap, DrawsObjectsAtTheirPositions) {

@@ -1,5 +1,5 @@
 // touchline-devices: the list for a fake machine, and the program itself on this machine.
-#include "tools/programs/devices/device_list.h"
+#include "firmware/device_list/device_list.h"
 
 #include <linux/gpio.h>
 

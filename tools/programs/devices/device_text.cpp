@@ -5,7 +5,7 @@
 #include <cstdio>
 
 #include "hal/linux/system_error.h"
-#include "tools/programs/devices/device_list.h"
+#include "firmware/device_list/device_list.h"
 
 namespace touchline::devices {
 namespace {

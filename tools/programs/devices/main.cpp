@@ -4,7 +4,7 @@
 
 #include "hal/linux/standard_descriptors.h"
 #include "tools/programs/command_line/command_line.h"
-#include "tools/programs/devices/device_list.h"
+#include "firmware/device_list/device_list.h"
 
 int main(int argc, char** argv) {
   touchline::hal::reserve_standard_descriptors();

@@ -85,7 +85,7 @@ Result<void> RecordedGame::play(double duration_s, bool record) {
       mailbox_->put(stamped);
     }
     if (loop_->iterate()) {
-      return failure(loop_->last_fault().code, "the game ended early: %s", loop_->last_fault().reason.data());
+      return failure(loop_->last_fault().code, "the game ended early: %s", loop_->last_fault().reason.c_str());
     }
   }
   return {};

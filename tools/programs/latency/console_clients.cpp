@@ -32,7 +32,8 @@ Result<void> ConsoleClients::attach(Session& session, SnapshotRing& snapshots) {
   const config::Configuration& configuration = session.configuration();
   TOUCHLINE_TRY_ASSIGN(
       console::ConsolePlan plan,
-      console::plan_console(configuration.board.console, configuration.board_where, {true, "127.0.0.1:0"}));
+      console::plan_console(configuration.board.console, configuration.board_where,
+                            {.is_requested = true, .is_for_network = false, .address = "127.0.0.1:0"}));
   // A setup program belongs to the firmware that may run beside this.
   plan.setup_socket.clear();
   console_ = std::make_unique<console::Console>(std::move(plan));

@@ -168,7 +168,7 @@ class Run {
       return fail("a client of the console was disconnected during the measurement", kExitDeviceFailure);
     }
     if (end != LoopEnd::kFault && end != LoopEnd::kDeviceLost) return code;
-    return fail(std::string("the loop ended because of a fault: ") + loop.last_fault().reason.data(),
+    return fail(std::string("the loop ended because of a fault: ") + loop.last_fault().reason.c_str(),
                 kExitDeviceFailure);
   }
 

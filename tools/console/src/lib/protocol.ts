@@ -209,6 +209,12 @@ export interface RobotRadio {
   age_s: number;
 }
 
+/** A device that cannot be opened: the program goes on trying. */
+export interface LostDevice {
+  device: 'camera' | 'radio' | 'gpio';
+  reason: string;
+}
+
 export interface Status {
   type: 'status';
   time_s: number;
@@ -216,6 +222,7 @@ export interface Status {
   halt?: string[] | null; // also without frames; null: the board's loop is silent
   stop_number?: number;
   waits_for_start?: boolean;
+  lost?: LostDevice[];
   rate_hz: number;
   latency: { start: LatencySummary; minute: LatencySummary };
   deadline_ms?: number;

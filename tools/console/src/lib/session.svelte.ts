@@ -81,6 +81,8 @@ class Session {
   waitsForStart = $derived(this.newest?.waits_for_start ?? this.halt?.includes('console') ?? false);
   /** The saved files are not calibrated: nothing can be recognized until somebody sets the board up. */
   isBare = $derived(this.hello?.calibrated === false && this.hello.using !== 'draft');
+  /** Devices that cannot be opened, with the reason. */
+  lostDevices = $derived(this.statusStale ? [] : (this.status?.lost ?? []));
   pixelMap = $derived(this.hello?.projection ? new PixelMap(this.hello.projection) : null);
 
   readonly setup = new Setup((command) => this.connection.send(command));

@@ -1,4 +1,4 @@
-#include "tools/programs/devices/device_list.h"
+#include "firmware/device_list/device_list.h"
 
 #include <algorithm>
 #include <cerrno>

@@ -2,8 +2,8 @@
 #include <cerrno>
 #include <nlohmann/json.hpp>
 
+#include "firmware/device_list/device_list.h"
 #include "hal/linux/system_error.h"
-#include "tools/programs/devices/device_list.h"
 
 namespace touchline::devices {
 namespace {

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include "firmware/console/file_thread.h"
+
+namespace touchline::console {
+
+/// The body of an answer, and the name of the file in which a browser stores it (without extension, "": none).
+struct MadeAnswer {
+  std::string name, bytes;
+};
+
+/// Makes answers that take long, one at a time, on a thread of the lowest priority. For the console's thread.
+class AnswerWorker {
+ public:
+  /// Until take().
+  [[nodiscard]] bool is_busy() const { return is_busy_; }
+  /// Whether take() has an answer.
+  [[nodiscard]] bool is_done();
+  /// Call it only if it is not busy. `make` owns all that it uses; if it throws, the answer is empty. Throws
+  /// std::system_error if there is no thread.
+  void start(std::function<MadeAnswer()> make);
+  /// After is_done().
+  MadeAnswer take();
+
+ private:
+  bool is_busy_ = false, is_done_ = false;
+  MadeAnswer answer_;
+  FileThread thread_{FileThread::Priority::kLowest};
+};
+
+}  // namespace touchline::console

@@ -1,0 +1,93 @@
+#include "firmware/console/device_answer.h"
+
+#include <libwebsockets.h>
+
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <vector>
+
+#include "firmware/console/jpeg_encoder.h"
+#include "firmware/device_list/device_list.h"
+#include "firmware/device_list/suggestion.h"
+#include "hal/linux/monotonic_clock.h"
+#include "hal/linux/v4l2/v4l2_camera.h"
+
+namespace touchline::console {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr int kThumbnailWidth = 320, kQuality = 70;
+// The automatic exposure of a camera that has just been opened settles within a few frames.
+constexpr int kThumbnailFrame = 4;
+constexpr Duration kPatience = 2s;
+
+std::string resolved(const std::string& device) {
+  std::error_code missing;
+  const std::filesystem::path path = std::filesystem::canonical(device, missing);
+  return missing ? device : path.string();
+}
+
+Result<std::vector<std::byte>> thumbnail(const hal::CameraSettings& settings) {
+  hal::V4l2Camera camera(settings);
+  TOUCHLINE_TRY(camera.open());
+  TOUCHLINE_TRY(camera.start());
+  const Instant end = hal::MonotonicClock::read() + kPatience;
+  std::vector<std::byte> jpeg;
+  for (int frame = 0; frame <= kThumbnailFrame;) {
+    const Result<hal::FrameLease> lease = camera.wait(end);
+    if (hal::MonotonicClock::read() >= end)
+      return failure(ErrorCode::kTimeout, "%s: no picture", settings.device.c_str());
+    if (!lease.ok() || ++frame <= kThumbnailFrame) continue;
+    const Frame& picture = lease.value().frame();
+    const int divisor = std::clamp((picture.width_px + kThumbnailWidth - 1) / kThumbnailWidth, 1, 8);
+    jpeg.resize(std::size_t{picture.width_px} * picture.height_px * 3 + 4096);
+    const Result<std::size_t> size = JpegEncoder().encode(picture, divisor, kQuality, jpeg);
+    if (!size.ok()) return size.error();
+    jpeg.resize(size.value());
+  }
+  camera.stop();
+  return jpeg;
+}
+
+std::string base64(const std::vector<std::byte>& bytes) {
+  std::string text(bytes.size() / 3 * 4 + 8, '\0');
+  const int size = lws_b64_encode_string(reinterpret_cast<const char*>(bytes.data()), static_cast<int>(bytes.size()),
+                                         text.data(), static_cast<int>(text.size()));
+  text.resize(size > 0 ? static_cast<std::size_t>(size) : 0);
+  return text;
+}
+
+}  // namespace
+
+std::string device_answer(const std::string& used_camera) {
+  devices::Selection all;
+  all.camera = all.serial = all.gpio = "";
+  const devices::DeviceList list = devices::list_devices(all);
+  nlohmann::json answer = nlohmann::json::parse(devices::to_json(list));
+  for (std::size_t i = 0; i < list.cameras->size(); ++i) {
+    const devices::Camera& camera = (*list.cameras)[i];
+    nlohmann::json& entry = answer["cameras"][i];
+    entry.erase("controls");
+    entry["name"] = devices::lasting_name(camera.node);
+    entry["used"] = resolved(camera.node.path) == resolved(used_camera);
+    if (entry["used"] || entry.contains("refused")) continue;
+    const std::optional<hal::CameraSettings> settings = devices::suggested_settings(camera);
+    if (!settings) {
+      entry["refused"] = camera.node.path + ": offers no format that Touchline reads";
+      continue;
+    }
+    const Result<std::vector<std::byte>> jpeg = thumbnail(*settings);
+    if (jpeg.ok()) {
+      entry["thumbnail"] = "data:image/jpeg;base64," + base64(jpeg.value());
+    } else {
+      entry["refused"] = jpeg.text();
+    }
+  }
+  return answer.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
+}  // namespace touchline::console

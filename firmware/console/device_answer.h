@@ -1,0 +1,13 @@
+#pragma once
+
+#include <string>
+
+namespace touchline::console {
+
+/// Cameras with what they offer and a small picture of each, serial ports and GPIO chips, as JSON: the devices that Set
+/// up lets a person choose from. A camera that somebody else uses has "refused" instead of "thumbnail".
+/// `used_camera`: the loop's, which stays untouched; its picture is on the page anyway. Takes up to two seconds for
+/// each camera, and leaves the others' controls as they are set for Touchline's default exposure.
+std::string device_answer(const std::string& used_camera);
+
+}  // namespace touchline::console

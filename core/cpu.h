@@ -36,18 +36,12 @@
 
 /// The only list of kernels. To add an instruction set, add a line with the functions of each stage; if a stage has no
 /// code for the set, name the functions of another set. Within a processor family, faster sets come later.
-///   family, enumerator, word of scan.kernel, features,
-///   span kernel (core/color), row masks and row bits (core/region), fit kernel (core/subpixel)
+///   family, enumerator, word of scan.kernel, features, span kernel (core/color), fit kernel (core/subpixel)
 // clang-format off
-#define TOUCHLINE_KERNEL_SETS(SET)                                     \
-  SET(ANY, kPortable, "portable", TOUCHLINE_PORTABLE_TARGET,           \
-      portable_span_kernel, portable_row_mask_kernel, portable_row_bit_kernel,          \
-      portable_fit_kernel)                                             \
-  SET(X86, kAvx2, "avx2", TOUCHLINE_AVX2_TARGET,                       \
-      avx2_span_kernel, avx2_row_mask_kernel, avx2_row_bit_kernel, avx2_fit_kernel)     \
-  SET(ARM, kNeon, "neon", TOUCHLINE_NEON_TARGET,                       \
-      neon_span_kernel, neon_row_mask_kernel, portable_row_bit_kernel,                  \
-      portable_fit_kernel)
+#define TOUCHLINE_KERNEL_SETS(SET)                                                                      \
+  SET(ANY, kPortable, "portable", TOUCHLINE_PORTABLE_TARGET, portable_span_kernel, portable_fit_kernel) \
+  SET(X86, kAvx2, "avx2", TOUCHLINE_AVX2_TARGET, avx2_span_kernel, avx2_fit_kernel)                     \
+  SET(ARM, kNeon, "neon", TOUCHLINE_NEON_TARGET, neon_span_kernel, portable_fit_kernel)
 // clang-format on
 
 namespace touchline {

@@ -25,8 +25,7 @@ Status RowClassifier::configure(PixelFormat format, std::uint16_t width_px, std:
   find_background(0);
   for (std::uint16_t row = 0; shading_.active() && row < shading_.rows(); ++row) update_tiles(row, nullptr, nullptr);
   nibbles_.build(tables_, boxes.size());
-  choice_ = kernel;
-  kernel_ = find_span_kernel(format, choice_);
+  kernel_ = find_span_kernel(format, kernel);
   return kernel_ == nullptr ? ErrorCode::kUnsupported : Status();
 }
 

@@ -39,8 +39,6 @@ class RowClassifier {
   OccupiedWords classify(const Frame& frame, std::uint16_t v, std::uint16_t begin, std::uint16_t end,
                          ColorId* colors) const;
 
-  /// The chosen instruction set; not kFastest after configure().
-  [[nodiscard]] KernelChoice kernel() const { return choice_; }
   [[nodiscard]] const ColorTables& tables() const { return tables_; }
   [[nodiscard]] const Shading& shading() const { return shading_; }
   /// Light levels in use in a tile (row by row), by channel. Without a light map, only tile 0 exists.
@@ -56,7 +54,6 @@ class RowClassifier {
   void find_background(std::uint16_t tile_row);
 
   SpanKernel kernel_ = nullptr;
-  KernelChoice choice_ = KernelChoice::kFastest;
   PixelFormat format_ = PixelFormat::kRgb24;
   std::uint16_t width_px_ = 0, height_px_ = 0;
   ColorTables tables_;

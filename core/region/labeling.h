@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <span>
 
-#include "core/region/row_bit_kernel.h"
+#include "core/region/row_bits.h"
 #include "core/types.h"
 
 namespace touchline {

@@ -66,8 +66,7 @@ Status ScanTables::configure(const ScanParameters& parameters) {
   for (std::size_t plane = 0; plane < kMaxPlanes; ++plane) {
     bytes_of_eight_px_[plane] = row_bytes(parameters.format, plane, 8);
   }
-  find_masks_ = row_mask_kernel(classifier_.kernel());
-  run_writer_.configure(classifier_.kernel(), (std::size_t{parameters.width_px} + kPixelsOfWord - 1) / kPixelsOfWord);
+  run_writer_.configure((std::size_t{parameters.width_px} + kPixelsOfWord - 1) / kPixelsOfWord);
   configured_ = true;
   return {};
 }
@@ -177,7 +176,7 @@ OccupiedWords RegionScanner::classify_words(const Frame& frame, std::uint16_t v,
 
 void RegionScanner::find_masks(std::uint16_t v) {
   const std::size_t here = v % 3u;
-  tables_->find_masks_(colors_[here], colors_[(v + 2u) % 3], occupied_[here], masks_[here]);
+  fill_masks(colors_[here], colors_[(v + 2u) % 3], occupied_[here], masks_[here]);
 }
 
 void RegionScanner::add_row(std::uint16_t v, Runs& runs) {

@@ -48,7 +48,6 @@ class ScanTables {
   std::array<std::size_t, kMaxPlanes> bytes_of_eight_px_{};  // of each plane
   RowClassifier classifier_;
   RegionOfInterest region_of_interest_;
-  RowMaskKernel find_masks_ = nullptr;
   RunWriter run_writer_;
 };
 

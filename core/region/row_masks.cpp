@@ -2,32 +2,33 @@
 
 #include <bit>
 
-#include "core/color/load_word.h"
-
-#if defined(__x86_64__)
-#include <immintrin.h>
-#elif defined(__aarch64__)
-#include <arm_neon.h>
-#endif
-
 namespace touchline {
 namespace {
 
-// differ(a, b) sets bit i if a[i] != b[i], for 64 bytes.
+// Sixteen colors in a vector, which every 64-bit processor supports.
+using Bytes [[gnu::vector_size(16)]] = std::uint8_t;
+constexpr std::size_t kBytes = sizeof(Bytes);
 
-struct Portable {
-  static std::uint64_t differ(const std::uint8_t* a, const std::uint8_t* b) {
-    constexpr std::uint64_t kLowBits = 0x7f7f7f7f7f7f7f7fu;
-    std::uint64_t mask = 0;
-    for (std::size_t i = 0; i < kPixelsOfWord; i += 8) {
-      const std::uint64_t difference = load_word(a + i) ^ load_word(b + i);
-      const std::uint64_t high_bits = (((difference & kLowBits) + kLowBits) | difference) & ~kLowBits;
-      // Moves the bit of byte k to bit 56 + k. No two partial products share a bit.
-      mask |= ((high_bits >> 7) * 0x0102040810204080u >> 56) << i;
-    }
-    return mask;
-  }
-};
+// The sums of neighboring bytes: those of `a`, then those of `b`.
+Bytes add_neighbors(Bytes a, Bytes b) {
+  return __builtin_shufflevector(a, b, 0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 20, 22, 24, 26, 28, 30) +
+         __builtin_shufflevector(a, b, 1, 3, 5, 7, 9, 11, 13, 15, 17, 19, 21, 23, 25, 27, 29, 31);
+}
+
+// Sets bit i if a[i] != b[i], for the pixels of a word.
+[[gnu::always_inline]] inline std::uint64_t differ(const ColorId* a, const ColorId* b) {
+  constexpr Bytes kBits = {1, 2, 4, 8, 16, 32, 64, 128, 1, 2, 4, 8, 16, 32, 64, 128};
+  const auto part = [&](std::size_t k) {
+    Bytes of_a, of_b;
+    std::memcpy(&of_a, a + k * kBytes, kBytes);
+    std::memcpy(&of_b, b + k * kBytes, kBytes);
+    return reinterpret_cast<Bytes>(of_a != of_b) & kBits;
+  };
+  // Three additions of neighbors combine eight bits to a byte.
+  static_assert(kPixelsOfWord == 4 * kBytes);
+  const Bytes bytes = add_neighbors(add_neighbors(part(0), part(1)), add_neighbors(part(2), part(3)));
+  return reinterpret_cast<WordPair>(add_neighbors(bytes, bytes))[0];
+}
 
 void clear(OccupiedWords words, RowMasks& masks) {
   for (; words != 0; words &= words - 1) {
@@ -36,83 +37,20 @@ void clear(OccupiedWords words, RowMasks& masks) {
   }
 }
 
-template <class Bytes>
+}  // namespace
+
 void fill_masks(const ColorRow& row, const ColorRow& above, OccupiedWords occupied, RowMasks& masks) {
-  static constexpr std::array<std::uint8_t, kPixelsOfWord> kNone{};
-  clear(masks.occupied & ~occupied, masks);
-  masks.occupied = occupied;
-  masks.is_cut = false;
-  for (OccupiedWords words = occupied; words != 0; words &= words - 1) {
-    const auto i = static_cast<std::size_t>(std::countr_zero(words));
-    const std::uint8_t* colors = row.pixels() + i * kPixelsOfWord;
-    const std::uint64_t colored = Bytes::differ(colors, kNone.data());
-    masks.first[i] = colored & Bytes::differ(colors, colors - 1);
-    masks.last[i] = colored & Bytes::differ(colors, colors + 1);
-    masks.like_above[i] = colored & ~Bytes::differ(colors, above.pixels() + i * kPixelsOfWord);
-  }
-}
-
-constexpr RowMaskKernel portable_row_mask_kernel = fill_masks<Portable>;
-
-#if defined(__x86_64__)
-
-TOUCHLINE_AVX2_INLINE __m256i load(const ColorId* colors) {
-  return _mm256_loadu_si256(reinterpret_cast<const __m256i*>(colors));
-}
-// Sets bit i if a[i] == b[i], for 64 bytes in two registers.
-TOUCHLINE_AVX2_INLINE std::uint64_t equal(__m256i a_low, __m256i a_high, __m256i b_low, __m256i b_high) {
-  const auto low = static_cast<std::uint32_t>(_mm256_movemask_epi8(_mm256_cmpeq_epi8(a_low, b_low)));
-  const auto high = static_cast<std::uint32_t>(_mm256_movemask_epi8(_mm256_cmpeq_epi8(a_high, b_high)));
-  return low | std::uint64_t{high} << 32;
-}
-
-TOUCHLINE_AVX2 void avx2_row_mask_kernel(const ColorRow& row, const ColorRow& above, OccupiedWords occupied,
-                                         RowMasks& masks) {
-  const __m256i zero = _mm256_setzero_si256();
+  static constexpr std::array<ColorId, kPixelsOfWord> kNone{};
   clear(masks.occupied & ~occupied, masks);
   masks.occupied = occupied;
   masks.is_cut = false;
   for (OccupiedWords words = occupied; words != 0; words &= words - 1) {
     const auto i = static_cast<std::size_t>(std::countr_zero(words));
     const ColorId* colors = row.pixels() + i * kPixelsOfWord;
-    const ColorId* upper = above.pixels() + i * kPixelsOfWord;
-    const __m256i low = load(colors), high = load(colors + 32);
-    const std::uint64_t background = equal(low, high, zero, zero);
-    masks.first[i] = ~(background | equal(low, high, load(colors - 1), load(colors + 31)));
-    masks.last[i] = ~(background | equal(low, high, load(colors + 1), load(colors + 33)));
-    masks.like_above[i] = equal(low, high, load(upper), load(upper + 32)) & ~background;
-  }
-}
-
-#elif defined(__aarch64__)
-
-struct Neon {
-  static std::uint64_t differ(const std::uint8_t* a, const std::uint8_t* b) {
-    constexpr std::array<std::uint8_t, 16> kBits = {1, 2, 4, 8, 16, 32, 64, 128, 1, 2, 4, 8, 16, 32, 64, 128};
-    const uint8x16_t bits = vld1q_u8(kBits.data());
-    uint8x16_t part[4];
-    for (std::size_t k = 0; k < 4; ++k) {
-      part[k] = vbicq_u8(bits, vceqq_u8(vld1q_u8(a + 16 * k), vld1q_u8(b + 16 * k)));
-    }
-    // Three pairwise additions combine eight bits to a byte.
-    const uint8x16_t bytes = vpaddq_u8(vpaddq_u8(part[0], part[1]), vpaddq_u8(part[2], part[3]));
-    return vgetq_lane_u64(vreinterpretq_u64_u8(vpaddq_u8(bytes, bytes)), 0);
-  }
-};
-constexpr RowMaskKernel neon_row_mask_kernel = fill_masks<Neon>;
-
-#endif
-
-}  // namespace
-
-RowMaskKernel row_mask_kernel(KernelChoice kernel) {
-  switch (kernel) {
-#define TOUCHLINE_SET(family, set, word, features, span_kernel, row_masks, ...) \
-  TOUCHLINE_ON_##family(case KernelChoice::set : return row_masks;)
-    TOUCHLINE_KERNEL_SETS(TOUCHLINE_SET)
-#undef TOUCHLINE_SET
-    default:
-      return portable_row_mask_kernel;
+    const std::uint64_t colored = differ(colors, kNone.data());
+    masks.first[i] = colored & differ(colors, colors - 1);
+    masks.last[i] = colored & differ(colors, colors + 1);
+    masks.like_above[i] = colored & ~differ(colors, above.pixels() + i * kPixelsOfWord);
   }
 }
 

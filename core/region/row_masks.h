@@ -18,10 +18,7 @@ constexpr std::size_t kMaxRowWords = (kMaxFrameWidth + kPixelsOfWord - 1) / kPix
 using WordPair [[gnu::vector_size(16)]] = std::uint64_t;
 constexpr std::size_t kWordsOfPair = 2;
 
-// The number of words of a row is rounded up to a multiple of this, for code that takes several at once.
-constexpr std::size_t kMaxWordsAtOnce = 8;
-
-/// One bit per pixel, followed by zeros, so that groups of up to kMaxWordsAtOnce words can be read.
+/// One bit per pixel, followed by zeros, so that pairs of words can be read.
 class PixelBits {
  public:
   std::uint64_t& operator[](std::size_t i) { return words_[i]; }
@@ -35,7 +32,7 @@ class PixelBits {
   void set_pair(std::size_t i, WordPair words) { std::memcpy(words_.data() + i, &words, sizeof words); }
 
  private:
-  std::array<std::uint64_t, (kMaxRowWords + kMaxWordsAtOnce - 1) / kMaxWordsAtOnce * kMaxWordsAtOnce> words_{};
+  std::array<std::uint64_t, (kMaxRowWords + kWordsOfPair - 1) / kWordsOfPair * kWordsOfPair> words_{};
 };
 
 /// First and last pixels of the runs of a row. Both masks have the same number of bits; the n-th bits belong to run n.
@@ -60,9 +57,6 @@ class ColorRow {
 };
 
 /// Fills the masks. Words that are not in `occupied` contain no color.
-using RowMaskKernel = void (*)(const ColorRow& row, const ColorRow& above, OccupiedWords occupied, RowMasks& masks);
-
-/// The function for an instruction set that this processor has. All give the same masks.
-RowMaskKernel row_mask_kernel(KernelChoice kernel);
+void fill_masks(const ColorRow& row, const ColorRow& above, OccupiedWords occupied, RowMasks& masks);
 
 }  // namespace touchline

@@ -47,21 +47,16 @@ void remove_isolated_pixels(const RowMasks& below, RowMasks& masks) {
   }
 }
 
-void RunWriter::configure(KernelChoice kernel, std::size_t words) {
-  bits_ = &row_bit_kernel(kernel);
-  words_ = words;
-}
-
 std::size_t RunWriter::cut(RowMasks& masks, std::size_t limit) {
-  std::size_t nibble = 0, longer = bits_->widen(masks.last, 1, masks.first, words_, endings_[0]);
+  std::size_t nibble = 0, longer = widen(masks.last, 1, masks.first, words_, endings_[0]);
   while (longer > limit && nibble + 1 < endings_.size()) {
-    longer = bits_->widen(endings_[nibble], std::size_t{2} << nibble, masks.first, words_, endings_[nibble + 1]);
+    longer = widen(endings_[nibble], std::size_t{2} << nibble, masks.first, words_, endings_[nibble + 1]);
     ++nibble;
   }
   const PixelBits* ending = &endings_[nibble];
   if (nibble > 0) {
     const std::size_t longer_than_less =
-        bits_->widen(endings_[nibble - 1], std::size_t{1} << (nibble - 1), masks.first, words_, halfway_);
+        widen(endings_[nibble - 1], std::size_t{1} << (nibble - 1), masks.first, words_, halfway_);
     if (longer_than_less <= limit) {
       longer = longer_than_less;
       ending = &halfway_;
@@ -73,8 +68,8 @@ std::size_t RunWriter::cut(RowMasks& masks, std::size_t limit) {
 }
 
 std::size_t RunWriter::write(const RowMasks& masks, const ColorRow& colors, std::uint16_t row, Run* out) {
-  const std::size_t count = bits_->list(masks.first, masks.occupied, columns_);
-  bits_->list(masks.last, masks.occupied, last_columns_);
+  const std::size_t count = list_columns(masks.first, masks.occupied, columns_);
+  list_columns(masks.last, masks.occupied, last_columns_);
   for (std::size_t k = 0; k < count; ++k) {
     const std::uint16_t begin = columns_[k];
     out[k] = {row, begin, static_cast<std::uint16_t>(last_columns_[k] + 1), colors.pixels()[begin], kNoRun};
@@ -89,7 +84,7 @@ std::span<const Contact> RunWriter::find_contacts(const RowMasks& above, RowMask
       masks.like_above[i] &= above.inside[i];
     }
   }
-  return {contacts_.data(), bits_->list_contacts(above, masks, contacts_)};
+  return {contacts_.data(), list_contacts(above, masks, contacts_)};
 }
 
 }  // namespace touchline

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <span>
 
-#include "core/region/row_bit_kernel.h"
+#include "core/region/row_bits.h"
 #include "core/region/row_masks.h"
 #include "core/types.h"
 
@@ -17,10 +17,10 @@ void remove_isolated_pixels(const RowMasks& below, RowMasks& masks);
 /// Lists the runs of rows, without labels.
 class RunWriter {
  public:
-  /// `kernel`: an instruction set that this processor has. `words`: number of words of a row.
-  void configure(KernelChoice kernel, std::size_t words);
+  /// `words`: number of words of a row.
+  void configure(std::size_t words) { words_ = words; }
 
-  [[nodiscard]] std::size_t count(const RowMasks& masks) const { return bits_->count(masks.first, words_); }
+  [[nodiscard]] std::size_t count(const RowMasks& masks) const { return count_bits(masks.first, words_); }
 
   /// Removes the shortest runs of a row that has more than `limit`. It removes runs up to the least length of 2, 3, 4,
   /// 6, 8, 12 ... 64 that is sufficient. If none is, it keeps the leftmost of the longer runs. Returns how many are
@@ -59,7 +59,6 @@ class RunWriter {
   std::span<const Contact> find_contacts(const RowMasks& above, RowMasks& masks);
 
  private:
-  const RowBitKernel* bits_ = &row_bit_kernel(KernelChoice::kPortable);
   std::size_t words_ = 0;
   // endings_[k]: pixels whose run ends less than 2^(k + 1) pixels to the right. halfway_: less than 3 * 2^k.
   std::array<PixelBits, 6> endings_;

@@ -21,7 +21,7 @@ const FitKernel& fit_kernel(KernelChoice choice) {
   const KernelChoice chosen = resolve(choice);
   if (!cpu_supports(chosen)) return portable_fit_kernel();
   switch (chosen) {
-#define TOUCHLINE_SET(family, set, word, features, span_kernel, row_masks, row_bit_kernel, kernel, ...) \
+#define TOUCHLINE_SET(family, set, word, features, span_kernel, kernel) \
   TOUCHLINE_ON_##family(case KernelChoice::set : return kernel();)
     TOUCHLINE_KERNEL_SETS(TOUCHLINE_SET)  // NOLINT(bugprone-branch-clone): sets may share a function
 #undef TOUCHLINE_SET

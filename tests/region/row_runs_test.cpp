@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "core/region/row_runs.h"
-#include "tests/color/kernels.h"
 #include "tests/color/owned_picture.h"
 #include "tests/region/region_comparison.h"
 
@@ -31,15 +30,8 @@ std::vector<Found> found(const Run* runs, std::size_t count) {
 }
 
 // Random rows with widths around multiples of a word, from single pixels to runs over several words.
-class RowRunsTest : public ::testing::TestWithParam<KernelChoice> {
+class RowRunsTest : public ::testing::Test {
  protected:
-  void SetUp() override {
-    KernelChoice choice = GetParam();
-    if (find_span_kernel(PixelFormat::kRgb24, choice) == nullptr) {
-      GTEST_SKIP() << "this processor does not support " << word_of(GetParam());
-    }
-  }
-
   struct Row {
     ColorRow colors;
     OccupiedWords occupied = 0;
@@ -78,15 +70,14 @@ class RowRunsTest : public ::testing::TestWithParam<KernelChoice> {
   RowMasks masks_;
 };
 
-TEST_P(RowRunsTest, AgreeWithACheckOfEachPixel) {
-  const RowMaskKernel fill_masks = row_mask_kernel(GetParam());
+TEST_F(RowRunsTest, AgreeWithACheckOfEachPixel) {
   const auto out = std::make_unique<std::array<touchline::Run, kMaxFrameWidth>>();
   const auto writer = std::make_unique<RunWriter>();
   Row above, row;
   for (int round = 0; round < 700; ++round) {
     const auto width = static_cast<std::size_t>(kWidths[static_cast<std::size_t>(round) % std::size(kWidths)]);
     const std::size_t words = (width + 63) / 64;
-    writer->configure(GetParam(), words);
+    writer->configure(words);
     const int density = pick(random_, 0, 10), length = 1 << pick(random_, 0, 8);
     fill(above, width, density, length);
     fill(row, width, density, length);
@@ -108,15 +99,14 @@ TEST_P(RowRunsTest, AgreeWithACheckOfEachPixel) {
   }
 }
 
-TEST_P(RowRunsTest, ContactsJoinRunsOfOneColorThatShareAColumn) {
-  const RowMaskKernel fill_masks = row_mask_kernel(GetParam());
+TEST_F(RowRunsTest, ContactsJoinRunsOfOneColorThatShareAColumn) {
   const auto writer = std::make_unique<RunWriter>();
   const auto nothing = std::make_unique<ColorRow>();
   Row above, row;
   RowMasks above_masks;
   for (int round = 0; round < 700; ++round) {
     const auto width = static_cast<std::size_t>(kWidths[static_cast<std::size_t>(round) % std::size(kWidths)]);
-    writer->configure(GetParam(), (width + 63) / 64);
+    writer->configure((width + 63) / 64);
     const int density = pick(random_, 3, 10), length = 1 << pick(random_, 0, 8);
     fill(above, width, density, length);
     fill(row, width, density, length);
@@ -145,15 +135,14 @@ TEST_P(RowRunsTest, ContactsJoinRunsOfOneColorThatShareAColumn) {
   }
 }
 
-TEST_P(RowRunsTest, IsolatedPixelsHaveNoNeighborOfTheirColor) {
-  const RowMaskKernel fill_masks = row_mask_kernel(GetParam());
+TEST_F(RowRunsTest, IsolatedPixelsHaveNoNeighborOfTheirColor) {
   const auto out = std::make_unique<std::array<touchline::Run, kMaxFrameWidth>>();
   const auto writer = std::make_unique<RunWriter>();
   std::array<Row, 3> rows;
   RowMasks below;
   for (int round = 0; round < 300; ++round) {
     const auto width = static_cast<std::size_t>(kWidths[static_cast<std::size_t>(round) % std::size(kWidths)]);
-    writer->configure(GetParam(), (width + 63) / 64);
+    writer->configure((width + 63) / 64);
     for (Row& row : rows) fill(row, width, 4, 3);
     fill_masks(rows[1].colors, rows[0].colors, rows[1].occupied, masks_);
     fill_masks(rows[2].colors, rows[1].colors, rows[2].occupied, below);
@@ -166,10 +155,6 @@ TEST_P(RowRunsTest, IsolatedPixelsHaveNoNeighborOfTheirColor) {
     ASSERT_EQ(found(out->data(), writer->write(masks_, rows[1].colors, 5, out->data())), expected) << round;
   }
 }
-
-constexpr auto kName = [](const auto& test) { return word_of(test.param); };
-INSTANTIATE_TEST_SUITE_P(Portable, RowRunsTest, ::testing::Values(KernelChoice::kPortable), kName);
-INSTANTIATE_TEST_SUITE_P(Kernels, RowRunsTest, ::testing::ValuesIn(kKernels), kName);
 
 }  // namespace
 }  // namespace touchline::testing

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "core/region/row_masks.h"
+#include "core/types.h"
+
+namespace touchline {
+
+// Functions may write a few entries after the last one; those are ignored.
+using Columns = std::array<std::uint16_t, kMaxRowWords * kPixelsOfWord + 8>;
+
+/// Two runs of neighboring rows with the same color that share a column, as their numbers in their rows (from 0).
+struct Contact {
+  std::uint16_t above = 0, below = 0;
+};
+// At most one per column.
+using Contacts = std::array<Contact, kMaxRowWords * kPixelsOfWord + 8>;
+
+// Functions on the bit masks of a row.
+
+std::size_t count_bits(const PixelBits& bits, std::size_t words);
+
+/// A bit of `ending` is set if the run of the pixel ends less than n pixels to the right, with n >= `pixels`. (Bits
+/// outside of runs have no meaning.) Writes the same bits for n + `pixels` to `wider`; `pixels` is 1 to 63. Returns how
+/// many runs are longer.
+std::size_t widen(const PixelBits& ending, std::size_t pixels, const PixelBits& first, std::size_t words,
+                  PixelBits& wider);
+
+/// Lists the columns of the bits from left to right and returns their number. Words that are not occupied have none.
+std::size_t list_columns(const PixelBits& bits, OccupiedWords occupied, Columns& columns);
+
+/// Lists the contacts between the runs of two rows from left to right and returns their number.
+std::size_t list_contacts(const RowMasks& above, const RowMasks& row, Contacts& contacts);
+
+}  // namespace touchline

@@ -121,17 +121,6 @@ TEST_F(Program, KeysCommandFiltersByWords) {
   EXPECT_EQ(touchline("keys camera --update x.md").code, 64);
 }
 
-TEST_F(Program, KeysCommandFiltersByWords) {
-  const CommandOutput found = touchline("keys camera exposure_us");
-  EXPECT_EQ(found.code, 0);
-  EXPECT_TRUE(found.text.starts_with("board.toml\n  camera.exposure_us: ")) << found.text;
-  const CommandOutput unknown = touchline("keys exposre");
-  EXPECT_EQ(unknown.code, 1);
-  EXPECT_EQ(unknown.text,
-            "touchline: no key has \"exposre\" in its file, section, name or meaning; did you mean \"exposure\"?\n");
-  EXPECT_EQ(touchline("keys camera --update x.md").code, 64);
-}
-
 TEST_F(Program, CheckOpensNoDevice) {
   write_board("v4l2", "there-is-no-such-camera");
   EXPECT_EQ(touchline("check " + board()).code, 0);

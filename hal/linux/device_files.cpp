@@ -1,10 +1,14 @@
 #include "hal/linux/device_files.h"
 
 #include <glob.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cstdlib>
+#include <filesystem>
+#include <fstream>
 #include <memory>
+#include <system_error>
 
 namespace touchline::hal {
 
@@ -44,6 +48,31 @@ std::string stable_link(const char* folder, const std::string& device) {
   }
   ::globfree(&links);
   return found;
+}
+
+std::string users_of(const std::string& device) {
+  namespace fs = std::filesystem;
+  std::error_code error;
+  const fs::path target = fs::canonical(device, error);
+  if (error) return {};
+  std::string users;
+  for (fs::directory_iterator process("/proc", error), end; !error && process != end; process.increment(error)) {
+    const std::string number = process->path().filename().string();
+    if (number.find_first_not_of("0123456789") != std::string::npos || number == std::to_string(::getpid())) continue;
+    // A process of another user, or one that has just ended, has no files that can be read.
+    std::error_code hidden;
+    for (fs::directory_iterator file(process->path() / "fd", hidden), none; !hidden && file != none;
+         file.increment(hidden)) {
+      std::error_code closed;
+      if (fs::read_symlink(file->path(), closed) != target || closed) continue;
+      std::ifstream comm(process->path() / "comm");
+      std::string name;
+      std::getline(comm, name);
+      users += (users.empty() ? "" : ", ") + name + " (process " + number + ")";
+      break;
+    }
+  }
+  return users;
 }
 
 }  // namespace touchline::hal

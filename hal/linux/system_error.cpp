@@ -2,6 +2,10 @@
 
 #include <cerrno>
 #include <cstring>
+#include <exception>
+#include <string>
+
+#include "hal/linux/device_files.h"
 
 namespace touchline::hal {
 
@@ -33,6 +37,11 @@ const char* system_text(int error) noexcept {
 }
 
 Error device_busy(const char* device) noexcept {
+  try {
+    const std::string users = users_of(device);
+    if (!users.empty()) return failure(ErrorCode::kDeviceBusy, "%s: in use by %s", device, users.c_str());
+  } catch (const std::exception&) {  // memory is short: the message does without names
+  }
   return failure(ErrorCode::kDeviceBusy, "%s: in use by another process; `fuser -v %s` shows it", device, device);
 }
 

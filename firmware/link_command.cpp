@@ -107,7 +107,7 @@ Result<std::string> link_command(const LinkOptions& options) {
          (has_avahi ? "By name: http://" + host + ".local:8642/login?token=... (the same token)\n"
                     : std::string("With the package avahi-daemon, the board is found by name, as http://") + host +
                           ".local:8642\n") +
-         "The score of \"systemd-analyze security touchline\" is now 1.5 instead of 1.2, since the service may use "
+         "The score of \"systemd-analyze security touchline\" is now 1.6 instead of 1.2, since the service may use "
          "the\n"
          "network. touchline link --undo closes the page again.\n";
 }

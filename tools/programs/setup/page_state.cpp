@@ -39,10 +39,14 @@ nlohmann::json field_values(const calibrate::VenueDraft& venue) {
                        {"width_m", preset.drawing.field.width_m}});
   }
   const DescribedKeys field = DescribedKeys::of(venue.file.field);
-  return {{"done", calibrate::has_camera_model(venue)},
-          {"values", field.values()},
-          {"keys", field.keys()},
-          {"presets", presets}};
+  const bool is_done = calibrate::has_camera_model(venue);
+  const bool has_height = is_done && venue.file.camera_model.kind == CameraModelKind::kFull;
+  return {
+      {"done", is_done},
+      {"values", field.values()},
+      {"keys", field.keys()},
+      {"presets", presets},
+      {"camera_height_m", has_height ? nlohmann::json(venue.file.camera_model.full.position_m[2]) : nlohmann::json()}};
 }
 
 nlohmann::json color_values(const calibrate::VenueDraft& venue, const Result<calibrate::TeamColors>& team) {

@@ -48,12 +48,24 @@ export interface FieldPreset {
   width_m?: number;
 }
 
+/** What a person says about the field; 0 and '': nothing. */
+export interface FieldEntry {
+  preset: string;
+  length_m: number;
+  width_m: number;
+  camera_height_m: number;
+  ignore_lines: boolean;
+}
+
 export interface FieldStep extends Step {
   values: Record<string, KeyValue>;
   presets: (FieldPreset | string)[];
   camera_height_m?: number | null;
   camera_height_sigma_m?: number | null;
   tilt_rad?: number | null;
+  seen_height_m?: number | null; // what the picture alone says
+  seen_height_sigma_m?: number | null;
+  entered?: FieldEntry | null; // by a person, for this result
   rms_mm?: number | null;
   p95_mm?: number | null;
   max_mm?: number | null;

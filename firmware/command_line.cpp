@@ -8,6 +8,7 @@
 #include <string>
 
 #include "firmware/config/standard_layouts.h"
+#include "firmware/config/wording.h"
 #include "firmware/parse_arguments.h"
 
 namespace touchline {
@@ -17,7 +18,7 @@ constexpr const char* kDescription =
     "Watches a robot-soccer field from above and drives the robots by radio:\n"
     "camera frame in, radio packet out, on time.";
 
-constexpr const char* kFooter =
+constexpr const char* kNotes =
     "Exit codes: 0 success, 1 the configuration is wrong, 2 a device failed, 64 the command line is wrong, 70 an\n"
     "internal error.\n"
     "No device is opened before all files are checked. Ctrl-C stops the robots and ends the program; pressed again\n"
@@ -40,9 +41,11 @@ CLI::Validator between(double low, double high) {
 }
 
 void add_files(CLI::App& app, config::FilePaths& files) {
-  app.add_option("--board", files.board, "Board file: devices, real-time settings, faults")->required();
-  app.add_option("--venue", files.venue, "Venue file; default: the one in the board file");
-  app.add_option("--team", files.team, "Team file; default: the one in the board file");
+  app.add_option("--board", files.board, "Board file: devices, real-time settings, faults")
+      ->required()
+      ->type_name("FILE");
+  app.add_option("--venue", files.venue, "Venue file; default: the one in the board file")->type_name("FILE");
+  app.add_option("--team", files.team, "Team file; default: the one in the board file")->type_name("FILE");
   app.add_option("--set", files.overrides,
                  "Override a key of one of the three files: --set camera.exposure_us=4000\n"
                  "`touchline keys` lists all keys")
@@ -52,16 +55,21 @@ void add_files(CLI::App& app, config::FilePaths& files) {
 }
 
 void add_network(CLI::App& app, network::NetworkOptions& network) {
-  const auto add = [&app](const char* name, std::vector<std::string>& texts, const char* type, const char* help) {
-    app.add_option(name, texts, help)->type_name(type)->expected(1)->take_all();
+  const auto add = [&app](const char* name, std::vector<std::string>& texts, const auto& protocols, const char* type,
+                          const char* help) {
+    const std::vector<std::string_view> words = config::words_of(protocols);
+    app.add_option(name, texts, help)
+        ->type_name(choice_name({words.begin(), words.end()}) + type)
+        ->expected(1)
+        ->take_all();
   };
-  add("--publish", network.publish, "NAME[=ADDRESS]",
+  add("--publish", network.publish, config::kOutputProtocols, "[=ADDRESS]",
       "Send what is seen to other programs: ssl-vision, ssl-tracked, firasim or json, several times if needed.\n"
       "ADDRESS: udp://ADDRESS:PORT[%INTERFACE]; for json also unix:///PATH. Default: the protocol's usual address");
-  add("--accept", network.accept, "NAME[=ADDRESS][,from=SENDER...]",
+  add("--accept", network.accept, network::kCommandWords, "[=ADDRESS][,from=SENDER...]",
       "Let programs drive robots: firasim or json. Those of this computer may; SENDER permits others: an address or a\n"
       "network, such as 192.168.1.20 or 192.168.1.0/24");
-  add("--referee", network.referee, "NAME[=ADDRESS][,from=SENDER...]",
+  add("--referee", network.referee, network::kRefereeWords, "[=ADDRESS][,from=SENDER...]",
       "Obey a referee: ssl or vsss. SENDER permits its computer; programs of this computer are permitted");
 }
 
@@ -69,8 +77,12 @@ void add_network(CLI::App& app, network::NetworkOptions& network) {
 
 std::optional<int> parse_command_line(int argc, char** argv, CommandLine& out) {
   CLI::App app(kDescription, "touchline");
-  app.set_version_flag("--version", "touchline " TOUCHLINE_VERSION);
-  app.footer(kFooter);
+  add_examples(app,
+               {{"touchline init --league vsss --out hall", "write files to start from"},
+                {"touchline check --board hall/board.toml", "find mistakes in the files"},
+                {"touchline run --board hall/board.toml", "play"},
+                {"touchline keys exposure", "explain the keys about exposure"}},
+               kNotes);
   app.require_subcommand(1);
 
   double duration_s = 0.0, interval_s = 1.0;
@@ -99,11 +111,18 @@ std::optional<int> parse_command_line(int argc, char** argv, CommandLine& out) {
          "--pace", pace,
          "Speed of the mock arena: real (default if a map is shown, anything is published or accepted, or with\n"
          "--console) or fast. The console of the board file is not served while the arena runs fast")
-      ->check(CLI::IsMember({"real", "fast"}));
+      ->check(one_of({"real", "fast"}));
   run->add_option("--status-interval", interval_s, "Seconds between two status lines")
       ->check(between(0.05, 3600.0))
       ->capture_default_str();
-  run->footer(kFooter);
+  add_examples(
+      *run,
+      {{"touchline run --board boards/mock/board.toml", "play in the built-in arena"},
+       {"touchline run --board board.toml --set camera.exposure_us=4000", "with another exposure for this time"},
+       {"touchline run --board board.toml --publish ssl-vision --referee ssl", "with programs of a league"},
+       {"touchline run --board boards/mock/board.toml --headless --duration 30 --seed 1",
+        "30 s of the arena as fast as possible; the same seed gives the same game"}},
+      kNotes);
 
   CLI::App* check = app.add_subcommand("check",
                                        "Read the three files, print all errors in them and what would be sent where,\n"
@@ -111,7 +130,12 @@ std::optional<int> parse_command_line(int argc, char** argv, CommandLine& out) {
   add_files(*check, out.session.files);
   add_network(*check, out.network);
   check->add_flag("--dump", out.dump, "Print the values of all keys, defaults included, with their meaning");
-  check->footer("Exit codes: 0 the files are valid, 1 they have errors, 64 the command line is wrong.");
+  add_examples(
+      *check,
+      {{"touchline check --board board.toml", "find mistakes in the files"},
+       {"touchline check --board board.toml --dump", "print the value of every key"},
+       {"touchline check --board board.toml --draw layout.png", "see the robots as the team file describes them"}},
+      "Exit codes: 0 the files are valid, 1 they have errors, 64 the command line is wrong.");
 
   check->add_option("--draw", out.drawing, "Draw the robots' tops as the team file describes them, into this PNG file")
       ->type_name("FILE");
@@ -120,27 +144,44 @@ std::optional<int> parse_command_line(int argc, char** argv, CommandLine& out) {
       app.add_subcommand("init", "Write board, venue and team files to start from, and print the next steps");
   init->add_option("--league", out.init.league, "League whose field, robots and colors the files describe")
       ->required()
-      ->check(CLI::IsMember(init_leagues()));
+      ->check(one_of(init_leagues()));
   init->add_option("--out", out.init.folder, "Folder of the files")->type_name("DIR")->capture_default_str();
   init->add_flag("--force", out.init.force, "Replace files that exist already");
   std::string layouts = "Layouts that team files can name (own ones are declared with [[layout]]):\n";
   for (const config::StandardLayout& layout : config::standard_layouts()) {
     layouts += "  " + std::string(layout.name) + ": " + std::string(layout.help) + "\n";
   }
-  init->footer(layouts);
+  add_examples(*init,
+               {{"touchline init --league mirosot", "write the files into this folder"},
+                {"touchline init --league vsss --out hall", "write them into the folder hall"}},
+               layouts);
 
-  CLI::App* keys = app.add_subcommand("keys", "List all keys of the three files: type, range, default, meaning");
+  CLI::App* keys = app.add_subcommand("keys", "List keys of the three files: type, range, default, meaning");
+  CLI::Option* words = keys->add_option(
+      "words", out.key_words, "Only keys that have each of these words in their file, section, name or meaning");
   keys->add_option("--update", out.page_to_update, "Write the reference into this page (docs/files.md) instead")
+      ->excludes(words)
       ->type_name("FILE");
+  add_examples(*keys,
+               {{"touchline keys", "list all keys"},
+                {"touchline keys exposure", "list those about exposure"},
+                {"touchline keys camera gain", "list those of the camera about gain"},
+                {"touchline keys team.toml", "list those of the team file"}},
+               "Exit codes: 0 success, 1 no key has all words, 64 the command line is wrong.");
 
   CLI::App* faults = app.add_subcommand("faults", "List all faults: what you see, what robots do, how it ends");
   faults->add_option("--update", out.page_to_update, "Write the tables into this page (docs/faults.md) instead")
       ->type_name("FILE");
 
+  add_examples(*faults, {{"touchline faults", "print the tables"},
+                         {"touchline faults --update docs/faults.md", "write them into the documentation"}});
+
   CLI::App* console_command = app.add_subcommand("console", "Show what a browser on another computer needs");
   add_files(*console_command, out.session.files);
   bool prints_token = false;  // the only thing that it does so far
   console_command->add_flag("--token", prints_token, "Print the token, and make it if there is none")->required();
+  add_examples(*console_command,
+               {{"touchline console --token --board /etc/touchline/board.toml", "print the token of the service"}});
 
   if (const std::optional<int> exit_code = parse_arguments(app, argc, argv)) return exit_code;
   out.command = init->parsed()              ? Command::kInit

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "firmware/console/console_plan.h"
 #include "firmware/exit_codes.h"
@@ -24,8 +25,9 @@ struct CommandLine {
   Pace pace = Pace::kDefault;
   bool headless = false;
   bool dump = false;
-  std::string drawing;         // check --draw
-  std::string page_to_update;  // keys --update, faults --update
+  std::string drawing;                 // check --draw
+  std::vector<std::string> key_words;  // keys WORD...
+  std::string page_to_update;          // keys --update, faults --update
   InitOptions init;
 };
 

@@ -19,7 +19,7 @@ namespace {
 constexpr int kStopPackets = 5;
 constexpr long kPacketPause_ms = 20, kRetryPause_ms = 1, kDrainTime_ms = 500, kOtherThreadTime_ms = 1000;
 // "TL", version, flags, sequence, and what packet_team() reads (docs/radio.md).
-constexpr std::size_t kSequenceOffset = 4, kFewestBytes = 6;
+constexpr std::size_t kSequenceOffset = 4, kMinBytes = 6;
 
 enum class State : int { kIdle, kStopping, kStopped };
 std::atomic<State> state{State::kIdle};
@@ -100,7 +100,7 @@ void install_handlers() {
 void set_radio(int descriptor) { radio.store(descriptor, std::memory_order_release); }
 
 void record_sent(const Packet& packet) {
-  if (packet.size() < kFewestBytes) return;
+  if (packet.size() < kMinBytes) return;
   last_sequence.store(std::to_integer<std::uint8_t>(packet[kSequenceOffset]), std::memory_order_relaxed);
   last_team.store(packet_team({packet.data(), packet.size()}), std::memory_order_relaxed);
 }

@@ -12,7 +12,7 @@ namespace {
 
 // A character cell of a terminal is about twice as high as wide.
 constexpr double kCellAspect = 2.0;
-constexpr int kMostRows = 40;
+constexpr int kMaxRows = 40;
 
 enum class Paint : std::uint8_t { kNone, kLine, kOwn, kOpponent, kBall };
 constexpr std::array<const char*, 5> kAnsi{"", "\x1b[2m", "\x1b[1;36m", "\x1b[1;31m", "\x1b[1;33m"};
@@ -28,7 +28,7 @@ class Canvas {
   Canvas(const FieldParameters& field, int columns) : field_(field), columns_(std::max(columns, 12)) {
     const double cell_m = static_cast<double>(field.length_m) / (columns_ - 2);
     const double rows = static_cast<double>(field.width_m) / (cell_m * kCellAspect);
-    rows_ = std::clamp(static_cast<int>(std::lround(rows)), 3, kMostRows) + 2;
+    rows_ = std::clamp(static_cast<int>(std::lround(rows)), 3, kMaxRows) + 2;
     cells_.resize(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_));
     draw_lines();
   }

@@ -184,10 +184,13 @@ void Loop::write_snapshot(const StepTrace& trace, const StepTiming& timing, Inst
   snapshot_.stop_number = external_.stop_number(rules_);
   snapshot_.is_held = rules_.is_held();
   snapshot_.referee = external_.referee();
-  if (!snapshot_.referee.score && settings_.score.read != nullptr) {
-    snapshot_.referee.score = settings_.score.read(settings_.score.context);
-  }
+  snapshot_.referee.score = score();
   settings_.snapshots->write(snapshot_);
+}
+
+std::optional<Score> Loop::score() const {
+  if (external_.referee().score || settings_.score.read == nullptr) return external_.referee().score;
+  return settings_.score.read(settings_.score.context);
 }
 
 void Loop::measure_latency(const Frame& frame, const StepTiming& timing) {
@@ -230,6 +233,8 @@ void Loop::take_external_input(Instant now) {
 void Loop::update_end(Instant now) {
   statistics_.end = now;
   statistics_.external = external_.counts();
+  statistics_.score = score();
+  statistics_.own_on_positive_half = external_.referee().own_on_positive_half.value_or(false);
   heartbeat_.good_frames.store(statistics_.good_frames, std::memory_order_relaxed);
   heartbeat_.iterations.fetch_add(1, std::memory_order_relaxed);
   const bool enough_frames = settings_.frames != 0 && statistics_.frames >= settings_.frames;

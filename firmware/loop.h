@@ -141,6 +141,8 @@ class Loop {
   void measure_latency(const Frame& frame, const StepTiming& timing);
   void adapt_to_light();
   void write_snapshot(const StepTrace& trace, const StepTiming& timing, Instant machine_sent);
+  /// Of the referee, or of a simulation that counts goals.
+  [[nodiscard]] std::optional<Score> score() const;
 
   void read_inputs(Instant now);
   void check_radio(Instant now);

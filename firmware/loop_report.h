@@ -2,10 +2,12 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string_view>
 
 #include "core/adaptation.h"
+#include "core/control/referee_state.h"
 #include "core/fixed_vector.h"
 #include "core/status.h"
 #include "core/time.h"
@@ -49,6 +51,8 @@ struct StatusReport {
   std::uint64_t packets = 0;     // since the start, like all counts below
   std::uint64_t packets_dropped = 0, packets_refused = 0, stop_packets = 0, frames_lost = 0, future_stamps = 0,
                 overloads = 0, faults = 0;
+  std::optional<Score> score;          // nullopt: nobody tells it
+  bool own_on_positive_half = false;   // then the own team plays towards negative x
   std::uint64_t commands_expired = 0;  // times that a robot stopped because its external command was too old
   std::uint32_t halt = kHaltNone;
   std::uint32_t stop_number = 0;  // ExternalInput::stop_number()

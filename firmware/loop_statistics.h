@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 
 #include "core/status.h"
 #include "core/time.h"
@@ -33,6 +34,8 @@ struct LoopStatistics {
   std::uint64_t packets_refused = 0;
   std::uint64_t stop_packets = 0;  // of the accepted packets, those that stop all robots
   ExternalCounts external;
+  std::optional<Score> score;         // of the referee or the arena; nullopt: nobody tells it
+  bool own_on_positive_half = false;  // then the own team plays towards negative x
   std::array<std::array<std::uint64_t, kErrorCodeCount>, kDeviceCount> faults{};
   std::array<std::uint64_t, kDeviceCount> reopened{};
   RobotReports robots;       // their telemetry

@@ -84,16 +84,27 @@ int check_command(const CommandLine& command_line) {
                std::string(config::kernel_word(configuration.board)) + " kernel\n" + describe(plan.value()));
 }
 
-/// Prints a reference, or writes it into a page of the documentation.
-int reference_command(const std::string& page_to_update, std::string (*text)(),
-                      Result<std::string> (*update)(std::string page)) {
-  if (page_to_update.empty()) return print(text());
-  Result<std::string> page = hal::read_file(page_to_update, hal::kMaxTextFileBytes);
+/// Writes a reference into a page of the documentation.
+int update_page(const std::string& path, Result<std::string> (*update)(std::string page)) {
+  Result<std::string> page = hal::read_file(path, hal::kMaxTextFileBytes);
   if (!page.ok()) return fail(page.text());
   const Result<std::string> updated = update(std::move(page).value());
-  if (!updated.ok()) return fail(page_to_update + ": " + updated.text());
-  const Result<void> written = hal::write_file(page_to_update, updated.value());
+  if (!updated.ok()) return fail(path + ": " + updated.text());
+  const Result<void> written = hal::write_file(path, updated.value());
   return written.ok() ? kExitOk : fail(written.text());
+}
+
+int keys_command(const CommandLine& command_line) {
+  if (!command_line.page_to_update.empty()) {
+    return update_page(command_line.page_to_update, config::updated_key_reference);
+  }
+  const Result<std::string> text = config::key_reference_text(command_line.key_words);
+  return text.ok() ? print(text.value()) : fail(text.text());
+}
+
+int faults_command(const CommandLine& command_line) {
+  return command_line.page_to_update.empty() ? print(fault_reference_markdown())
+                                             : update_page(command_line.page_to_update, updated_fault_reference);
 }
 
 }  // namespace
@@ -114,11 +125,9 @@ int main(int argc, char** argv) {
       case touchline::Command::kConsole:
         return touchline::console_command(command_line);
       case touchline::Command::kKeys:
-        return touchline::reference_command(command_line.page_to_update, touchline::config::key_reference_text,
-                                            touchline::config::updated_key_reference);
+        return touchline::keys_command(command_line);
       case touchline::Command::kFaults:
-        return touchline::reference_command(command_line.page_to_update, touchline::fault_reference_markdown,
-                                            touchline::updated_fault_reference);
+        return touchline::faults_command(command_line);
     }
   } catch (const std::exception& error) {  // Loop::run() has stopped the robots
     std::fprintf(stderr, "touchline: internal error: %s\n", error.what());

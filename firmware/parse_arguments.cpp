@@ -5,8 +5,10 @@
 #include <iostream>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
+#include "firmware/completion.h"
 #include "firmware/config/wording.h"
 
 namespace touchline {
@@ -64,14 +66,53 @@ std::string unknown_word(const CLI::App& program) {
 
 }  // namespace
 
+void add_examples(CLI::App& app, std::initializer_list<Example> examples, const std::string& notes) {
+  std::string text = "Examples:\n";
+  for (const Example& example : examples) text += "  " + example.command + "\n      " + example.meaning + "\n";
+  app.footer(notes.empty() ? text : text + "\n" + notes);
+}
+
+std::string choice_name(const std::vector<std::string>& words) {
+  std::string name;
+  for (const std::string& word : words) name += (name.empty() ? "{" : ",") + word;
+  return name + "}";
+}
+
+CLI::Validator one_of(std::vector<std::string> words) {
+  const std::string name = choice_name(words);
+  return {[words = std::move(words)](const std::string& text) {
+            const std::vector<std::string_view> known(words.begin(), words.end());
+            for (const std::string_view word : known) {
+              if (word == text) return std::string();
+            }
+            return "\"" + text + "\" is no choice" + config::suggestion(text, known, "choices");
+          },
+          name};
+}
+
 std::optional<int> parse_arguments(CLI::App& app, int argc, char** argv) {
+  app.set_version_flag("--version", app.get_name() + " " TOUCHLINE_VERSION, "Print the version and exit");
+  app.add_option_function<std::string>(
+         "--completion",
+         [&app](const std::string& shell) {
+           std::cout << (shell == "zsh" ? zsh_completion(app) : bash_completion(app));
+           throw CLI::Success();
+         },
+         "Print a script for this shell that completes the words of the command line, and exit")
+      ->check(one_of({"bash", "zsh"}))
+      ->type_name("SHELL");
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     // CLI11 reports --help and --version as errors with code 0.
     const bool asks = error.get_exit_code() == static_cast<int>(CLI::ExitCodes::Success);
     const std::string unknown = asks ? std::string() : unknown_word(app);
-    if (unknown.empty()) return app.exit(error) == 0 ? kExitOk : kExitBadCommandLine;
+    if (unknown.empty()) {
+      const int code = app.exit(error) == 0 ? kExitOk : kExitBadCommandLine;
+      if (std::cout.flush()) return code;
+      std::cerr << app.get_name() << ": standard output: cannot be written\n";
+      return kExitBadFile;
+    }
     std::cerr << app.get_name() << ": " << unknown << "\nRun with --help for more information.\n";
     return kExitBadCommandLine;
   }

@@ -91,7 +91,7 @@ void ReportPrinter::print_event(const char* level, const std::string& line) {
 }
 
 void ReportPrinter::print_map(const StatusReport& status) {
-  std::string text = field_map(status, settings_.expected.field, settings_.map_columns, true);
+  std::string text = field_map(status, settings_.expected.field, settings_.map_columns, settings_.map_colors);
   std::string line = line_of(status);
   // In several lines, because a line that the terminal wraps would move the map down.
   for (const char* const piece : {"  latency", "  robots", "  network"}) {

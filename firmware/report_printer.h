@@ -17,6 +17,7 @@ struct ReportPrinterSettings {
   Expectation expected;
   bool status_lines = true;                  // false: only faults, halts and low batteries
   int map_columns = 0;                       // width of the field map; 0: none
+  bool map_colors = false;                   // hal::shows_color()
   const ServiceNotifier* service = nullptr;  // gets the status as well; null: none
   std::function<std::string()> network;      // end of the status line; called on the printer's thread
   // Gets every line but the status, with its level: info, warning or error; on the printer's thread. Empty: nobody.

@@ -61,6 +61,8 @@ void ReportWriter::report_status_if_due(const LoopStatistics& statistics, std::u
   status.future_stamps = statistics.future_stamps;
   status.overloads = statistics.overloads;
   status.faults = statistics.fault_count();
+  status.score = statistics.score;
+  status.own_on_positive_half = statistics.own_on_positive_half;
   status.commands_expired = statistics.external.commands_expired;
   status.halt = halt;
   status.stop_number = stop_number;

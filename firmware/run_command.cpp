@@ -17,6 +17,7 @@
 #include "firmware/session_switch.h"
 #include "firmware/signals.h"
 #include "hal/files/interruption.h"
+#include "hal/files/terminal_color.h"
 
 namespace touchline {
 namespace {
@@ -161,6 +162,7 @@ ReportPrinterSettings reporting_of(const Session& session, RunContext& run) {
   // The service manager shows the last status; its journal should contain events only.
   reporting.status_lines = !run.service->is_enabled();
   reporting.map_columns = !run.command_line.headless && ::isatty(STDOUT_FILENO) != 0 ? kMapColumns : 0;
+  reporting.map_colors = hal::shows_color(STDOUT_FILENO);
   if (!run.connections.plan().empty()) reporting.network = [&run] { return run.connections.status_text(); };
   if (run.serves_console) {
     reporting.on_status = [&run](const StatusReport& status) { run.console.reports().set(status); };

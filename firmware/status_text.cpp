@@ -5,6 +5,8 @@
 #include <cstdarg>
 #include <cstdio>
 
+#include "core/radio/telemetry.h"
+
 namespace touchline {
 namespace {
 
@@ -68,6 +70,17 @@ std::string halt_reasons(std::uint32_t halt, const PictureTrace& picture) {
   return reasons;
 }
 
+// On the map and in the picture's usual orientation, positive x is to the right.
+const char* direction(bool own_on_positive_half) { return own_on_positive_half ? "left" : "right"; }
+
+// Upper limit of the bytes that noise on the link explains: a damaged report leaves its bytes, and its number is
+// missing in the next report. Each robot's last report may be damaged or incomplete, too.
+std::uint64_t bytes_of_damaged_reports(const RobotReports& reports) {
+  std::uint64_t damaged = 0;
+  for (const RobotReport& robot : reports.robots) damaged += robot.missed + 1U;
+  return damaged * kTelemetryBytes;
+}
+
 // Leaves out values that a robot does not measure.
 void print_robot_status(std::string& out, float battery_v, int link_percent) {
   if (battery_v > 0.0f) print(out, " %.2f V", static_cast<double>(battery_v));
@@ -119,6 +132,8 @@ std::string status_line(const StatusReport& status, const Expectation& expected)
   } else {
     line += "ball lost";
   }
+  if (status.score) print(line, "  score %u:%u", status.score->own, status.score->opponent);
+  print(line, "  playing %s", direction(status.own_on_positive_half));
   print(line, "  latency p50 %.1f p99 %.1f max %.1f ms  packets %llu", milliseconds(status.p50),
         milliseconds(status.p99), milliseconds(status.max), static_cast<unsigned long long>(status.packets));
   const auto count = [&](const char* what, std::uint64_t value) {
@@ -184,6 +199,9 @@ std::string summary(const LoopStatistics& statistics, LoopEnd end) {
   print(text, "frames    %llu in %.1f s (%.1f per second), %llu lost, %llu unusable\n", number(statistics.frames),
         elapsed, elapsed > 0.0 ? static_cast<double>(statistics.frames) / elapsed : 0.0, number(statistics.frames_lost),
         number(statistics.frames - statistics.good_frames));
+  text += "game      ";
+  if (statistics.score) print(text, "score %u : %u, ", statistics.score->own, statistics.score->opponent);
+  print(text, "playing to the %s\n", direction(statistics.own_on_positive_half));
   if (statistics.future_stamps > 0) {
     print(text, "stamps    %llu frames with a time stamp in the future; the time of arrival was used\n",
           number(statistics.future_stamps));
@@ -208,8 +226,12 @@ std::string summary(const LoopStatistics& statistics, LoopEnd end) {
     print(text, " %.1f s before the end; %u reports, %u missed%s\n", seconds(statistics.end - robot.heard),
           robot.packets, robot.missed, robot.battery_low ? "; BATTERY LOW" : "");
   }
-  if (statistics.robots.foreign_bytes > 0) {
-    print(text, "robots    %llu received bytes are not part of a report\n", number(statistics.robots.foreign_bytes));
+  if (statistics.robots.foreign_bytes > bytes_of_damaged_reports(statistics.robots)) {
+    print(
+        text,
+        "radio     %llu received bytes are not from reports of robots: check radio.baud, and whether the radio module "
+        "echoes or sends messages\n",
+        number(statistics.robots.foreign_bytes));
   }
   print(text, "overload  %llu frames (%llu runs and %llu regions did not fit)\n", number(statistics.overloads),
         number(statistics.runs_dropped), number(statistics.regions_dropped));

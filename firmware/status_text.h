@@ -15,9 +15,10 @@ struct Expectation {
   FieldParameters field;
 };
 
-/// For example "12 s  60.0 fps  own 5/5  opp 5/5  ball (0.12, -0.30)  latency p50 1.2 p99 2.3 max 3.1 ms  packets 720",
-/// followed by counts of problems (lost frames, overloads, faults), the robots' telemetry ("robots 0: 7.92 V 98 %"),
-/// and the reasons for which robots are halted.
+/// For example "12 s  60.0 fps  own 5/5  opp 5/5  ball (0.12, -0.30)  score 1:0  playing right  latency p50 1.2 p99 2.3
+/// max 3.1 ms  packets 720", with the score (own : opponent's) if somebody tells it and the direction in which the own
+/// team plays, followed by counts of problems (lost frames, overloads, faults), the robots' telemetry ("robots 0: 7.92
+/// V 98 %"), and the reasons for which robots are halted.
 std::string status_line(const StatusReport& status, const Expectation& expected);
 /// For example "camera: device disconnected (/dev/video0: ...); robots stopped, reopening it"
 std::string fault_line(const FaultReport& fault);

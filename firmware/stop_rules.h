@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <bit>
 #include <cstdint>
 #include <optional>
 #include <string_view>
@@ -32,6 +33,7 @@ enum Halt : std::uint32_t {
   kHaltRadio = 1 << 14,       // the radio is away, or was away for longer than faults.radio_outage_s
   kHaltDriver = 1 << 15,      // the driver of the console was silent
   kHaltSetupEnded = 1 << 16,  // explains kHaltConsole: nobody stopped the robots, the setup was saved or left
+  kHaltEnd,                   // no reason: the highest bit plus 1. New bits stand above this line, in ascending order
 };
 
 constexpr std::uint32_t kExternalHalts =
@@ -85,6 +87,16 @@ inline constexpr std::array kHaltDescriptions{
     HaltDescription{kHaltCrash, "crash", "the previous run ended unexpectedly", "stand",
                     "a start (the start button, or Start of the page), or a restart of the service"},
 };
+
+// Every bit is described, each once.
+static_assert([] {
+  std::uint32_t described = kHaltNone;
+  for (const HaltDescription& halt : kHaltDescriptions) {
+    if (!std::has_single_bit(static_cast<std::uint32_t>(halt.bit)) || (described & halt.bit) != 0) return false;
+    described |= halt.bit;
+  }
+  return described == 2 * (kHaltEnd - 1) - 1;
+}());
 
 /// What a session hands to the next one: the reasons that hold until a start.
 struct HeldStops {

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <signal.h>
 #include <sys/wait.h>
+#include <unistd.h>
 
 #include <array>
 #include <cstdio>
@@ -32,6 +34,20 @@ inline CommandOutput run_command(const std::string& command) {
 inline std::string output_of(const std::string& command) {
   CommandOutput output = run_command(command);
   return output.code == 0 ? std::move(output.text) : std::string();
+}
+
+/// Sends SIGTERM to a child and returns its exit code. -1: a signal ended it, or it did not end in time and was killed.
+inline int exit_code_after_termination(pid_t process, int timeout_s) {
+  constexpr useconds_t kPause_us = 10'000;
+  ::kill(process, SIGTERM);
+  int status = 0;
+  for (int i = 0; i < 100 * timeout_s; ++i) {
+    if (::waitpid(process, &status, WNOHANG) == process) return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+    ::usleep(kPause_us);
+  }
+  ::kill(process, SIGKILL);
+  ::waitpid(process, &status, 0);
+  return -1;
 }
 
 }  // namespace touchline::testing

@@ -31,10 +31,10 @@ function(touchline_core_library name)
   endif()
 endfunction()
 
-# touchline_program(NAME SOURCES... [COMMANDS...] [LINK LIBS...]): an installed program. COMMANDS: several sources that include CLI11,
-# which are compiled together; see touchline_command_line.
+# touchline_program(NAME [TOOL] SOURCES... [COMMANDS...] [LINK LIBS...]): an installed program. TOOL: in the package touchline-tools instead
+# of touchline. COMMANDS: several sources that include CLI11, which are compiled together; see touchline_command_line.
 function(touchline_program name)
-  cmake_parse_arguments(ARG "" "" "SOURCES;COMMANDS;LINK" ${ARGN})
+  cmake_parse_arguments(ARG "TOOL" "" "SOURCES;COMMANDS;LINK" ${ARGN})
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE touchline_options ${ARG_LINK})
   if(ARG_COMMANDS)
@@ -50,7 +50,13 @@ function(touchline_program name)
   target_link_options(${name} PRIVATE -Wl,-z,now)
   add_dependencies(programs ${name})
   set_property(GLOBAL APPEND PROPERTY TOUCHLINE_PROGRAMS ${name})
-  install(TARGETS ${name} RUNTIME)
+  if(ARG_TOOL)
+    set_property(TARGET ${name} PROPERTY TOUCHLINE_COMPONENT tools)
+  else()
+    set_property(TARGET ${name} PROPERTY TOUCHLINE_COMPONENT board)
+  endif()
+  get_target_property(component ${name} TOUCHLINE_COMPONENT)
+  install(TARGETS ${name} RUNTIME COMPONENT ${component})
 endfunction()
 
 # touchline_inline_with_sanitizers(LIBRARY...): for libraries in which tests with sanitizers spend most of their time on single pixels

@@ -17,7 +17,7 @@ constexpr int kMaxBallIterations = 12;
 constexpr float kConvergedPx = 0.01f;
 constexpr float kSmallStepPx = 0.2f;
 // Range of the factor by which steps are scaled. Only small steps are lengthened.
-constexpr float kLeastScaled = 0.4f, kMostScaled = 3.3f;
+constexpr float kMinScaled = 0.4f, kMaxScaled = 3.3f;
 constexpr float kMaxStepPx = 1.5f;
 // While steps exceed kOnItsWayPx, pixels are kept until the outline has moved by kKeptOnTheWayPx. The final center
 // needs other pixels anyway.
@@ -33,7 +33,7 @@ constexpr std::array<float, kShadeTerms> kEvenLight{1e-3f, 0.1f, 0.1f, 0.05f};
 constexpr float kStartWeight = 10.0f, kStartSigma = 0.2f;
 // Determinant of the normal matrix, relative to the squared trace without the shading. Below this value, shading and
 // center cannot be separated, and the shading is kept.
-constexpr float kLeastDeterminant = 1e-5f;
+constexpr float kMinDeterminant = 1e-5f;
 // Minimum mean weight of the covered pixels. A ball that is half hidden by a robot still reaches it.
 constexpr float kMinFittingFraction = 0.4f;
 // Minimum if known robots are beside the ball: hidden pixels do not count, so all others must fit.
@@ -49,13 +49,13 @@ constexpr float kErrorWithoutFit = 2.0f;
 constexpr float kMaxCorrection = 0.6f;
 
 // Range of the outline's width. The least is that of one pixel and a sharp lens.
-constexpr float kLeastRampPx = 1.2f, kMostRampPx = 2.8f;
+constexpr float kMinRampPx = 1.2f, kMaxRampPx = 2.8f;
 // Gain of the exponential mean of the outline's width, with which fits start. The width depends on the camera.
 constexpr float kFollow = 0.1f;
 // Pixels at this distance from a robot's top may still show the top.
 constexpr float kHidingMarginPx = 0.3f;
 // A viewing ray that moves less along a robot, in half sides, counts as vertical.
-constexpr float kLeastFall = 1e-3f;
+constexpr float kMinFall = 1e-3f;
 // Variance of the center relative to a fit with independent residuals: on the bare floor, and with an object beside the
 // ball. An object beside the ball or in front of it correlates the residuals of neighboring pixels. Measured in the
 // arena (tests/tools/motion_evaluation_test.cpp).
@@ -205,7 +205,7 @@ class BallCenterFit::Solver {
     // Below the ball's top, a ray that meets the robot may have met the ball before.
     const float down = std::max(0.0f, 1.0f - 2.0f * radius_m_ / top.height_m);
     const float u = down * (top.center.u_px - top.foot.u_px), v = down * (top.center.v_px - top.foot.v_px);
-    const auto inverted = [](float fall) { return 1.0f / (std::abs(fall) > kLeastFall ? fall : kLeastFall); };
+    const auto inverted = [](float fall) { return 1.0f / (std::abs(fall) > kMinFall ? fall : kMinFall); };
     hiding.per_fall_x = inverted(hiding.inverse[0] * u + hiding.inverse[1] * v);
     hiding.per_fall_y = inverted(hiding.inverse[2] * u + hiding.inverse[3] * v);
     view_.tops.push_back(hiding);
@@ -272,7 +272,7 @@ class BallCenterFit::Solver {
       xy -= by_x.dot(solved_y);
       yy -= by_y.dot(solved_y);
     }
-    if (!(xx > 0.0f && xx * yy - xy * xy > kLeastDeterminant * scale * scale)) {
+    if (!(xx > 0.0f && xx * yy - xy * xy > kMinDeterminant * scale * scale)) {
       xx = sums.edge.xx + prior;
       xy = sums.edge.xy;
       yy = sums.edge.yy + prior;
@@ -298,7 +298,7 @@ class BallCenterFit::Solver {
     view_.center.v_px += view_.axis[0].v_px * limited[0] + view_.axis[1].v_px * limited[1];
     if (sums.ramp_power > 0.0f) {
       const float wider = view_.radius_px * sums.ramp_pull / sums.ramp_power;
-      view_.ramp_px = std::clamp(view_.ramp_px + wider, kLeastRampPx, kMostRampPx);
+      view_.ramp_px = std::clamp(view_.ramp_px + wider, kMinRampPx, kMaxRampPx);
     }
     return true;
   }
@@ -348,8 +348,8 @@ class BallCenterFit::Solver {
     float factor = 1.0f;
     if (const float size = taken_.squaredNorm(); size > 0.0f) {
       const float by_step = taken_.dot(found_ - found);
-      const float most = std::sqrt(size) * view_.radius_px < kSmallStepPx ? kMostScaled : 1.0f;
-      factor = by_step * most > size ? std::max(size / by_step, kLeastScaled) : most;
+      const float most = std::sqrt(size) * view_.radius_px < kSmallStepPx ? kMaxScaled : 1.0f;
+      factor = by_step * most > size ? std::max(size / by_step, kMinScaled) : most;
     }
     found_ = found;
     return taken_ = factor * found;

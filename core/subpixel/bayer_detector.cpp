@@ -7,7 +7,7 @@ namespace touchline {
 namespace {
 
 constexpr std::size_t kSegments = 8, kSegmentPixels = 64;
-constexpr std::size_t kMostBytes = 4;  // of a pixel
+constexpr std::size_t kMaxBytes = 4;  // of a pixel
 // Larger differences are edges, not noise.
 constexpr int kLargestNoise = 12;
 // Exponential mean over pictures: a weight falls to one half in 11 pictures.
@@ -15,9 +15,9 @@ constexpr float kKept = 0.94f;
 // Least ratio of two sums of second differences that shows a pattern. With bilinear interpolation, the ratio is 1.6 to
 // 3 on floors with a noise of one 8-bit step, and larger on others. Without a pattern, the ratio of 512 pixels is 1
 // with a standard deviation of 0.1, and a pattern needs the agreement of both colors.
-constexpr float kLeastFactor = 1.3f;
+constexpr float kMinFactor = 1.3f;
 // Smaller sums come from rounding, or from a picture without noise. In 8-bit steps.
-constexpr float kLeastSum = 0.05f * static_cast<float>(kSegments * kSegmentPixels);
+constexpr float kMinSum = 0.05f * static_cast<float>(kSegments * kSegmentPixels);
 
 // Eight values at a time. The sums over all segments do not overflow.
 constexpr std::size_t kTogether = 8;
@@ -32,7 +32,7 @@ Values values_at(const std::uint8_t* pixels) {
 }
 
 // Sums over the bytes of all segments. Byte k of a segment is added to lane k, modulo the number of lanes.
-using Sums = std::array<Values, kMostBytes>;
+using Sums = std::array<Values, kMaxBytes>;
 
 // Adds the second differences of a segment's bytes, with neighbors `apart` bytes before and after. Differences at edges
 // count as 0.
@@ -72,7 +72,7 @@ template <class Differences>
 int red_column(const Differences& differences) {
   const auto measured = [&](std::size_t color, std::size_t odd) {
     const auto& sum = differences[color];
-    return sum[odd] > kLeastSum && sum[odd] > kLeastFactor * sum[1 - odd];
+    return sum[odd] > kMinSum && sum[odd] > kMinFactor * sum[1 - odd];
   };
   if (measured(0, 0) && measured(1, 1)) return 0;
   return measured(0, 1) && measured(1, 0) ? 1 : -1;
@@ -83,8 +83,8 @@ int red_column(const Differences& differences) {
 template <class Differences>
 int red_row(const Differences& differences) {
   const float even = differences[0][0] * differences[1][1], odd = differences[0][1] * differences[1][0];
-  constexpr float kLeast = kLeastFactor * kLeastFactor;
-  return even > kLeast * odd ? 0 : odd > kLeast * even ? 1 : -1;
+  constexpr float kMin = kMinFactor * kMinFactor;
+  return even > kMin * odd ? 0 : odd > kMin * even ? 1 : -1;
 }
 
 template <class Differences>

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "core/geometry/angle.h"
 #include "core/marker/hypothesis.h"
@@ -59,6 +60,10 @@ constexpr float kMovingPart = 0.18f;
 // Distance over which the fit's errors decorrelate to 1/e. Errors of edges against the pixel grid decorrelate within
 // half a pixel, but most of the error depends on the edges' angles. Measured in games of the arena.
 constexpr float kLastsPx = 8.0f;
+// Squared residual of the rigid fit, relative to what the stated errors of the centers explain, up to which it is
+// usual: three standard deviations of two patches' distance. What is beyond adds to the errors (Birge ratio): a patch
+// is torn, something lies on it, or it is not where the layout says.
+constexpr float kUsualResidual = 9.0f;
 // Distance from the robot's edge of the second sample of the surroundings. A narrow line may appear only there.
 constexpr float kBesidePx = 1.0f;
 // An iteration leaves at most a tenth of its step as error. After a short step, this error is below the noise.
@@ -79,6 +84,20 @@ PoseCovariance of_mean(const PoseCovariance& a, float weight, const PoseCovarian
   const float by_a = rest * (rest + weight * ratio), by_b = weight * (weight + rest / ratio);
   const auto sum = [by_a, by_b](float of_a, float of_b) { return by_a * of_a + by_b * of_b; };
   return {sum(a.xx, b.xx), sum(a.yy, b.yy), sum(a.tt, b.tt), sum(a.xy, b.xy), sum(a.xt, b.xt), sum(a.yt, b.yt)};
+}
+
+// Returns the factor by which the errors' variances are larger than stated. `residual_m`: of the rigid fit.
+float underestimate(float residual_m, std::span<const PointCovariance> errors) {
+  float stated = 0;
+  for (const PointCovariance& error : errors) stated += 0.5f * (error.xx + error.yy);
+  const auto patches = static_cast<float>(errors.size());
+  // The residual has two degrees of freedom per patch, less three of the pose.
+  const float expected = stated / patches * (2 * patches - 3);
+  return 1.0f + std::max(0.0f, residual_m * residual_m * patches / expected - kUsualResidual);
+}
+
+PoseCovariance scaled(const PoseCovariance& c, float by) {
+  return {by * c.xx, by * c.yy, by * c.tt, by * c.xy, by * c.xt, by * c.yt};
 }
 
 }  // namespace
@@ -423,10 +442,12 @@ void PatchCenterFit::refine(const Frame& frame, Sightings& sightings) {
     robot.pose.position.y_m += trust * by.y_m;
     robot.pose.theta_rad = wrap_angle(robot.pose.theta_rad + trust * moved.pose.theta_rad);
     robot.residual_m += trust * (moved.residual_m - robot.residual_m);
-    const PoseCovariance noise =
-        rigid_fit_noise({places.data(), places.size()}, {errors.data(), errors.size()}, robot.pose.theta_rad);
+    const float larger = underestimate(moved.residual_m, {errors.data(), errors.size()});
+    const PoseCovariance noise = scaled(
+        rigid_fit_noise({places.data(), places.size()}, {errors.data(), errors.size()}, robot.pose.theta_rad), larger);
     robot.noise = robot.noise.tt > 0.0f && noise.tt > 0.0f ? of_mean(robot.noise, trust, noise) : noise;
-    robot.lasting_share = fit.lasting_share();
+    // What the residual adds is the same in the next picture.
+    robot.lasting_share = 1.0f - (1.0f - fit.lasting_share()) / larger;
     robot.lasts_m = kLastsPx / fit.scale_px_per_m();
     // robot.patches[i].patch is the index in the layout.
     for (PatchSighting& patch : robot.patches) {

@@ -15,11 +15,11 @@ constexpr double kLongestGap_s = 0.2;
 constexpr float kVelocity_s = 0.15f, kPower_s = 0.5f;
 // Commands below this say little about the motion: friction, and noise of the sightings. Of both velocities together,
 // and of one of them.
-constexpr float kLeastSpeed_mps = 0.1f, kLeastPart_mps = 0.05f;
+constexpr float kMinSpeed_mps = 0.1f, kMinPart_mps = 0.05f;
 // Parts of the commanded power: a robot that stands has less. Parts of the commanded and seen power together: the error
 // of one that moves independently of its commands has 1, of one that does the opposite 2, of one that follows 0.1.
 constexpr float kStanding = 0.04f, kMoving = 0.2f, kContradicting = 0.7f;
-constexpr int kLeastRobots = 2;
+constexpr int kMinRobots = 2;
 // Faster is no robot of the leagues: another one was taken for it.
 constexpr float kFastest_mps = 5.0f;
 constexpr double kContradicts_s = 0.3, kStands_s = 1.0;
@@ -94,7 +94,7 @@ void MotionCheck::follow(const RobotSighting& sighting, Twist commanded, Instant
 }
 
 bool MotionCheck::contradicts(const Power& power) {
-  return std::max(power.seen, power.commanded) >= square(kLeastPart_mps) &&
+  return std::max(power.seen, power.commanded) >= square(kMinPart_mps) &&
          power.error > kContradicting * (power.commanded + power.seen) && power.seen > kMoving * power.commanded;
 }
 
@@ -105,18 +105,18 @@ MotionCheck::Result MotionCheck::judge(Instant now) {
     if (seconds(now - robot.seen_at) > kLongestGap_s) continue;
     ++seen;
     const auto& [linear, angular] = robot.power;
-    if (linear.commanded + angular.commanded < square(kLeastSpeed_mps)) continue;
+    if (linear.commanded + angular.commanded < square(kMinSpeed_mps)) continue;
     ++result.counts.commanded;
     const bool stands = linear.seen + angular.seen < kStanding * (linear.commanded + angular.commanded);
     result.counts.standing += stands ? 1 : 0;
     result.counts.contradicting += !stands && (contradicts(linear) || contradicts(angular)) ? 1 : 0;
   }
   const Counts& counts = result.counts;
-  const bool contradicts = counts.contradicting >= kLeastRobots && 4 * counts.contradicting >= 3 * counts.commanded;
+  const bool contradicts = counts.contradicting >= kMinRobots && 4 * counts.contradicting >= 3 * counts.commanded;
   if (!contradicts || !contradicts_) contradicts_since_ = now;
   contradicts_ = contradicts;
   // One of several robots is blocked for a second in nearly every game.
-  const bool is_enough = counts.commanded >= std::min(seen, kLeastRobots) && counts.commanded > 0;
+  const bool is_enough = counts.commanded >= std::min(seen, kMinRobots) && counts.commanded > 0;
   const bool stands = is_enough && counts.standing == counts.commanded;
   if (!stands || !stands_) stands_since_ = now;
   stands_ = stands;

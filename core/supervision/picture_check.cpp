@@ -8,11 +8,11 @@ namespace {
 
 // Part of the field that must be recognizable. Games in the arena have 0.88 and more, the worst photograph of a field
 // in another light 0.21, pictures of random blocks 0.06 at most.
-constexpr float kLeastField = 0.125f;
+constexpr float kMinField = 0.125f;
 // A repeated picture is old already when it is noticed, but a single one may be a hiccup of the driver.
 constexpr int kRepeatedFrames = 2;
 // A robot alone may be held or blocked by something that stands. Two are seldom at the same time.
-constexpr int kLeastMoving = 2;
+constexpr int kMinMoving = 2;
 
 // Changes with every change of a place in the picture.
 std::uint64_t hash_of(const Sightings& sightings) {
@@ -59,7 +59,7 @@ void PictureCheck::begin(StepTrace& trace, float field_share) {
 
 void PictureCheck::finish(StepTrace& trace, const MotionCheck::Result& motion) {
   PictureTrace& out = trace.picture;
-  const bool is_moving = motion.counts.commanded >= kLeastMoving;
+  const bool is_moving = motion.counts.commanded >= kMinMoving;
   RepeatDetector::Result repeats;
   if (trace.status.ok() || trace.status == Status(ErrorCode::kFull)) {
     repeats = repeats_.check(trace.frame, settings_.oldest, is_moving, hash_of(trace.sightings));
@@ -67,7 +67,7 @@ void PictureCheck::finish(StepTrace& trace, const MotionCheck::Result& motion) {
   out.repeated_share = repeats.share;
   out.repeated_s = static_cast<float>(seconds(repeats.age));
   const bool is_repeated = repeats.is_repeated || repeats.is_still;
-  const bool is_hidden = out.field_share >= 0.0f && out.field_share < kLeastField;
+  const bool is_hidden = out.field_share >= 0.0f && out.field_share < kMinField;
   out.repeats = repeated_.update(is_repeated, kRepeatedFrames);
   out.replays = out.repeats && repeats.is_replayed;
   out.overloads = overload_.update(trace.overload, settings_.unusable_frames);

@@ -9,13 +9,13 @@ namespace touchline {
 namespace {
 
 // Part of the picture that must be old: an eighth. A robot between two tiles covers less.
-constexpr std::size_t kLeastOldTiles = RepeatDetector::kTiles / 8;
+constexpr std::size_t kMinOldTiles = RepeatDetector::kTiles / 8;
 // A tile is judged after this many renewals, in 1 to 3 s.
-constexpr std::uint32_t kLeastRenewals = 64;
+constexpr std::uint32_t kMinRenewals = 64;
 // A period of half a minute to a minute. A rare hiccup of the camera is forgotten after two.
 constexpr std::uint32_t kPeriod = 2048;
 // A tile that repeats for longer than this in normal operation could be judged only when it is too late.
-constexpr std::uint32_t kMostUsual_ms = 1000;
+constexpr std::uint32_t kMaxUsualRepeat_ms = 1000;
 // From a command to a visible motion: delay of radio and camera, and the lag of the wheels.
 constexpr std::uint32_t kReaction_ms = 200;
 
@@ -80,7 +80,7 @@ RepeatDetector::Result RepeatDetector::check(const Frame& frame, Duration limit,
     Time tile_age = 0;
     for (const Age& of : tile.ages) {
       const Time usual = of.usual.largest();
-      if (of.usual.renewals() < kLeastRenewals || usual > kMostUsual_ms) continue;
+      if (of.usual.renewals() < kMinRenewals || usual > kMaxUsualRepeat_ms) continue;
       is_judged = true;
       if (of.value > limit_ms + usual) tile_age = std::max(tile_age, of.value);
     }
@@ -92,7 +92,7 @@ RepeatDetector::Result RepeatDetector::check(const Frame& frame, Duration limit,
   }
   result.share = static_cast<float>(old) / float{kTiles};
   result.age = std::chrono::milliseconds(age);
-  result.is_repeated = 2 * judged >= kTiles && old >= kLeastOldTiles;
+  result.is_repeated = 2 * judged >= kTiles && old >= kMinOldTiles;
   result.is_replayed = result.is_repeated && 2 * changed > old;
   // What a fault does is not usual.
   if (!result.is_repeated) {
@@ -164,7 +164,7 @@ void RepeatDetector::check_still(std::uint64_t hash, Time now, Time limit, bool 
   if (hash != still_.hash) {
     if (!was_still && is_moving) still_usual_.add(still_.age);
     still_ = {hash, now, 0};
-  } else if (is_moving && still_usual_.renewals() >= kLeastRenewals) {
+  } else if (is_moving && still_usual_.renewals() >= kMinRenewals) {
     still_.age += now - still_.since;
   } else if (!was_still) {
     still_.age = 0;

@@ -5,7 +5,7 @@
 namespace touchline {
 namespace {
 
-constexpr int kLeastFrames = 2;
+constexpr int kMinFrames = 2;
 // Only what was seen with certainty a moment ago can be elsewhere.
 constexpr float kCertain = 0.9f;
 constexpr double kRecent_s = 0.25;
@@ -19,7 +19,7 @@ constexpr double kSpeed_mps = 1.5;
 constexpr double kBallSpeed_mps = 8.0;
 // The least number of tracks. Two robots whose ids are exchanged look the same as two that jump, hence three, or the
 // ball beside two robots.
-constexpr int kLeastTracks = 3;
+constexpr int kMinTracks = 3;
 
 double distance_m(FieldPoint a, FieldPoint b) {
   return std::hypot(static_cast<double>(a.x_m) - static_cast<double>(b.x_m),
@@ -76,9 +76,9 @@ bool TrackJump::check(const Tracks& before, const Sightings& sightings, Instant 
     missing += is_far ? 1 : 0;
     elsewhere += is_far ? 1 : 0;
   }
-  const bool jumps = tracked >= kLeastTracks && 3 * missing >= 2 * tracked && 2 * elsewhere >= missing;
+  const bool jumps = tracked >= kMinTracks && 3 * missing >= 2 * tracked && 2 * elsewhere >= missing;
   frames_ = jumps ? frames_ + 1 : 0;
-  return frames_ >= kLeastFrames;
+  return frames_ >= kMinFrames;
 }
 
 }  // namespace touchline

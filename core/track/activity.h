@@ -38,7 +38,7 @@ class FreeActivity : public Activity {
   }
   /// `innovation`: in standard deviations. Others as in follow().
   void follow_direction(double innovation, bool is_beyond_gate, double least) {
-    constexpr double kGain = 0.2, kLeastChange = 0.5, kMostChange = 2.0;
+    constexpr double kGain = 0.1, kLeastChange = 0.5, kMostChange = 2.0;
     const double excess = innovation * innovation - 1.0, product = innovation * former_;
     former_ = innovation;
     if (is_beyond_gate) return scale(std::max(1.0, 1.0 + excess), least);

@@ -61,6 +61,18 @@ void add_motion_without_wheels(drive::MatrixMap p, double dt, const RobotFilterP
   p(2, 2) += parameters.spin_rad_rts * parameters.spin_rad_rts * dt;
 }
 
+// Without known commands, the acceleration is white noise within a step, too (Bar-Shalom, Li, Kirubarajan 2001, section
+// 6.2.2). An acceleration that is constant over each step lacks this part of the variance of the way: then a way that
+// differs by d from the prediction would be a velocity that differs by 2 d / dt, and the filter would alternate around
+// the velocity of a restless robot.
+void add_changes_within_step(drive::Matrix& p, double dt, const DriveInput& input, const Eigen::Vector2d& ahead,
+                             const RobotFilterParameters& parameters) {
+  if (input.known) return;
+  const double cube = dt * dt * dt / 12.0, v = parameters.free_noise_mps_rts, w = parameters.free_noise_radps_rts;
+  p.topLeftCorner<2, 2>() += v * v * cube * ahead * ahead.transpose();
+  p(2, 2) += w * w * cube;
+}
+
 // A P A' for the symmetric matrix P. `times_a` multiplies A with a matrix, using only the few entries of A beside its
 // diagonal.
 template <class TimesA>
@@ -210,6 +222,7 @@ void DriveFilter::step(double dt, const DriveInput& input, const RobotFilterPara
     const drive::Vector by_v(dt * r.mean_input * c, dt * r.mean_input * s, 0.0, r.end_input, 0.0, 0.0);
     const drive::Vector by_w(-turn_input * s, turn_input * c, dt * r.mean_input, 0.0, r.end_input, 0.0);
     m += u.v_var * by_v * by_v.transpose() + u.w_var * by_w * by_w.transpose();
+    add_changes_within_step(m, dt, input, {c, s}, parameters);
     m.row(5).setZero();
     m.col(5).setZero();
     p = m;
@@ -231,7 +244,10 @@ void DriveFilter::step(double dt, const DriveInput& input, const RobotFilterPara
 }
 
 // A velocity that changes by d at a time that is distributed uniformly over the step moves the state by d dt / 2 on
-// average; its variances are those of white noise acceleration with the density d^2 / dt.
+// average; its variances are those of white noise acceleration with the density d^2 / dt. Its covariances would be half
+// larger than here: an unexpected way would be a change of the velocity that exceeds it by half, and a robot that
+// stopped at the beginning of the step would seem to drive back. So the way itself is the velocity, and the variances
+// leave open how much it changed in addition.
 void DriveFilter::disturb(double dt, const RobotFilterParameters& parameters) {
   const double push = parameters.impact_mps * parameters.impact_mps;
   const double turn = parameters.impact_radps * parameters.impact_radps;
@@ -247,11 +263,11 @@ void DriveFilter::disturb(double dt, const RobotFilterParameters& parameters) {
     p(i, k) += covariance;
     p(k, i) += covariance;
   };
-  add_between(0, 3, 0.5 * push * dt * c);
-  add_between(1, 3, 0.5 * push * dt * s);
-  add_between(2, 4, 0.5 * turn * dt);
-  add_between(0, 5, -0.5 * push * dt * s);
-  add_between(1, 5, 0.5 * push * dt * c);
+  add_between(0, 3, push * dt / 3.0 * c);
+  add_between(1, 3, push * dt / 3.0 * s);
+  add_between(2, 4, turn * dt / 3.0);
+  add_between(0, 5, -push * dt / 3.0 * s);
+  add_between(1, 5, push * dt / 3.0 * c);
 }
 
 }  // namespace touchline

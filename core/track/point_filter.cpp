@@ -43,7 +43,8 @@ void PointFilter::predict(double dt_s, const Noise& noise) {
   q_ += density * dt_s;
 }
 
-// The change happens at a time that is distributed uniformly over the step, as in DriveFilter::disturb().
+// The change happens at a time that is distributed uniformly over the step. A ball bounces, so its velocity may change
+// by more than the way since the last sighting tells.
 void PointFilter::disturb(double dt_s, double change_mps) {
   const double change = change_mps * change_mps;
   p_ += change * dt_s * dt_s / 3.0;

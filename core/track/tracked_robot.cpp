@@ -46,7 +46,7 @@ constexpr double kNewestSurprise = 0.4, kSurprise = 3.0;
 // errors of the wheels grow with the speed; with less, the headings of tracks would be worse than those of sightings.
 // Without them, the noise stands for the acceleration by commands, which a fast robot does not need more than a slow
 // one.
-constexpr double kLeastActivity = 1e-3, kLeastActivityAtSpeed = 0.3, kLeastFreeActivityAtSpeed = 0.02;
+constexpr double kLeastActivity = 1e-3, kLeastActivityAtSpeed = 0.3, kLeastFreeActivityAtSpeed = 0.015;
 
 // A robot that was not seen for longer may be anywhere. Its next sightings must agree with each other.
 constexpr double kLongestImpact_s = 0.05;

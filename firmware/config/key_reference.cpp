@@ -1,6 +1,10 @@
 #include "firmware/config/key_reference.h"
 
+#include <algorithm>
+#include <cctype>
 #include <cstring>
+#include <set>
+#include <utility>
 
 #include "firmware/config/board_file.h"
 #include "firmware/config/key_list.h"
@@ -72,29 +76,95 @@ void append_table(const std::vector<KeyInfo>& keys, const std::string& prefix, s
   page.append(rows);
 }
 
+std::string text_of(const KeyInfo& key) {
+  std::string text = "  " + key.path + ": " + key.type;
+  if (!key.limits.empty()) text.append(", ").append(key.limits);
+  if (key.is_required) {
+    text.append(", required");
+  } else if (!key.initial.empty()) {
+    text.append(", default ").append(key.initial);
+  }
+  if (const std::string_view word = reload_word(key.reload); !word.empty() && !is_section(key)) {
+    text.append(", reload: ").append(word);
+  }
+  return text.append("\n      ").append(key.help).append("\n");
+}
+
+std::string lower_case(std::string text) {
+  std::transform(text.begin(), text.end(), text.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return text;
+}
+
+// What the terminal shows of one key or layout, and where words are searched.
+struct Entry {
+  std::string file, name, text, searched;
+};
+
+std::vector<Entry> all_entries() {
+  std::vector<Entry> entries;
+  const auto add = [&](const std::string& file, const std::string& name, const std::string& help, std::string text) {
+    std::string searched = file;
+    searched.append(" ").append(name).append(" ").append(help);
+    entries.push_back({file, name, std::move(text), lower_case(std::move(searched))});
+  };
+  for (const auto& [file, keys] : all_files()) {
+    for (const KeyInfo& key : keys) add(file, key.path, key.help, text_of(key));
+  }
+  for (const StandardLayout& layout : standard_layouts()) {
+    const std::string name(layout.name), help(layout.help);
+    std::string text = "  " + name;
+    text.append(": ").append(help).append("\n");
+    add("standard layouts", name, help, std::move(text));
+  }
+  return entries;
+}
+
+// Names the first word that occurs nowhere, and the nearest part of a path: "exposure_us" of "camera.exposure_us".
+std::string nothing_found(std::span<const std::string> words) {
+  const std::vector<Entry> entries = all_entries();
+  for (const std::string& word : words) {
+    const std::string wanted = lower_case(word);
+    const bool is_known = std::any_of(entries.begin(), entries.end(), [&](const Entry& entry) {
+      return entry.searched.find(wanted) != std::string::npos;
+    });
+    if (is_known) continue;
+    std::set<std::string> parts;
+    for (const Entry& entry : entries) {
+      std::string part;
+      for (const char c : entry.name + ".") {
+        const bool ends = c == '.' || c == '_' || c == '[' || c == ']';
+        if (!ends) part += c;
+        if (ends && part.size() > 2) parts.insert(part);
+        if (ends) part.clear();
+      }
+    }
+    const std::vector<std::string_view> known(parts.begin(), parts.end());
+    const std::string_view nearest = nearest_word(wanted, known);
+    return "no key has \"" + word + "\" in its file, section, name or meaning" +
+           (nearest.empty() ? "" : "; did you mean \"" + std::string(nearest) + "\"?");
+  }
+  std::string text = "no key has all of these words:";
+  for (const std::string& word : words) text += " " + word;
+  return text;
+}
+
 }  // namespace
 
-std::string key_reference_text() {
-  std::string text;
-  for (const auto& [file, keys] : all_files()) {
-    text.append(file).append("\n");
-    for (const KeyInfo& key : keys) {
-      text.append("  ").append(key.path).append(": ").append(key.type);
-      if (!key.limits.empty()) text.append(", ").append(key.limits);
-      if (key.is_required) {
-        text.append(", required");
-      } else if (!key.initial.empty()) {
-        text.append(", default ").append(key.initial);
-      }
-      if (const std::string_view word = reload_word(key.reload); !word.empty() && !is_section(key)) {
-        text.append(", reload: ").append(word);
-      }
-      text.append("\n      ").append(key.help).append("\n");
-    }
+Result<std::string> key_reference_text(std::span<const std::string> words) {
+  std::vector<Entry> shown;
+  for (Entry& entry : all_entries()) {
+    const bool has_all = std::all_of(words.begin(), words.end(), [&](const std::string& word) {
+      return entry.searched.find(lower_case(word)) != std::string::npos;
+    });
+    if (has_all) shown.push_back(std::move(entry));
   }
-  text.append("standard layouts\n");
-  for (const StandardLayout& layout : standard_layouts()) {
-    text.append("  ").append(layout.name).append(": ").append(layout.help).append("\n");
+  if (shown.empty()) return Error{ErrorCode::kNotFound, nothing_found(words)};
+  std::string text, file;
+  for (const Entry& entry : shown) {
+    if (entry.file != file) text.append(entry.file).append("\n");
+    file = entry.file;
+    text.append(entry.text);
   }
   return text;
 }

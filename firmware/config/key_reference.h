@@ -1,5 +1,6 @@
 #pragma once
 
+#include <span>
 #include <string>
 
 #include "hal/result.h"
@@ -7,8 +8,10 @@
 // The reference of all keys, generated from their declarations.
 namespace touchline::config {
 
-/// For the terminal: two or three lines for each key of the three files.
-std::string key_reference_text();
+/// For the terminal: two or three lines for each key of the three files and each standard layout that has all of
+/// `words` in its file, path or meaning, in upper or lower case. kNotFound: there is none; the text says which word is
+/// unknown.
+Result<std::string> key_reference_text(std::span<const std::string> words);
 
 /// For docs/files.md: a table for each section of the three files.
 std::string key_reference_markdown();

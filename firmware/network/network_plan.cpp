@@ -166,10 +166,6 @@ Planned* find_planned(std::vector<Planned>& planned, std::size_t of_file, Protoc
 }
 
 void add_options(const NetworkOptions& options, Planner& planner, config::ErrorList& errors) {
-  static constexpr std::array<Choice<InputProtocol>, 2> kCommands{
-      {{"firasim", InputProtocol::kFirasim}, {"json", InputProtocol::kJson}}};
-  static constexpr std::array<Choice<InputProtocol>, 2> kReferees{
-      {{"ssl", InputProtocol::kSslReferee}, {"vsss", InputProtocol::kVsssReferee}}};
   const std::size_t outputs = planner.plan().outputs.size(), inputs = planner.plan().inputs.size();
   for (const std::string& text : options.publish) {
     const auto found = parse_option<OutputProtocol>("--publish", text, config::kOutputProtocols, errors);
@@ -190,8 +186,8 @@ void add_options(const NetworkOptions& options, Planner& planner, config::ErrorL
       }
     }
   };
-  add_inputs("--accept", options.accept, kCommands);
-  add_inputs("--referee", options.referee, kReferees);
+  add_inputs("--accept", options.accept, kCommandWords);
+  add_inputs("--referee", options.referee, kRefereeWords);
 }
 
 std::string number_text(double value) {

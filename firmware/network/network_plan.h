@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <string>
 #include <vector>
 
@@ -12,11 +13,17 @@
 // What is sent where and what is received from whom: the board file's [network] and the command line together.
 namespace touchline::network {
 
+/// Words of --accept and --referee.
+inline constexpr std::array<Choice<config::InputProtocol>, 2> kCommandWords{
+    {{"firasim", config::InputProtocol::kFirasim}, {"json", config::InputProtocol::kJson}}};
+inline constexpr std::array<Choice<config::InputProtocol>, 2> kRefereeWords{
+    {{"ssl", config::InputProtocol::kSslReferee}, {"vsss", config::InputProtocol::kVsssReferee}}};
+
 /// Options of the command line: "NAME" or "NAME=ADDRESS"; inputs also name senders: "NAME=ADDRESS,from=SENDER".
 struct NetworkOptions {
-  std::vector<std::string> publish;  // --publish: ssl-vision, ssl-tracked, firasim, json
-  std::vector<std::string> accept;   // --accept: firasim, json
-  std::vector<std::string> referee;  // --referee: ssl, vsss; at most one
+  std::vector<std::string> publish;  // --publish: config::kOutputProtocols
+  std::vector<std::string> accept;   // --accept: kCommandWords
+  std::vector<std::string> referee;  // --referee: kRefereeWords; at most one
 };
 
 struct PlannedOutput {

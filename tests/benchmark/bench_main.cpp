@@ -18,7 +18,7 @@ constexpr char kProgram[] = "touchline-bench";
 struct Options {
   std::string filter, json, once, search_of = "all";
   std::vector<std::string> store;
-  std::size_t repetitions = 500, calls = 1, pictures = kMostRealPictures;
+  std::size_t repetitions = 500, calls = 1, pictures = kMaxRealPictures;
   double search_s = 0.0;
   unsigned seed = 1;
   bool quick = false, check = false, list = false;
@@ -33,16 +33,16 @@ void add_options(CLI::App& app, Options& options) {
   app.add_option("--filter", options.filter, "Measure only the frames whose names contain this text");
   app.add_option("--pictures", options.pictures,
                  "Pictures of each real set that are measured in turn; a single one stays in the cache")
-      ->check(CLI::Range(std::size_t{1}, kMostRealPictures))
+      ->check(CLI::Range(std::size_t{1}, kMaxRealPictures))
       ->capture_default_str();
-  app.add_option("--json", options.json, "Write all times into this file");
+  app.add_option("--json", options.json, "Write all times into this file")->type_name("FILE");
   app.add_flag("--check", options.check, "Check the results without measuring");
   app.add_option("--search", options.search_s,
                  "Search for the slowest pictures and print them, each of --of for this many seconds")
       ->check(number_range(1.0, 100000.0));
   app.add_option("--of", options.search_of,
                  "What --search makes slow: the scan, the whole step, the step with more robots")
-      ->check(CLI::IsMember({"all", "scan", "step", "large-step"}))
+      ->check(one_of({"all", "scan", "step", "large-step"}))
       ->capture_default_str();
   app.add_option("--seed", options.seed, "Random seed of the search")->check(CLI::Range(1, 100000));
   app.add_flag("--list", options.list, "List the names that --once accepts");
@@ -54,6 +54,8 @@ void add_options(CLI::App& app, Options& options) {
   app.add_option("--store", options.store, "Write pictures for profile_step into a file: game, or the name of clutter")
       ->type_name("PICTURE FORMAT VENUE FILE")
       ->expected(4);
+  add_examples(app, {{"touchline-bench --quick", "measure everything in a minute"},
+                     {"touchline-bench --filter \"field 640\"", "measure the frames with this text in their names"}});
 }
 
 [[gnu::noinline]] void counted_call(const std::function<void()>& work) { work(); }

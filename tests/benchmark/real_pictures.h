@@ -17,7 +17,7 @@ inline constexpr std::array kRealSets{"vss-overhead", "vsss-bar-normal", "vsss-h
 inline constexpr char kEveryRow[] = ", every row";
 
 /// Largest number of pictures of a set. An odd number, because each measured call follows an unmeasured one.
-constexpr std::size_t kMostRealPictures = 25;
+constexpr std::size_t kMaxRealPictures = 25;
 
 /// Adds "real " and the name of each set of kRealSets whose name contains `filter`, if the environment variable
 /// TOUCHLINE_SHARED names the folder that contains footage/: reading, scans, the method of ssl-vision and the whole

@@ -71,10 +71,10 @@ class Game:
         print(self.run("uname -srm; systemctl is-system-running || true"))
         self.checks.expect(self.run("uname -m") == "aarch64", "an aarch64 kernel of Debian runs")
 
-    def install(self, package):
-        print(self.run(f"dpkg -i ./{package}"))
-        self.checks.expect(self.run("dpkg-query -W -f '${db:Status-Status}' touchline") == "installed",
-                           f"{package} is installed by dpkg, in the guest")
+    def install(self, packages):
+        print(self.run("dpkg -i " + " ".join(f"./{package}" for package in packages)))
+        self.checks.expect(self.run("dpkg-query -W -f '${db:Status-Status} ' touchline touchline-tools") == "installed installed",
+                           f"{' and '.join(packages)} are installed by dpkg, in the guest")
         self.run("mkdir -p /etc/touchline && cp board.toml venue.toml venue-light.png venue-field.png team.toml /etc/touchline/ &&"
                  " sed 's/^space = .*/space = \"yuv\"/' venue.toml >venue-yuv.toml")
         output = self.run("touchline check --board /etc/touchline/board.toml")

@@ -97,10 +97,10 @@ class Cache:
         stamp.write_text(wanted)
         return True
 
-    def make_image(self, package):
-        """Makes the root image with the dependencies of `package`, without the package. Returns False if it is up to date."""
-        depends = run("dpkg-deb", "-f", package, "Depends")
-        names = sorted({re.match(r"[a-z0-9.+-]+", entry.strip())[0] for entry in depends.split(",")})
+    def make_image(self, packages):
+        """Makes the root image with the dependencies of `packages`, without them. Returns False if it is up to date."""
+        depends = ",".join(run("dpkg-deb", "-f", package, "Depends") for package in packages)
+        names = sorted({re.match(r"[a-z0-9.+-]+", entry.strip())[0] for entry in depends.split(",")} - {"touchline"})
         stamp = self.folder / "image.stamp"
         wanted = f"{SUITE} {IMAGE_SIZE} {' '.join(GUEST_PACKAGES + names)}\n{FILL_IMAGE}"
         if is_up_to_date(stamp, wanted):

@@ -23,7 +23,7 @@ PARTS = ("formats", "game", "led", "usb")
 def parse():
     parser = argparse.ArgumentParser(prog="tools/test-board")
     parser.add_argument("part", nargs="*", choices=[[], *PARTS], help="what to test (default: all)")
-    parser.add_argument("--package", type=pathlib.Path, metavar="DEB", help="package to install (default: a new one)")
+    parser.add_argument("--package", type=pathlib.Path, metavar="DEB", help="package to install, with touchline-tools beside it (default: new ones)")
     parser.add_argument("--frames", type=int, default=300, help="frames of undisturbed play (default: 300)")
     arguments = parser.parse_args()
     if arguments.package is not None and not arguments.package.is_file():
@@ -64,18 +64,20 @@ def main():
     feeder = make_programs()
     step("package")
     package = (arguments.package or newest_package()).resolve()
-    print(package.name)
+    # touchline-latency is in the package beside it.
+    packages = [package, package.with_name(package.name.replace("touchline_", "touchline-tools_", 1))]
+    print(" and ".join(file.name for file in packages))
     cache = image.Cache(BUILD)
     step("kernel and modules")
     is_new = cache.make_kernel()  # cache.version needs the kernel
     print(f"Linux {cache.version}, {'made' if is_new else 'kept'}")
     step("root image")
-    print(f"Debian {image.SUITE}, {'made' if cache.make_image(package) else 'kept'}")
+    print(f"Debian {image.SUITE}, {'made' if cache.make_image(packages) else 'kept'}")
     run = BUILD / "run"
     shutil.rmtree(run, ignore_errors=True)
     run.mkdir()
     ramdisk = run / "ramdisk.gz"
-    cache.make_ramdisk([package, feeder, *game.payload()], ramdisk)
+    cache.make_ramdisk([*packages, feeder, *game.payload()], ramdisk)
 
     checks = game.Checks()
     board = guest.Guest(cache.vmlinuz, ramdisk, cache.image, run)
@@ -84,7 +86,7 @@ def main():
         camera = usb.UsbCamera(board, play, checks, run, PROGRAMS)
         chosen = set(arguments.part or PARTS)
         for parts, text, do in (
-                (chosen, "boot", play.boot), (chosen, "installation", lambda: play.install(package.name)),
+                (chosen, "boot", play.boot), (chosen, "installation", lambda: play.install([file.name for file in packages])),
                 ({"formats", "game", "led"}, "devices", play.list_devices),
                 ({"formats"}, "vivid: formats and controls", play.try_formats),
                 ({"formats"}, "vivid: unplugged while it streams", play.unplug_vivid),

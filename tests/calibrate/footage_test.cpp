@@ -29,7 +29,7 @@ void PrintTo(const Case& c, std::ostream* out) { *out << c.venue; }
 
 // Error of the annotation plus half a pixel of chroma, or an outline that merges with a neighbor.
 constexpr double kNear_px = 2.0;
-constexpr std::uint32_t kLeastArea_px = 6;
+constexpr std::uint32_t kMinArea_px = 6;
 
 class Footage : public ::testing::TestWithParam<Case> {};
 
@@ -84,7 +84,7 @@ TEST_P(Footage, HasARegionAtEveryPatch) {
   const auto seen = [&](const std::string& color, const nlohmann::json& center) {
     double nearest = 1e9;
     for (const Region& region : *regions) {
-      if (region.color != id.at(color) || region.area_px < kLeastArea_px) continue;
+      if (region.color != id.at(color) || region.area_px < kMinArea_px) continue;
       nearest = std::min(nearest, std::hypot(static_cast<double>(region.centroid.u_px) - center[0].get<double>(),
                                              static_cast<double>(region.centroid.v_px) - center[1].get<double>()));
     }

@@ -66,8 +66,8 @@ TEST_F(OddPictures, PatchesOfATexturedFloorAreBoundedAndTheRealOnesKept) {
   ASSERT_TRUE(found.ok()) << found.text();
   const std::vector<FoundPatch>& patches = found.value().input.patches;
   const auto grown = std::count_if(patches.begin(), patches.end(), [](const FoundPatch& p) { return !p.sampled; });
-  EXPECT_LE(static_cast<std::size_t>(grown), kMostPatches);
-  EXPECT_GE(static_cast<std::size_t>(grown), kMostPatches / 2) << "the floor is textured";
+  EXPECT_LE(static_cast<std::size_t>(grown), kMaxFoundPatches);
+  EXPECT_GE(static_cast<std::size_t>(grown), kMaxFoundPatches / 2) << "the floor is textured";
   std::size_t real = 0;
   for (const auto& thing : truth_["a"]) {
     real += std::any_of(patches.begin(), patches.end(), [&](const FoundPatch& p) {

@@ -8,6 +8,7 @@
 
 #include "firmware/config/board_file.h"
 #include "firmware/config/key_list.h"
+#include "firmware/config/standard_layouts.h"
 #include "firmware/config/team_file.h"
 #include "firmware/config/venue_file.h"
 
@@ -59,7 +60,7 @@ void expect_no_default_of_required_keys(const std::string& text) {
 }
 
 TEST(KeyReference, RequiredKeysHaveNoDefault) {
-  const std::string text = key_reference_text();
+  const std::string text = key_reference_text({}).value();
   expect_no_default_of_required_keys<BoardFile>(text.substr(0, text.find("\nvenue.toml\n")));
   expect_no_default_of_required_keys<VenueFile>(text.substr(text.find("\nvenue.toml\n")));
   expect_no_default_of_required_keys<TeamFile>(text.substr(text.find("\nteam.toml\n")));
@@ -70,9 +71,46 @@ TEST(KeyReference, RequiredKeysHaveNoDefault) {
 }
 
 TEST(KeyReference, TextForTheTerminalHasTheSameFacts) {
-  EXPECT_NE(
-      key_reference_text().find("  radio.delay_s: number, 0 to 1 s, default 0.02, reload: loop\n      Delay from"),
-      std::string::npos);
+  EXPECT_NE(key_reference_text({}).value().find(
+                "  radio.delay_s: number, 0 to 1 s, default 0.02, reload: loop\n      Delay from"),
+            std::string::npos);
+}
+
+TEST(KeyReference, WordsSelectKeysByFileSectionNameAndMeaning) {
+  const auto keys_with = [](const std::vector<std::string>& words) {
+    const Result<std::string> text = key_reference_text(words);
+    EXPECT_TRUE(text.ok()) << text.text();
+    return text.ok() ? text.value() : std::string();
+  };
+  const std::string exposure = keys_with({"Exposure_US"});
+  EXPECT_TRUE(exposure.starts_with("board.toml\n  camera.exposure_us: integer")) << exposure;
+  EXPECT_EQ(exposure.find("radio."), std::string::npos) << exposure;
+  EXPECT_EQ(exposure.find("venue.toml"), std::string::npos) << "a file without a key is not named";
+
+  const std::string section = keys_with({"radio", "board.toml"});
+  EXPECT_NE(section.find("\n  radio: section"), std::string::npos) << section;
+  EXPECT_NE(section.find("\n  radio.baud: "), std::string::npos) << section;
+  EXPECT_EQ(section.find("\n  camera.exposure_us: "), std::string::npos) << section;
+
+  EXPECT_NE(keys_with({"below", "battery"}).find("  radio.low_battery_v: "), std::string::npos) << "in its meaning";
+  const std::string file = keys_with({"team.toml"});
+  EXPECT_TRUE(file.starts_with("team.toml\n  version: ")) << file;
+  EXPECT_EQ(file.find("venue.toml\n"), std::string::npos) << file;
+  EXPECT_TRUE(keys_with({"ssl-butterfly"})
+                  .ends_with("standard layouts\n  ssl-butterfly: " +
+                             std::string(find_standard_layout("ssl-butterfly")->help) + "\n"));
+}
+
+TEST(KeyReference, AWordOfNoKeyIsNamed) {
+  const auto error_of = [](const std::vector<std::string>& words) {
+    const Result<std::string> text = key_reference_text(words);
+    EXPECT_EQ(text.code(), ErrorCode::kNotFound);
+    return text.ok() ? std::string() : std::string(text.text());
+  };
+  EXPECT_EQ(error_of({"camera", "exposre"}),
+            "no key has \"exposre\" in its file, section, name or meaning; did you mean \"exposure\"?");
+  EXPECT_EQ(error_of({"xyzzy"}), "no key has \"xyzzy\" in its file, section, name or meaning");
+  EXPECT_EQ(error_of({"baud", "exposure_us"}), "no key has all of these words: baud exposure_us");
 }
 
 }  // namespace

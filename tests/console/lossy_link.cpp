@@ -23,7 +23,7 @@ namespace touchline::console {
 namespace {
 
 // A router's queue; what comes when it is full is lost, too.
-constexpr std::size_t kMostWaiting = 100;
+constexpr std::size_t kMaxWaiting = 100;
 
 Error refused(const char* what) {
   const ErrorCode code =
@@ -42,7 +42,7 @@ class Direction {
     std::array<std::uint8_t, 2048> packet{};
     for (ssize_t size = 0; (size = ::read(from_, packet.data(), packet.size())) > 0;) {
       ++packets;
-      if (std::bernoulli_distribution(quality_.loss)(random_) || waiting_.size() >= kMostWaiting) {
+      if (std::bernoulli_distribution(quality_.loss)(random_) || waiting_.size() >= kMaxWaiting) {
         ++lost;
         continue;
       }

@@ -30,18 +30,23 @@ class WebDisk : public ConsoleServer {
     }
   }
 
+  // Files are not loaded before disk_answers.
+  void block_the_disk() {
+    use_files = [this, answered = disk](const config::FilePaths& /*files*/) -> Result<FilesUse> {
+      is_blocked = true;
+      answered.wait();
+      return FilesUse::kAtOnce;
+    };
+  }
+
+  std::atomic<bool> is_blocked{false};
   std::promise<void> disk_answers;
   std::shared_future<void> disk = disk_answers.get_future().share();
   const std::filesystem::path folder = std::filesystem::temp_directory_path() / ("disk-" + std::to_string(::getpid()));
 };
 
 TEST_F(WebDisk, AStopIsAnsweredWhileFilesAreBeingLoaded) {
-  std::atomic<bool> is_blocked{false};
-  use_files = [&is_blocked, disk = disk](const config::FilePaths& /*files*/) -> Result<FilesUse> {
-    is_blocked = true;
-    disk.wait();
-    return FilesUse::kAtOnce;
-  };
+  block_the_disk();
   start();
   begin_session_later(true, true);  // a draft is in use
   SocketPage driver(port()), other(port());
@@ -57,12 +62,7 @@ TEST_F(WebDisk, AStopIsAnsweredWhileFilesAreBeingLoaded) {
 }
 
 TEST_F(WebDisk, ADriverThatLeavesStopsRobotsWhileTheDiskBlocks) {
-  std::atomic<bool> is_blocked{false};
-  use_files = [&is_blocked, disk = disk](const config::FilePaths& /*files*/) -> Result<FilesUse> {
-    is_blocked = true;
-    disk.wait();
-    return FilesUse::kAtOnce;
-  };
+  block_the_disk();
   start();
   begin_session_later(true, true);
   auto driver = std::make_unique<SocketPage>(port());

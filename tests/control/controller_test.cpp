@@ -14,13 +14,7 @@ namespace {
 class ControllerTest : public ::testing::Test {
  protected:
   void SetUp() override {
-    for (int i = 0; i < 3; ++i) {
-      SmallWorld::Robot robot;
-      robot.id = static_cast<RobotId>(2 * i + 1);
-      robot.position = {-0.9 + 0.4 * i, 0.3 - 0.1 * i};
-      world_.robots.push_back(robot);
-    }
-    world_.ball = {0.3, 0.1};
+    world_.place_three_robots();
     ASSERT_TRUE(controller_.configure({}, world_.field).ok());
   }
   void run(int frames) {

@@ -13,6 +13,16 @@ constexpr double kBallDamping = 0.5, kBounce = 0.5, kStep = 0.001;
 
 }  // namespace
 
+void SmallWorld::place_three_robots() {
+  for (int i = 0; i < 3; ++i) {
+    Robot robot;
+    robot.id = static_cast<RobotId>(2 * i + 1);
+    robot.position = {-0.9 + 0.4 * i, 0.3 - 0.1 * i};
+    robots.push_back(robot);
+  }
+  ball = {0.3, 0.1};
+}
+
 void SmallWorld::obey(const Commands& commands) {
   for (Robot& robot : robots) {
     if (robot.team != Team::kOwn) continue;

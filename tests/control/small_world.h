@@ -33,6 +33,8 @@ class SmallWorld {
   double time_s = 0.0;
   double robot_contact_s = 0.0;  // time in which two own robots pushed each other, summed over pairs
 
+  /// Places own robots 1, 3 and 5 and the ball, so that the controller has a task for each.
+  void place_three_robots();
   void obey(const Commands& commands);
   void advance(double dt_s);
   /// Tracks of an ideal tracker; `noise` scatters positions by noise_m and headings by 10 noise_m rad.

@@ -51,6 +51,7 @@ fake dpkg-query <<'END'
 for pattern; do :; done
 case $pattern in
   libcamera*) cat "$TOUCHLINE_ROOT/libcamera" 2>/dev/null ;;
+  touchline-tools) [ -f "$TOUCHLINE_ROOT/tools" ] && printf '%s\n' "$3" | sed "s/.{db:Status-Status}/installed/; s/.{Version}/$(cat "$TOUCHLINE_ROOT/tools")/; s/.n$//" ;;
   *) [ -f "$TOUCHLINE_ROOT/version" ] && printf '%s\n' "$3" | sed "s/.{db:Status-Status}/installed/; s/.{Version}/$(cat "$TOUCHLINE_ROOT/version")/; s/.n$//" ;;
 esac
 END
@@ -69,6 +70,11 @@ case "$version $*" in
   8*) exit 100 ;;
 esac
 echo "$version" >"$TOUCHLINE_ROOT/version"
+# touchline-tools needs the same version, and is removed otherwise.
+case "$*" in
+  *-tools.deb*) echo "$version" >"$TOUCHLINE_ROOT/tools" ;;
+  *) rm -f "$TOUCHLINE_ROOT/tools" ;;
+esac
 END
 # Versions that begin with 7 start but get no frame; with 6 fail; with 4 fail after their first frame. Without a camera all fail.
 fake systemctl <<'END'
@@ -136,6 +142,23 @@ case $1 in
     runs 1.1
     [ "$(cat "$board/etc/touchline/venue.toml")" = "the hall's own" ] || fail "the venue file has changed"
     [ -z "$(ls -A "$board/tmp")" ] || fail "files are left in the board's temporary folder"
+    ;;
+  ToolsOnTheBoardKeepTheVersionOfTheirPackage)
+    deploy 0 robot@board --deb "$(package 1.0)"
+    [ ! -e "$board/tools" ] || fail "tools came to a board without them"
+    echo 1.0 >"$board/tools"
+    cp "$work/touchline_1.0.deb" "$work/touchline-tools_1.0.deb"
+    deploy 0 robot@board --deb "$work/touchline_1.0.deb"
+    cp "$(package 1.1)" "$work/touchline-tools_1.1.deb"
+    deploy 0 robot@board --deb "$work/touchline_1.1.deb"
+    [ "$(cat "$board/tools")" = 1.1 ] || fail "tools are of version $(cat "$board/tools")"
+    # The former version returns with its tools.
+    cp "$(package 6.0)" "$work/touchline-tools_6.0.deb"
+    deploy 3 robot@board --deb "$work/touchline_6.0.deb"
+    runs 1.1
+    [ "$(cat "$board/tools")" = 1.1 ] || fail "tools are of version $(cat "$board/tools") after a failure"
+    deploy 0 robot@board --deb "$(package 1.2)"
+    says "touchline-tools 1.1 was removed"
     ;;
   WithoutAFrameTheFormerPackageIsRestored)
     deploy 0 robot@board --deb "$(package 1.0)"

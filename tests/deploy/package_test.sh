@@ -40,6 +40,21 @@ case $1 in
     [ "$(cat "$etc/venue.toml")" = "the hall's own" ] || fail "the venue file has changed"
     [ ! -e "$etc/team.toml" ] || fail "a file that the team removed was copied again"
     ;;
+  ABoardGetsNoTools)
+    # $2: the build. Its components are the packages touchline and touchline-tools.
+    files() { cmake --install "$1" --component "$2" --prefix "$work/components/$2" >"$work/output" && (cd "$work/components/$2" && find . -type f | sort); }
+    files "$2" board >"$work/board-files"
+    files "$2" tools >"$work/tools-files"
+    programs=$(sed -n 's~^./bin/~~p' "$work/board-files" | xargs)
+    [ "$programs" = "touchline touchline-calibrate touchline-devices touchline-setup" ] || fail "touchline contains $programs"
+    programs=$(sed -n 's~^./bin/~~p' "$work/tools-files" | xargs)
+    [ "$programs" = "touchline-arena touchline-evaluate touchline-latency touchline-rectify touchline-relight touchline-replay" ] ||
+      fail "touchline-tools contains $programs"
+    [ -z "$(comm -12 "$work/board-files" "$work/tools-files")" ] || fail "in both packages: $(comm -12 "$work/board-files" "$work/tools-files")"
+    # All that is installed is in one of the packages.
+    cmake --install "$2" --prefix "$work/all" >"$work/output"
+    (cd "$work/all" && find . -type f | sort) | diff - <(sort "$work/board-files" "$work/tools-files") || fail "a file is in neither package"
+    ;;
   AnInterruptedFirstInstallationIsCompleted)
     printf '#!/bin/sh\ncase $1 in *team.toml) echo half >"$2"; exit 1 ;; esac\nexec %s "$@"\n' "$(command -v cp)" >"$work/fakes/cp"
     chmod +x "$work/fakes/cp"

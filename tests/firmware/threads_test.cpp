@@ -91,7 +91,8 @@ TEST_F(ThreadsReportPrinter, PrintsTheReportsOfTheLoop) {
       << printed;
   EXPECT_NE(printed.find("robots halted: no good frame\n"), std::string::npos) << printed;
   EXPECT_NE(printed.find("camera: reopened\n"), std::string::npos) << printed;
-  EXPECT_NE(printed.find("1 s  50.0 fps  own 0/1  opp 0/0  ball lost  latency"), std::string::npos) << printed;
+  EXPECT_NE(printed.find("1 s  50.0 fps  own 0/1  opp 0/0  ball lost  playing right  latency"), std::string::npos)
+      << printed;
 }
 
 TEST_F(ThreadsReportPrinter, DrawsEachMapOverTheLastOne) {

@@ -154,20 +154,6 @@ TEST_F(GpiodGpioTest, ErrorsOfRequestingALineAreReported) {
   expect_refusal(settings(), ErrorCode::kIo, "/dev/gpiochip0 line 27: cannot be requested: Input/output error");
 }
 
-TEST_F(GpiodGpioTest, TheStrobeIsASeparateOutput) {
-  GpioSettings requested = settings();
-  requested.strobe_line = kStrobe;
-  GpiodGpio gpio(requested);
-  ASSERT_TRUE(gpio.open().ok());
-  EXPECT_TRUE(gpio.set_strobe(true).ok());
-  EXPECT_EQ(chip_.pins[kStrobe].level, 1);
-  EXPECT_EQ(chip_.pins[kLed].level, 0);
-  gpio.close();
-  EXPECT_EQ(chip_.pins[kStrobe].level, 0);
-}
-
-// More edges than the kernel stores: the last edges are lost, but the level is still read.
-
 TEST_F(GpiodGpioTest, AllocatesNothingWhileOpen) {
   if (!DriverAllocations::are_counted()) GTEST_SKIP() << "the sanitizer replaces the allocator";
   GpiodGpio gpio(settings());

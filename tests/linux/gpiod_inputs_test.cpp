@@ -165,6 +165,7 @@ TEST_F(GpiodGpioTest, ABouncingContactIsOnePress) {
   EXPECT_EQ(presses, 10);
 }
 
+// More edges than the kernel stores: the last edges are lost, but the level is still read.
 TEST_F(GpiodGpioTest, AnActiveLineIsDetectedEvenIfEdgesAreLost) {
   GpiodGpio gpio(settings());
   ASSERT_TRUE(gpio.open().ok());

@@ -22,19 +22,6 @@ TEST_F(SerialRadioTest, OpensRawAndExclusively) {
   EXPECT_TRUE(adapter_.exclusive);
 }
 
-TEST_F(SerialRadioTest, BytesAreSentUnchanged) {
-  SerialRadio radio(settings());
-  ASSERT_TRUE(radio.open().ok());
-  Packet all;
-  for (int i = 0; i < 128; ++i) all.push_back(static_cast<std::byte>(2 * i));
-  ASSERT_TRUE(radio.send(all).ok());
-  EXPECT_TRUE(radio.drain(kernel_.now() + std::chrono::milliseconds(100)).ok());
-  EXPECT_EQ(adapter_.wire(), std::vector<std::byte>{} + all);
-  EXPECT_EQ(radio.counters().packets, 1u);
-  EXPECT_EQ(radio.counters().bytes, 128u);
-  EXPECT_EQ(radio.counters().refused, 0u);
-}
-
 TEST_F(SerialRadioTest, AMissingPortListsTheAvailablePorts) {
   RadioSettings requested = settings();
   requested.device = "/dev/ttyUSB7";

@@ -59,17 +59,6 @@ TEST_F(V4l2OpenTest, AMissingDeviceListsTheAvailableCameras) {
                  "/dev/video11 (Fake Camera, usb-0000:00:14.0-1), /dev/video12 (Fake Camera, usb-0000:00:14.0-1)");
 }
 
-TEST_F(V4l2OpenTest, OpensByItsStableName) {
-  constexpr const char* kByPath = "/dev/v4l/by-path/pci-0000:00:14.0-usb-0:1:1.0-video-index0";
-  CameraSettings requested = settings();
-  requested.device = kByPath;
-  expect_refusal(
-      requested, ErrorCode::kNotFound,
-      std::string(kByPath) + ": no such device; available cameras: /dev/video0 (Fake Camera, usb-0000:00:14.0-1)");
-  kernel_.link(kByPath, "/dev/video0");
-  expect_negotiated(requested, "");
-}
-
 TEST_F(V4l2OpenTest, ANumberedDeviceIsReportedWithItsStableLink) {
   kernel_.link("/dev/v4l/by-path/pci-0000:00:14.0-usb-0:1:1.0-video-index0", "/dev/video0");
   kernel_.link("/dev/goal-camera", "/dev/video0");

@@ -14,7 +14,7 @@ using hal::CameraSettings;
 using hal::FrameLease;
 using hal::V4l2Camera;
 
-constexpr Duration kExposure = std::chrono::milliseconds(5);
+constexpr Duration kExposureTime = std::chrono::milliseconds(5);
 constexpr Duration kMicrosecond = std::chrono::microseconds(1);  // the resolution of V4L2's time stamps
 
 class V4l2StreamTest : public V4l2RunningTest {
@@ -32,24 +32,6 @@ std::uint32_t number_in(const Frame& frame) {
   std::uint32_t number = 0;
   std::memcpy(&number, frame.plane[0], sizeof number);
   return number;
-}
-
-TEST_F(V4l2StreamTest, FramesArriveInOrderInTheDriversMemory) {
-  begin(settings());
-  for (std::uint32_t i = 0; i < 20; ++i) {
-    Result<FrameLease> result = camera_->wait(soon());
-    ASSERT_TRUE(result.ok()) << result.text();
-    const Frame& frame = result.value().frame();
-    EXPECT_EQ(frame.sequence, i);
-    EXPECT_EQ(number_in(frame), i);
-    EXPECT_EQ(frame.format, PixelFormat::kYuyv);
-    EXPECT_EQ(frame.width_px, 640);
-    EXPECT_EQ(frame.height_px, 480);
-    EXPECT_EQ(frame.stride_bytes[0], 1280u);
-    EXPECT_EQ(frame.plane[0][640 * 480 * 2 - 1], i);
-  }
-  EXPECT_EQ(camera_->counters().frames, 20u);
-  EXPECT_EQ(camera_->counters().lost, 0u);
 }
 
 TEST_F(V4l2StreamTest, PlanesAndStridesAreSetForAllFormats) {
@@ -108,7 +90,7 @@ TEST_F(V4l2StreamTest, StartOfExposureStampsMoveToTheMiddle) {
   begin(settings());
   const Result<FrameLease> frame = camera_->wait(soon());
   ASSERT_TRUE(frame.ok());
-  const Instant middle = device_.start_of_exposure(0) + kExposure / 2;
+  const Instant middle = device_.start_of_exposure(0) + kExposureTime / 2;
   EXPECT_GT(frame.value().frame().capture_time, middle - kMicrosecond);
   EXPECT_LE(frame.value().frame().capture_time, middle);
 }
@@ -118,7 +100,7 @@ TEST_F(V4l2StreamTest, EndOfFrameStampsMoveBackByHalfTheExposure) {
   begin(settings());
   const Result<FrameLease> frame = camera_->wait(soon());
   ASSERT_TRUE(frame.ok());
-  const Instant expected = device_.start_of_exposure(0) + fake::VideoDevice::kReadout + kExposure / 2;
+  const Instant expected = device_.start_of_exposure(0) + fake::VideoDevice::kReadout + kExposureTime / 2;
   EXPECT_GT(frame.value().frame().capture_time, expected - kMicrosecond);
   EXPECT_LE(frame.value().frame().capture_time, expected);
 }
@@ -132,7 +114,7 @@ TEST_F(V4l2StreamTest, StampsOfUvcvideoMoveBackByHalfTheExposure) {
   EXPECT_NE(camera_->info().description.find(word), std::string::npos) << camera_->info().description;
   const Result<FrameLease> frame = camera_->wait(soon());
   ASSERT_TRUE(frame.ok());
-  const Instant expected = device_.start_of_exposure(0) + (computes ? kExposure : -kExposure) / 2;
+  const Instant expected = device_.start_of_exposure(0) + (computes ? kExposureTime : -kExposureTime) / 2;
   EXPECT_GT(frame.value().frame().capture_time, expected - kMicrosecond);
   EXPECT_LE(frame.value().frame().capture_time, expected);
 }
@@ -154,7 +136,7 @@ TEST_F(V4l2StreamTest, StampsOfOtherClocksAreReplacedByTheTimeOfDequeuing) {
   begin(settings());
   const Result<FrameLease> frame = camera_->wait(soon());
   ASSERT_TRUE(frame.ok());
-  const Instant expected = kernel_.now() - kExposure / 2;
+  const Instant expected = kernel_.now() - kExposureTime / 2;
   EXPECT_GT(frame.value().frame().capture_time, expected - 2 * kMicrosecond);
   EXPECT_LE(frame.value().frame().capture_time, expected);
   EXPECT_EQ(camera_->stamps().replaced(), 0u) << "reported once at open(), not counted as a fault";

@@ -9,8 +9,7 @@
 #include "firmware/loop.h"
 #include "firmware/session.h"
 #include "hal/linux/monotonic_clock.h"
-#include "hal/mock/arena.h"
-#include "hal/mock/mock_devices.h"
+#include "tests/mock/mock_game.h"
 #include "tests/results.h"
 
 namespace touchline {
@@ -82,43 +81,19 @@ class StateHash {
   std::uint64_t value_ = 0xcbf29ce484222325u;
 };
 
-/// The loop on the board's arena, built as by Session, but with access to the arena.
-class Game {
+class Game : public MockGame {
  public:
   explicit Game(std::uint64_t seed, std::vector<hal::mock::ArenaFault> faults = {},
-                std::vector<std::string> overrides = {}) {
-    EXPECT_OK(config::load({kBoard, "", "", std::move(overrides)}, *configuration));
-    config::BoardFile& board = configuration->board;
-    board.arena.fault = std::move(faults);
-    EXPECT_TRUE(pipeline->configure(configuration->pipeline).ok());
-    arena.emplace(board.arena, board.camera, board.radio, seed);
-    clock.emplace(*arena);
-    camera.emplace(*arena, *clock);
-    radio.emplace(*arena, *clock);
-    gpio.emplace(*arena, *clock);
-    LoopSettings settings;
-    settings.faults = board.faults;
-    settings.radio_delay = from_seconds(board.radio.delay_s);
-    settings.radio_byte_time = hal::byte_time(board.radio);
-    loop.emplace(HalDevices{*camera, *radio, *gpio, *clock, true}, *pipeline, settings, *ring,
-                 LoopObserver{&Game::observe, this});
-    EXPECT_OK(loop->open());
+                std::vector<std::string> overrides = {})
+      : MockGame(seed, std::move(faults), std::move(overrides)) {
+    open(loop, *camera, *radio, *gpio, settings(), LoopObserver{&Game::observe, this});
   }
 
-  [[nodiscard]] double now_s() const { return seconds(arena->now() - hal::mock::Arena::kBegin); }
   void run_until(double end_s) {
     while (now_s() < end_s) ASSERT_FALSE(loop->iterate().has_value());
   }
   [[nodiscard]] const hal::mock::World& world() const { return arena->world(); }
 
-  std::unique_ptr<config::Configuration> configuration = std::make_unique<config::Configuration>();
-  std::unique_ptr<Pipeline> pipeline = std::make_unique<Pipeline>();
-  std::unique_ptr<ReportRing> ring = std::make_unique<ReportRing>();
-  std::optional<hal::mock::Arena> arena;
-  std::optional<hal::mock::ArenaClock> clock;
-  std::optional<hal::mock::MockCamera> camera;
-  std::optional<hal::mock::MockRadio> radio;
-  std::optional<hal::mock::MockGpio> gpio;
   std::optional<Loop> loop;
   StateHash state;
   int frames = 0, frames_with_all = 0, frames_with_ball = 0, commanded = 0, stopped = 0;

@@ -7,17 +7,13 @@
 #include <utility>
 
 #include "firmware/loop.h"
-#include "firmware/session.h"
-#include "hal/mock/arena.h"
-#include "hal/mock/mock_devices.h"
+#include "tests/mock/mock_game.h"
 #include "tests/results.h"
 
 namespace touchline {
 namespace {
 
 using hal::mock::FaultKind;
-
-const std::string kMockBoard = TOUCHLINE_BOARDS "/mock/board.toml";
 
 /// A radio whose robots have exchanged motors: all turn to the wrong side.
 class ExchangedMotors final : public hal::Radio {
@@ -49,30 +45,15 @@ class ExchangedMotors final : public hal::Radio {
 };
 
 /// A game of the board's arena that counts the packets that drive robots.
-class WatchedGame {
+class WatchedGame : public MockGame {
  public:
   explicit WatchedGame(std::uint64_t seed, std::vector<hal::mock::ArenaFault> faults = {},
-                       std::vector<std::string> overrides = {}) {
-    EXPECT_OK(config::load({kMockBoard, "", "", std::move(overrides)}, *configuration));
-    config::BoardFile& board = configuration->board;
-    board.arena.fault = std::move(faults);
-    EXPECT_TRUE(pipeline->configure(configuration->pipeline).ok());
-    arena.emplace(board.arena, board.camera, board.radio, seed);
-    clock.emplace(*arena);
-    camera.emplace(*arena, *clock);
-    radio.emplace(*arena, *clock);
-    gpio.emplace(*arena, *clock);
-    LoopSettings settings;
-    settings.faults = board.faults;
-    settings.radio_delay = from_seconds(board.radio.delay_s);
-    settings.radio_byte_time = hal::byte_time(board.radio);
+                       std::vector<std::string> overrides = {})
+      : MockGame(seed, std::move(faults), std::move(overrides)) {
     exchanged_motors.emplace(*radio, *clock);
-    loop.emplace(HalDevices{*camera, *exchanged_motors, *gpio, *clock, true}, *pipeline, settings, *ring,
-                 LoopObserver{&WatchedGame::observe, this});
-    EXPECT_OK(loop->open());
+    open(loop, *camera, *exchanged_motors, *gpio, settings(), LoopObserver{&WatchedGame::observe, this});
   }
 
-  [[nodiscard]] double now_s() const { return seconds(arena->now() - hal::mock::Arena::kBegin); }
   void run_until(double end_s) {
     while (now_s() < end_s) {
       ASSERT_FALSE(loop->iterate().has_value());
@@ -80,14 +61,6 @@ class WatchedGame {
     }
   }
 
-  std::unique_ptr<config::Configuration> configuration = std::make_unique<config::Configuration>();
-  std::unique_ptr<Pipeline> pipeline = std::make_unique<Pipeline>();
-  std::unique_ptr<ReportRing> ring = std::make_unique<ReportRing>();
-  std::optional<hal::mock::Arena> arena;
-  std::optional<hal::mock::ArenaClock> clock;
-  std::optional<hal::mock::MockCamera> camera;
-  std::optional<hal::mock::MockRadio> radio;
-  std::optional<hal::mock::MockGpio> gpio;
   std::optional<ExchangedMotors> exchanged_motors;
   std::optional<Loop> loop;
   int frames = 0, driving = 0;

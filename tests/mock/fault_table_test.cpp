@@ -1,17 +1,18 @@
 // Plays every row of docs/faults.md: robots drive, the fault is planted, its reason holds and packets stop the robots,
-// and after what ends it they drive again.
+// and after what ends it they drive again. Errors after which the program ends do end it.
 #include <gtest/gtest.h>
 
+#include <cctype>
 #include <fstream>
 #include <functional>
 #include <map>
 #include <set>
 
+#include "firmware/fault_policy.h"
 #include "firmware/fault_reference.h"
 #include "firmware/loop.h"
 #include "hal/linux/monotonic_clock.h"
-#include "hal/mock/arena.h"
-#include "hal/mock/mock_devices.h"
+#include "tests/mock/mock_game.h"
 #include "tests/results.h"
 
 namespace touchline {
@@ -38,33 +39,41 @@ class UnreadableGpio final : public hal::Gpio {
   hal::Gpio& gpio_;
 };
 
+/// A camera that fails with an error, also when it is opened again, while `error` is set.
+class FailingCamera final : public hal::Camera {
+ public:
+  explicit FailingCamera(hal::Camera& camera) : camera_(camera) {}
+  std::optional<ErrorCode> error;
+
+  [[nodiscard]] const hal::CameraInfo& info() const override { return camera_.info(); }
+
+ private:
+  Result<void> do_open() override { return error ? Result<void>(failure(*error, "planted")) : camera_.open(); }
+  Result<void> do_start() override { return camera_.start(); }
+  Result<hal::FrameLease> do_wait(Instant deadline) override {
+    Result<hal::FrameLease> frame = camera_.wait(deadline);
+    if (error) return failure(*error, "planted");
+    return frame;
+  }
+  void do_release(std::uint32_t) noexcept override {}  // leases are those of `camera_`
+  void do_stop() override { camera_.stop(); }
+  void do_close() override { camera_.close(); }
+
+  hal::Camera& camera_;
+};
+
 /// The mock board's game, with a console and a referee.
-struct FaultGame {
-  explicit FaultGame(std::vector<hal::mock::ArenaFault> faults, const std::function<void(LoopSettings&)>& change) {
-    EXPECT_OK(config::load({TOUCHLINE_BOARDS "/mock/board.toml", "", "", {}}, *configuration));
-    config::BoardFile& board = configuration->board;
-    board.arena.fault = std::move(faults);
-    EXPECT_TRUE(pipeline->configure(configuration->pipeline).ok());
-    arena.emplace(board.arena, board.camera, board.radio, 1);
-    clock.emplace(*arena);
-    camera.emplace(*arena, *clock);
-    radio.emplace(*arena, *clock);
-    mock_gpio.emplace(*arena, *clock);
-    gpio.emplace(*mock_gpio);
-    LoopSettings settings;
-    settings.faults = board.faults;
-    settings.radio_delay = from_seconds(board.radio.delay_s);
-    settings.radio_byte_time = hal::byte_time(board.radio);
-    settings.external.console = &console;
-    settings.external.referee = &referee;
-    if (change) change(settings);
-    loop.emplace(HalDevices{*camera, *radio, *gpio, *clock, true}, *pipeline, settings, *ring,
-                 LoopObserver{&FaultGame::observe, this});
-    EXPECT_OK(loop->open());
+struct FaultGame : public MockGame {
+  explicit FaultGame(std::vector<hal::mock::ArenaFault> faults, const std::function<void(LoopSettings&)>& change)
+      : MockGame(1, std::move(faults)), failing_camera(*camera), failing_gpio(*gpio) {
+    LoopSettings changed = settings();
+    changed.external.console = &console;
+    changed.external.referee = &referee;
+    if (change) change(changed);
+    open(loop, failing_camera, *radio, failing_gpio, changed, LoopObserver{&FaultGame::observe, this});
     put();
   }
 
-  [[nodiscard]] double now_s() const { return seconds(arena->now() - hal::mock::Arena::kBegin); }
   /// Runs until `reached`, at most `for_s`. Returns whether it was reached.
   bool run_until(const std::function<bool()>& reached, double for_s) {
     for (const double end_s = now_s() + for_s; now_s() < end_s && !reached();) {
@@ -85,18 +94,11 @@ struct FaultGame {
     referee.put(state);
   }
 
-  std::unique_ptr<config::Configuration> configuration = std::make_unique<config::Configuration>();
-  std::unique_ptr<Pipeline> pipeline = std::make_unique<Pipeline>();
-  std::unique_ptr<ReportRing> ring = std::make_unique<ReportRing>();
   ConsoleLink console;
   ConsoleInput wanted;
   Mailbox<RefereeState> referee;
-  std::optional<hal::mock::Arena> arena;
-  std::optional<hal::mock::ArenaClock> clock;
-  std::optional<hal::mock::MockCamera> camera;
-  std::optional<hal::mock::MockRadio> radio;
-  std::optional<hal::mock::MockGpio> mock_gpio;
-  std::optional<UnreadableGpio> gpio;
+  FailingCamera failing_camera;
+  UnreadableGpio failing_gpio;
   std::optional<Loop> loop;
   bool drives = false;  // the last frame's packet
 
@@ -151,10 +153,10 @@ const std::map<std::string, FaultScenario>& fault_scenarios() {
       {"emergency", arena(FaultKind::kEmergencyStop, 0.6, true)},
       {"radio", arena(FaultKind::kRadioLost, 0.3)},
       {"unreadable_line",
-       {.plant = [](FaultGame& game) { game.gpio->fails = true; },
+       {.plant = [](FaultGame& game) { game.failing_gpio.fails = true; },
         .end =
             [](FaultGame& game) {
-              game.gpio->fails = false;
+              game.failing_gpio.fails = false;
               game.run_until([&] { return (game.loop->halt() & kHaltUnreadableLine) == 0; }, 3.0);
               game.start();
             }}},
@@ -245,6 +247,44 @@ std::vector<std::string> played_faults() {
   return words;
 }
 INSTANTIATE_TEST_SUITE_P(, FaultRow, ::testing::ValuesIn(played_faults()), [](const auto& test) { return test.param; });
+
+class ErrorRow : public ::testing::TestWithParam<ErrorDescription> {};
+
+// The second table, with the camera's errors. An error of the radio is the row `radio`, one of the GPIO chip
+// `unreadable_line`.
+TEST_P(ErrorRow, StopsTheRobotsAndEnds) {
+  const ErrorCode code = GetParam().code;
+  const std::string name = describe(code);
+  EXPECT_NE(read_fault_page().find("| `" + name + "` | " + std::string(GetParam().seen)), std::string::npos);
+  FaultGame game({}, {});
+  const auto drives = [&] { return game.drives && game.loop->halt() == kHaltNone; };
+  ASSERT_TRUE(game.run_until(drives, 2.0)) << "before the error";
+  game.failing_camera.error = code;
+  if (action_for(code) == FaultAction::kLeave) {
+    std::optional<LoopEnd> end;
+    for (const double until_s = game.now_s() + 1.0; game.now_s() < until_s && !end;) end = game.loop->iterate();
+    EXPECT_TRUE(end.has_value());
+    return;
+  }
+  if (action_for(code) == FaultAction::kSkip) {
+    // A lost frame stops nobody.
+    const double begin_s = game.now_s();
+    EXPECT_TRUE(game.run_until([&] { return game.now_s() > begin_s + 0.03; }, 0.2));
+    EXPECT_EQ(game.loop->halt(), kHaltNone);
+  }
+  EXPECT_TRUE(game.run_until([&] { return (game.loop->halt() & kHaltNoFrames) != 0; }, 1.0));
+  EXPECT_FALSE(game.run_until(drives, 0.3)) << "it must not end by itself";
+  game.failing_camera.error.reset();
+  EXPECT_TRUE(game.run_until(drives, 5.0)) << "after what ends it; halt " << game.loop->halt();
+}
+
+INSTANTIATE_TEST_SUITE_P(, ErrorRow, ::testing::ValuesIn(kErrorDescriptions), [](const auto& test) {
+  std::string name(describe(test.param.code));
+  for (char& c : name) {
+    if (std::isalnum(static_cast<unsigned char>(c)) == 0) c = '_';
+  }
+  return name;
+});
 
 }  // namespace
 }  // namespace touchline

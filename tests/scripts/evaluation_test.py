@@ -59,9 +59,9 @@ class Judging(unittest.TestCase):
         self.assertEqual(counts([hidden], [report("blue", 0, (1, 0))]), {})
 
     def test_an_unknown_id_is_right_for_a_robot_that_is_not_in_the_team_file(self):
-        stranger = robot("blue", None, (0, 0))
-        self.assertEqual(counts([stranger], [report("blue", None, (0, 0))])["right"], 1)
-        self.assertEqual(counts([stranger], [report("blue", 2, (0, 0))])["wrong"], 1)
+        without_id = robot("blue", None, (0, 0))
+        self.assertEqual(counts([without_id], [report("blue", None, (0, 0))])["right"], 1)
+        self.assertEqual(counts([without_id], [report("blue", 2, (0, 0))])["wrong"], 1)
 
     def test_balls(self):
         self.assertEqual(counts([], [], ball=(0, 0), seen_ball={"x": 1, "y": 1}), {"balls": 1, "balls_seen": 1})

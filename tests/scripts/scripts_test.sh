@@ -7,15 +7,16 @@ trap 'rm -rf "$work"' EXIT
 fail() { echo "$*" >&2; exit 1; }
 
 # tools/run and tools/bench pass --help to the program that they build.
-scripts=(tools/{console/build,deploy,estimate-arm,lint,package,publishing-cost,setup,sysroot,test,test-arm,test-board,test-package}
+scripts=(tools/{console/build,deploy,estimate-arm,evaluate-all,lint,package,publishing-cost,setup,sysroot,test,test-arm,test-board,test-package}
          toolchain/{changed-files,debian-mirror,emulate-arm64})
 
 EveryScriptHasHelp() {
   local script output code
   for script in "${scripts[@]}"; do
     output=$(cd "$work" && "$root/$script" --help </dev/null 2>&1) || fail "$script --help failed: $output"
-    [ -n "$output" ] || fail "$script --help printed nothing"
-    [[ $script == tools/test-board || $script == tools/estimate-arm ]] && continue  # Python checks their options, after tools/setup
+    grep -qE "^Examples?: .*${script##*/}" <<<"$output" || fail "$script --help has no example: $output"
+    ! grep -qE "^(set -|cd |[a-z_]+=)" <<<"$output" || fail "$script --help prints more than its header: $output"
+    [[ $script == tools/evaluate-all || $script == tools/test-board || $script == tools/estimate-arm ]] && continue  # Python checks their options, after tools/setup
     code=0
     (cd "$work" && "$root/$script" --no-such-option </dev/null >/dev/null 2>"$work/errors") || code=$?
     [ "$code" -eq 64 ] || fail "$script --no-such-option: exit code $code instead of 64"

@@ -78,4 +78,16 @@ class ScriptedFirmware : public touchline::testing::ProgramFolder {
   int next_request_ = 1;
 };
 
+/// A board whose venue is calibrated.
+class SetupOfACalibratedBoard : public ScriptedFirmware {
+ protected:
+  void SetUp() override {
+    ScriptedFirmware::SetUp();
+    for (const char* name : {"venue.toml", "venue-light.png", "venue-field.png"}) copy(name);
+  }
+};
+
+/// Arguments of field.find for the field of arena_picture().
+inline const nlohmann::json kMiroSot = {{"preset", "mirosot-middle"}, {"camera_height_m", 2.3}};
+
 }  // namespace touchline::setup

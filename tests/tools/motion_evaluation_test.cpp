@@ -26,7 +26,7 @@ const MotionRow& row(const MotionReport& report, const std::string& name) {
 }
 
 // Squared errors are 0.7 to 1.5 times the stated variances: the filter knows its errors.
-constexpr double kLeast = 0.7, kMost = 1.5;
+constexpr double kMin = 0.7, kMax = 1.5;
 
 // Games differ by some percent of the ratio, so a part of them ends just above 1.
 void expect_not_worse(const MotionRow& row) {
@@ -46,13 +46,13 @@ TEST(MotionEvaluation, TracksOfAGameAreNotWorseThanSightings) {
     const MotionRow& robots = row(report, name);
     EXPECT_GT(robots.tracked.count, 3300U);
     expect_not_worse(robots);
-    EXPECT_GT(robots.nees_position, kLeast) << name;
-    EXPECT_LT(robots.nees_position, kMost) << name;
+    EXPECT_GT(robots.nees_position, kMin) << name;
+    EXPECT_LT(robots.nees_position, kMax) << name;
     // Single sightings of robots that touch have constant errors of up to 2 degrees, which dominate this mean.
     EXPECT_GT(robots.nees_angle, 0.35) << name;
     EXPECT_LT(robots.nees_angle, 1.8) << name;
     EXPECT_GT(robots.nis, 0.4) << name;
-    EXPECT_LT(robots.nis, kMost) << name;
+    EXPECT_LT(robots.nis, kMax) << name;
   }
   EXPECT_LT(row(report, "own robots").acted.rms, 0.0025);
   EXPECT_LT(row(report, "opponents").acted.rms, 0.0015);
@@ -113,14 +113,14 @@ TEST(MotionEvaluation, RobotsAtRest) {
   const MotionRow& rest = row(report, "at rest");
   EXPECT_GT(rest.tracked.count, 1500U);
   expect_not_worse(rest);
-  EXPECT_GT(rest.nees_position, kLeast);
-  EXPECT_LT(rest.nees_position, kMost);
+  EXPECT_GT(rest.nees_position, kMin);
+  EXPECT_LT(rest.nees_position, kMax);
   // Innovations are as large as predicted soon after a robot was placed.
   EXPECT_GT(rest.nis, 0.4);
-  EXPECT_LT(rest.nis, kMost);
+  EXPECT_LT(rest.nis, kMax);
   // Robots without neighbors have smaller errors of the heading than those in a game.
   EXPECT_GT(rest.nees_angle, 0.3);
-  EXPECT_LT(rest.nees_angle, kMost);
+  EXPECT_LT(rest.nees_angle, kMax);
 }
 
 // A white line begins beside a patch, or ends there. When only one place of the surroundings was looked at, headings
@@ -173,9 +173,9 @@ TEST(MotionEvaluation, GoalkeepersBesideLines) {
   constexpr double kDegree = std::numbers::pi / 180.0;
   EXPECT_LT(rest.sighted_angle.p95, 0.6 * kDegree);
   EXPECT_LT(rest.sighted.p95, 0.4e-3);
-  EXPECT_GT(rest.nees_angle, kLeast);
-  EXPECT_LT(rest.nees_angle, kMost);
-  EXPECT_LT(rest.nees_position, kMost);
+  EXPECT_GT(rest.nees_angle, kMin);
+  EXPECT_LT(rest.nees_angle, kMax);
+  EXPECT_LT(rest.nees_position, kMax);
 }
 
 // The ball at a wall, free or pinned by a robot that hides a part of it. The border begins under the ball; with one

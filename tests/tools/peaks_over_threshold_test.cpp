@@ -137,7 +137,7 @@ TEST(PeaksOverThreshold, DataWithTwoModesAreRefused) {
 }
 
 TEST(PeaksOverThreshold, SaysNothingWithoutEnoughData) {
-  EXPECT_FALSE(PeaksOverThreshold(pareto(1, PeaksOverThreshold::kLeastValues - 1, {})).is_enough());
+  EXPECT_FALSE(PeaksOverThreshold(pareto(1, PeaksOverThreshold::kMinValues - 1, {})).is_enough());
   EXPECT_FALSE(PeaksOverThreshold(std::vector<double>(5000, 3.0)).is_enough()) << "all values are equal";
   const std::vector<double> values = pareto(1, 5000, {});
   const PeaksOverThreshold tail(values);

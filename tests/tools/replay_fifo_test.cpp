@@ -12,6 +12,7 @@
 #include <string>
 #include <thread>
 
+#include "tests/command_output.h"
 #include "tests/tools/program_folder.h"
 
 namespace touchline::replay {
@@ -56,19 +57,7 @@ class ReplayOfFifo : public touchline::testing::ProgramFolder {
     };
     constexpr useconds_t kPause_us = 10'000;
     for (int i = 0; i < 3000 && !is_waiting(); ++i) ::usleep(kPause_us);
-    ::kill(process, SIGTERM);
-    int status = 0;
-    bool ended = false;
-    for (int i = 0; i < 1000 && !ended; ++i) {
-      ended = ::waitpid(process, &status, WNOHANG) == process;
-      if (!ended) ::usleep(kPause_us);
-    }
-    EXPECT_TRUE(ended) << "SIGTERM must end the program";
-    if (!ended) {
-      ::kill(process, SIGKILL);
-      ::waitpid(process, &status, 0);
-    }
-    EXPECT_EQ(WIFEXITED(status) ? WEXITSTATUS(status) : -1, 1);
+    EXPECT_EQ(testing::exit_code_after_termination(process, 10), 1) << "SIGTERM must end the program";
     std::ifstream said(messages);
     EXPECT_EQ(std::string(std::istreambuf_iterator<char>(said), {}),
               "touchline-replay: stopped; no output was written\n");

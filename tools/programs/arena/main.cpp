@@ -79,26 +79,32 @@ int main(int argc, char** argv) {
   Options options;
   CLI::App app{"Renders pictures of the mock arena with their truth, for calibration and for measuring recognition",
                "touchline-arena"};
-  std::string scenes;
+  std::string scenes = "Scenes:";
+  std::vector<std::string> words;
   for (const arena::SceneType& scene : arena::scene_types()) {
     scenes += "\n  " + std::string(scene.name) + ": " + std::string(scene.help);
+    words.emplace_back(scene.name);
   }
-  app.add_option("scene", options.scene, "One of:" + scenes)->required();
+  app.add_option("scene", options.scene, "What the pictures show")->required()->check(touchline::one_of(words));
   app.add_option("--out", options.out,
                  "Folder for pictures, truth.jsonl, scene.json, field-points.txt (samples: also clicks.json)")
-      ->required();
-  app.add_option("--board", options.board, "Board file with the sections [camera] and [arena]")->capture_default_str();
+      ->required()
+      ->type_name("DIR");
+  app.add_option("--board", options.board, "Board file with the sections [camera] and [arena]")
+      ->type_name("FILE")
+      ->capture_default_str();
   touchline::add_overrides(app, options.overrides, "the board file");
   app.add_option("--count", options.count, "Number of pictures (default: depends on the scene)")
       ->check(CLI::Range(1, 1000000));
   app.add_option("--seed", options.seed, "Random seed of poses and noise")->capture_default_str();
   app.add_flag("--quiet", options.quiet, "Print only errors");
+  touchline::add_examples(app,
+                          {{"touchline-arena samples --out samples", "pictures with clicks, to learn the colors from"},
+                           {"touchline-arena match --count 100 --seed 7 --out match", "100 pictures of a game"}},
+                          scenes);
   if (const auto exit_code = touchline::parse_arguments(app, argc, argv)) return *exit_code;
 
-  const arena::SceneType* scene = arena::find_scene(options.scene);
-  if (scene == nullptr) {
-    return fail("unknown scene \"" + options.scene + "\"; scenes:" + scenes);
-  }
+  const arena::SceneType* const scene = arena::find_scene(options.scene);
   const auto configuration = std::make_unique<config::Configuration>();
   const Result<void> loaded = config::load_board(options.board, options.overrides, *configuration);
   if (!loaded.ok()) {

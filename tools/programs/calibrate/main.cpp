@@ -31,6 +31,13 @@ int main(int argc, char** argv) {
   light.add_options(*light_app);
   colors.add_options(*colors_app);
   noise.add_options(*noise_app);
+  touchline::add_examples(
+      app,
+      {{"touchline-calibrate picture --board board.toml --out empty.png", "take a picture of the empty field"},
+       {"touchline-calibrate field --picture empty.png --venue venue.toml --field-preset vsss --camera-height 2.4",
+        "find the camera model"},
+       {"touchline-calibrate light --picture empty.png --venue venue.toml --surface field", "measure the light"},
+       {"touchline-calibrate colors --picture robots.png --venue venue.toml --team team.toml", "learn the colors"}});
   if (const auto exit_code = touchline::parse_arguments(app, argc, argv)) return *exit_code;
   if (picture_app->parsed()) return picture.run();
   const touchline::Result<void> done = field_app->parsed()   ? field.run()

@@ -17,7 +17,11 @@ int main(int argc, char** argv) {
       "chips with their lines. Without options it lists all. It changes nothing and does not disturb a running "
       "touchline.",
       "touchline-devices"};
-  app.footer(
+  add_examples(
+      app,
+      {{"touchline-devices", "list everything"},
+       {"touchline-devices --camera /dev/video0", "show what this camera offers"},
+       {"touchline-devices --gpio --json", "list the GPIO chips for a program"}},
       "A device can be named by its file or by a link to it (/dev/v4l/by-path/...), a GPIO chip also by its label.\n"
       "Exit codes: 0 success, 2 a named device is missing or cannot be opened, 64 the command line is wrong.");
   CLI::Option* cameras = app.add_option("--camera", camera, "Only cameras, or only this one")->expected(0, 1);

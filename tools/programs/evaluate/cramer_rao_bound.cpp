@@ -18,7 +18,7 @@ namespace touchline::evaluate {
 namespace {
 
 // A variance estimated from two pictures would be too uncertain.
-constexpr std::size_t kLeastPictures = 3;
+constexpr std::size_t kMinPictures = 3;
 
 // Poses and patch centers of one robot in all results.
 struct StaticRobot {
@@ -167,9 +167,9 @@ std::map<std::string, StaticRobot> static_robots(const std::vector<FrameRecord>&
 
 Result<std::vector<PoseBound>> cramer_rao_bounds(const std::vector<FrameRecord>& results, const std::string& folder,
                                                  const BoundInputs& inputs) {
-  if (results.size() < kLeastPictures) {
+  if (results.size() < kMinPictures) {
     return failure(ErrorCode::kOutOfRange, "%s: the noise cannot be estimated from fewer than %zu pictures",
-                   folder.c_str(), kLeastPictures);
+                   folder.c_str(), kMinPictures);
   }
   TOUCHLINE_TRY_ASSIGN(const StaticPictures pictures, read_pictures(results, folder));
   std::vector<PoseBound> bounds;

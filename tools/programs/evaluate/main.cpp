@@ -159,15 +159,10 @@ Result<void> play_game(const Options& options) {
 
 int main(int argc, char** argv) {
   Options options;
-  CLI::App app{
-      "Compares the results of touchline-replay with the truth.\n"
-      "  touchline-evaluate TRUTH.jsonl RESULT.jsonl                     poses of rendered or measured scenes\n"
-      "  touchline-evaluate --annotated TRUTH.json|DIR RESULT.jsonl...   pixels of pictures annotated by hand\n"
-      "  touchline-evaluate --spread RESULT.jsonl                        noise of stationary robots, without a truth\n"
-      "  touchline-evaluate --game BOARD.toml                            tracks and sightings of a game in the arena",
-      "touchline-evaluate"};
-  app.add_option("files", options.files, "TRUTH.jsonl and RESULT.jsonl, or only results");
-  app.add_option("--annotated", options.annotated, "An annotated picture (json), or a folder of them");
+  CLI::App app{"Compares the results of touchline-replay with the truth.", "touchline-evaluate"};
+  app.add_option("files", options.files, "TRUTH.jsonl and RESULT.jsonl, or only results")->type_name("FILE");
+  app.add_option("--annotated", options.annotated, "An annotated picture (json), or a folder of them")
+      ->type_name("PATH");
   app.add_flag("--spread", options.spread, "RMS and largest deviation of each id from its mean");
   app.add_option("--seen-within", options.seen_within_m,
                  "Largest distance of a report from its robot or ball in m (0.02)")
@@ -181,17 +176,25 @@ int main(int argc, char** argv) {
       ->allow_extra_args(false);
   CLI::Option* pictures =
       app.add_option("--pictures", options.pictures,
-                     "Folder of the result's pictures of a stationary scene: add the Cramer-Rao bound");
-  CLI::Option* venue = app.add_option("--venue", options.venue, "Venue file with the camera model, for the bound");
-  CLI::Option* team = app.add_option("--team", options.team, "Team file with the marker layouts, for the bound");
+                     "Folder of the result's pictures of a stationary scene: add the Cramer-Rao bound")
+          ->type_name("DIR");
+  CLI::Option* venue =
+      app.add_option("--venue", options.venue, "Venue file with the camera model, for the bound")->type_name("FILE");
+  CLI::Option* team =
+      app.add_option("--team", options.team, "Team file with the marker layouts, for the bound")->type_name("FILE");
   pictures->needs(venue, team);
-  CLI::Option* game = app.add_option("--game", options.board, "Board file whose arena plays a game");
+  CLI::Option* game = app.add_option("--game", options.board, "Board file whose arena plays a game")->type_name("FILE");
   app.add_option("--duration", options.duration_s, "Duration of the game in s (30)")
       ->check(number_range(1.0, 3600.0))
       ->needs(game);
   app.add_option("--seed", options.seed, "Seed of the game (1)")->needs(game);
   add_overrides(app, options.overrides, "the board, venue and team files")->needs(game);
-  app.add_option("--json", options.json, "Write the numbers into this file");
+  app.add_option("--json", options.json, "Write the numbers into this file")->type_name("FILE");
+  add_examples(
+      app, {{"touchline-evaluate truth.jsonl result.jsonl", "compare poses of rendered or measured scenes"},
+            {"touchline-evaluate --annotated truth.json result.jsonl", "compare pixels of pictures annotated by hand"},
+            {"touchline-evaluate --spread result.jsonl", "measure the noise of stationary robots, without a truth"},
+            {"touchline-evaluate --game board.toml", "compare tracks and sightings of a game in the arena"}});
   if (const auto exit_code = parse_arguments(app, argc, argv)) return *exit_code;
 
   if (options.spread && !options.annotated.empty()) return fail("--spread and --annotated exclude each other");

@@ -81,10 +81,10 @@ bool names_are_unique(const std::vector<FrameRecord>& records) {
 }
 
 bool is_stationary(const std::vector<FrameRecord>& truth) {
-  constexpr std::size_t kFewest = 3;  // frames for a meaningful spread
+  constexpr std::size_t kMinFrames = 3;  // frames for a meaningful spread
   const auto same = [](Vector2 p, Vector2 q) { return distance(p, q) < 1e-9; };
   const SceneRecord& first = truth.front().sightings;
-  return truth.size() >= kFewest && std::all_of(truth.begin(), truth.end(), [&](const FrameRecord& record) {
+  return truth.size() >= kMinFrames && std::all_of(truth.begin(), truth.end(), [&](const FrameRecord& record) {
            const SceneRecord& scene = record.sightings;
            if (scene.robots.size() != first.robots.size() || scene.ball.has_value() != first.ball.has_value())
              return false;

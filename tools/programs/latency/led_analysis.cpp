@@ -55,8 +55,8 @@ std::optional<double> level_after(bool on, std::span<const LedFrame> frames, std
                          (next != edges.end() && next->time - frame.captured < 2 * period);
     if (!is_near) levels.push_back(frame.level);
   }
-  constexpr std::size_t kLeast = 5;
-  if (levels.size() < kLeast) return std::nullopt;
+  constexpr std::size_t kMin = 5;
+  if (levels.size() < kMin) return std::nullopt;
   return statistics::median(levels);
 }
 
@@ -81,8 +81,8 @@ LedReport analyze_led(std::span<const LedFrame> frames, std::span<const LedEdge>
   }
   report.on_level = *on;
   report.off_level = *off;
-  constexpr double kLeastContrast = 10.0;
-  if (*on - *off < kLeastContrast) {
+  constexpr double kMinContrast = 10.0;
+  if (*on - *off < kMinContrast) {
     char reason[120];
     std::snprintf(reason, sizeof reason, "the LED is not visible there: brightness %.0f when on, %.0f when off", *on,
                   *off);

@@ -1,11 +1,25 @@
 #include <CLI/CLI.hpp>
 #include <string>
+#include <string_view>
 #include <vector>
 
+#include "firmware/config/wording.h"
+#include "firmware/network/network_plan.h"
 #include "hal/linux/standard_descriptors.h"
 #include "tools/programs/command_line/command_line.h"
 #include "tools/programs/latency/console_reader.h"
 #include "tools/programs/latency/measure_command.h"
+
+namespace {
+
+// "{a,b}", as the type of an option.
+template <class Choices>
+std::string protocols(const Choices& choices) {
+  const std::vector<std::string_view> words = touchline::config::words_of(choices);
+  return touchline::choice_name({words.begin(), words.end()});
+}
+
+}  // namespace
 
 int main(int argc, char** argv) {
   touchline::hal::reserve_standard_descriptors();
@@ -18,12 +32,17 @@ int main(int argc, char** argv) {
       "Measures the time of each frame from capture to packet, stage by stage, and reports the worst frames.\n"
       "With a real radio, robots are driven during the measurement.",
       "touchline-latency"};
-  app.footer(
+  add_examples(
+      app,
+      {{"touchline-latency --board board.toml", "measure 10000 frames"},
+       {"touchline-latency --board board.toml --load --html report.html",
+        "with a loaded machine, with a report to read"},
+       {"touchline-latency --compare before.json after.json", "compare two measurements of --out"}},
       "Ctrl-C ends the measurement with a report of the frames so far. Exit codes: 0 success, 1 a file is invalid or\n"
       "cannot be written, 2 a device failed, 64 the command line is wrong. docs/latency.md explains the report.");
-  app.add_option("--board", files.board, "Board file");
-  app.add_option("--venue", files.venue, "Venue file instead of the one that the board file names");
-  app.add_option("--team", files.team, "Team file instead of the one that the board file names");
+  app.add_option("--board", files.board, "Board file")->type_name("FILE");
+  app.add_option("--venue", files.venue, "Venue file instead of the one that the board file names")->type_name("FILE");
+  app.add_option("--team", files.team, "Team file instead of the one that the board file names")->type_name("FILE");
   add_overrides(app, files.overrides, "the three files");
   CLI::Option* worst_frames =
       app.add_flag("--worst-frames", options.worst_frames,
@@ -65,16 +84,16 @@ int main(int argc, char** argv) {
          },
          "Delay a frame in the middle on purpose, to see it in the report: stall=MS (the loop sleeps),\n"
          "preemption=MS (the loop's thread is stopped from outside) or work=MS (the loop computes)")
-      ->type_name("WHAT=MS");
+      ->type_name("{stall,preemption,work}=MS");
   app.add_option("--publish", options.network.publish,
                  "Publish during the measurement, as touchline run does: NAME[=ADDRESS], several times if needed")
-      ->type_name("NAME[=ADDRESS]")
+      ->type_name(protocols(config::kOutputProtocols) + "[=ADDRESS]")
       ->expected(1)
       ->take_all()
       ->excludes(worst_frames);
   app.add_option("--accept", options.network.accept,
                  "Let programs on this computer drive robots, as touchline run does, several times if needed")
-      ->type_name("NAME[=ADDRESS]")
+      ->type_name(protocols(network::kCommandWords) + "[=ADDRESS]")
       ->expected(1)
       ->take_all()
       ->excludes(worst_frames);
@@ -88,18 +107,21 @@ int main(int argc, char** argv) {
   app.add_flag("--pace", options.pace,
                "The mock arena's time is the machine's: after a stall, frames are late or lost as with a real camera")
       ->excludes(worst_frames);
-  app.add_option("--out", outputs.json, "Write all numbers into this JSON file");
-  app.add_option("--csv", outputs.csv, "Write the times of every frame in nanoseconds into this CSV file");
+  app.add_option("--out", outputs.json, "Write all numbers into this JSON file")->type_name("FILE");
+  app.add_option("--csv", outputs.csv, "Write the times of every frame in nanoseconds into this CSV file")
+      ->type_name("FILE");
   app.add_option("--histogram", outputs.histogram, "Write the histogram into this file, .svg or .png")
-      ->check(name_ending({".svg", ".png"}));
+      ->check(name_ending({".svg", ".png"}))
+      ->type_name("FILE");
   app.add_option("--save-worst", outputs.worst_folder,
                  "Save pictures and results of the worst frames into this folder, for touchline-replay")
-      ->type_name("FOLDER");
-  const CLI::Option* html = app.add_option("--html", outputs.html, "Write the whole report into this HTML file");
+      ->type_name("DIR");
+  const CLI::Option* html =
+      app.add_option("--html", outputs.html, "Write the whole report into this HTML file")->type_name("FILE");
   const CLI::Option* compare =
       app.add_option("--compare", compared, "Compare the second JSON file with the first, without measuring")
           ->expected(2)
-          ->type_name("A.json B.json");
+          ->type_name("FILE FILE");
   app.final_callback([&] {
     if (console_port == 0 && compared.empty() && files.board.empty()) throw CLI::RequiredError("--board or --compare");
     if (compared.empty()) return;

@@ -13,8 +13,8 @@ RareFrames estimate_rare_frames(const std::string& span, const LatencySamples& s
   for (std::size_t i = 0; i < times_s.size(); ++i) times_s[i] = seconds(samples[i]);
   const PeaksOverThreshold tail(times_s);
   if (!tail.is_enough()) {
-    rare.refusal = times_s.size() < PeaksOverThreshold::kLeastValues
-                       ? "it needs " + std::to_string(PeaksOverThreshold::kLeastValues) + " frames"
+    rare.refusal = times_s.size() < PeaksOverThreshold::kMinValues
+                       ? "it needs " + std::to_string(PeaksOverThreshold::kMinValues) + " frames"
                        : "too many of the largest values are equal";
     return rare;
   }

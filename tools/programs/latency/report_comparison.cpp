@@ -45,8 +45,8 @@ struct Ratio {
 
 Ratio ratio_of(const LatencySummary& a, const LatencySummary& b, const Column& column) {
   // Not below a microsecond: the times of reading the clocks, which nobody would notice.
-  static constexpr Duration kLeast = std::chrono::microseconds(1);
-  const auto log_of = [](Duration time) { return std::log(std::max(seconds(kLeast), seconds(time))); };
+  static constexpr Duration kMin = std::chrono::microseconds(1);
+  const auto log_of = [](Duration time) { return std::log(std::max(seconds(kMin), seconds(time))); };
   const Duration from = a.*column.value, to = b.*column.value;
   Ratio ratio;
   ratio.value = from > Duration::zero() ? seconds(to) / seconds(from)
@@ -56,8 +56,8 @@ Ratio ratio_of(const LatencySummary& a, const LatencySummary& b, const Column& c
   const TimeInterval &in_a = *(a.*column.interval), &in_b = *(b.*column.interval);
   const double x = log_of(from), y = log_of(to);
   ratio.logarithm = y - x;
-  ratio.is_shown = from >= kLeast && to >= kLeast;
-  ratio.is_judged = std::chrono::abs(to - from) >= kLeast;
+  ratio.is_shown = from >= kMin && to >= kMin;
+  ratio.is_judged = std::chrono::abs(to - from) >= kMin;
   ratio.interval = {std::hypot(y - log_of(in_b.low), log_of(in_a.high) - x),
                     std::hypot(log_of(in_b.high) - y, x - log_of(in_a.low))};
   return ratio;

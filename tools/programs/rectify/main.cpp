@@ -118,11 +118,13 @@ int main(int argc, char** argv) {
       "NAME-MODEL-radial.png with the lens corrected, NAME-MODEL-both.png with lens and perspective corrected\n"
       "(the floor to scale, x to the right, y up). MODEL is full or paper. Prints how straight the border is in each",
       "touchline-rectify");
-  app.add_option("picture", options.picture, "A picture, or a video (its first frame)")->required();
-  app.add_option("--venue", options.venue, "Venue file with the camera model")->required();
-  app.add_option("--out", options.out, "Folder for the pictures; created if it does not exist")->required();
+  app.add_option("picture", options.picture, "A picture, or a video (its first frame)")->required()->type_name("FILE");
+  app.add_option("--venue", options.venue, "Venue file with the camera model")->required()->type_name("FILE");
+  app.add_option("--out", options.out, "Folder for the pictures; created if it does not exist")
+      ->required()
+      ->type_name("DIR");
   app.add_option("--kind", options.kind, "Camera model: full, or paper (eq. 12-15) (default: all in the venue file)")
-      ->check(CLI::IsMember({"full", "paper"}));
+      ->check(touchline::one_of({"full", "paper"}));
   app.add_option("--scale", options.scale_px_per_m,
                  "Pixels per meter of the floor (default: as in the center of the field)")
       ->check(touchline::number_range(10.0, 10000.0));
@@ -131,6 +133,11 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--grid", options.grid_m, "Draw lines this far apart (m) and the field's outline over the figures 12")
       ->check(touchline::number_range(0.01, 10.0));
+  touchline::add_examples(
+      app,
+      {{"touchline-rectify empty.png --venue venue.toml --out rectified", "draw the figures with every camera model"},
+       {"touchline-rectify empty.png --venue venue.toml --out rectified --kind full --grid 0.1",
+        "draw lines 0.1 m apart over them"}});
   if (const auto exit_code = touchline::parse_arguments(app, argc, argv)) return *exit_code;
   const touchline::Result<void> done = touchline::rectify::run(options);
   return done.ok() ? touchline::kExitOk : touchline::fail("touchline-rectify", done.text());

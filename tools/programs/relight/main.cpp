@@ -165,16 +165,20 @@ int main(int argc, char** argv) {
       "be tested under light that it was not made for",
       "touchline-relight");
   app.add_option("picture", options.picture, "A picture, or a video (its first frame); for a change, also a folder")
-      ->required();
-  app.add_option("--venue", options.venue, "Venue file with light map and camera model, for the figures");
-  app.add_option("--out", options.out, "Folder for the pictures; created if it does not exist")->required();
+      ->required()
+      ->type_name("PATH");
+  app.add_option("--venue", options.venue, "Venue file with light map and camera model, for the figures")
+      ->type_name("FILE");
+  app.add_option("--out", options.out, "Folder for the pictures; created if it does not exist")
+      ->required()
+      ->type_name("DIR");
   app.add_option("--patch", options.patch,
                  "Pixel U,V of the patch that defines the thresholds (default: of the most frequent color, the patch "
                  "nearest to the center)")
       ->delimiter(',')
       ->expected(2);
   app.add_option("--channel", options.channel, "Channel of figure 8")
-      ->check(CLI::IsMember({"red", "green", "blue"}))
+      ->check(touchline::one_of({"red", "green", "blue"}))
       ->capture_default_str();
   app.add_option("--margin", options.margin, "Levels added to the range of the patch's pixels on each side")
       ->check(CLI::Range(0, 100))
@@ -199,8 +203,12 @@ int main(int argc, char** argv) {
                      "JSON file with things to paint into the pictures: {\"NAME.png\": [{\"kind\": paper, "
                      "hand, shoe or robot, \"u\", \"v\", \"size\": px, \"colors\": [{\"rgb\": [R,G,B]} or "
                      "{\"like\": [U,V]}]}]}")
+          ->type_name("FILE")
           ->group("Changes"));
   add_change("--every", options.every, "Only every n-th picture or frame", CLI::Range(1, 1000000));
+  touchline::add_examples(
+      app, {{"touchline-relight robots.png --venue venue.toml --out figures", "draw the figures"},
+            {"touchline-relight pictures --light 0.5 --out darker", "write pictures with half the light"}});
   if (const auto exit_code = touchline::parse_arguments(app, argc, argv)) return *exit_code;
   const bool change = std::any_of(changes.begin(), changes.end(), [](const CLI::Option* o) { return o->count() > 0; });
   const touchline::Result<void> done =

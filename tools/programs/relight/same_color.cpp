@@ -65,10 +65,10 @@ Result<SameColor> find_same_color(const ChannelImage& corrected, const calibrate
     std::size_t count = 0;
     const auto label = calibrate::ColorClusters(colors).cut(kOneColor, count);
     // Counts saturated colors only, because lines are white too.
-    constexpr double kLeastChroma = 20.0;
+    constexpr double kMinChroma = 20.0;
     std::vector<double> members(count, 0.0);
     for (std::size_t i = 0; i < found.size(); ++i) {
-      if (std::hypot(found[i].lab.a, found[i].lab.b) > kLeastChroma) members[label[i]] += 1;
+      if (std::hypot(found[i].lab.a, found[i].lab.b) > kMinChroma) members[label[i]] += 1;
     }
     const auto most = static_cast<std::size_t>(std::max_element(members.begin(), members.end()) - members.begin());
     representative = nearest(found, corrected.width_px / 2.0, corrected.height_px / 2.0,

@@ -18,8 +18,8 @@ constexpr float kAheadSeconds = 0.25f;  // length of velocity vectors
 constexpr float kSigmas = 3.0f;
 // Labels at rejected noise would cover the picture: labels only regions that are large enough for a patch, up to a
 // limit.
-constexpr std::uint32_t kFewestRefusedPixels = 12;
-constexpr int kMostRefusals = 24;
+constexpr std::uint32_t kMinRefusedPixels = 12;
+constexpr int kMaxRefusals = 24;
 // Narrower pictures are doubled in size, so that text fits between robots.
 constexpr int kDoubledBelow = 1200;
 
@@ -106,7 +106,7 @@ void Annotator::draw_refusals(cairo_t& context, const StepTrace& trace) const {
   for (std::size_t i = 0; i < trace.regions.size() && i < trace.sightings.verdicts.size(); ++i) {
     const Region& region = trace.regions[i];
     const Verdict verdict = trace.sightings.verdicts[i];
-    if (!is_refusal(verdict) || region.area_px < kFewestRefusedPixels || ++shown > kMostRefusals) continue;
+    if (!is_refusal(verdict) || region.area_px < kMinRefusedPixels || ++shown > kMaxRefusals) continue;
     draw_text(context, (region.box.right + 2.0) * scale, (static_cast<double>(region.centroid.v_px) + 2.0) * scale,
               describe(verdict), lightened(color_of(region.color)), kSmallText);
   }

@@ -72,16 +72,20 @@ int main(int argc, char** argv) {
   bool quiet = false;
   CLI::App app{"Runs the vision pipeline on pictures or a video and writes the results, one JSON object per frame.",
                "touchline-replay"};
-  app.add_option("input", options.input, "A folder of pictures (png, ppm, jpg), one picture, or a video")->required();
-  app.add_option("--venue", options.venue, "Venue file")->required();
-  app.add_option("--team", options.team, "Team file")->required();
-  app.add_option("--out", options.out, "Result file, JSON lines; -: standard output")->required();
+  app.add_option("input", options.input, "A folder of pictures (png, ppm, jpg), one picture, or a video")
+      ->required()
+      ->type_name("PATH");
+  app.add_option("--venue", options.venue, "Venue file")->required()->type_name("FILE");
+  app.add_option("--team", options.team, "Team file")->required()->type_name("FILE");
+  app.add_option("--out", options.out, "Result file, JSON lines; -: standard output")->required()->type_name("FILE");
   app.add_option("--annotate", options.annotate,
-                 "Draw the results into pictures in this folder, or into a video NAME.mp4");
+                 "Draw the results into pictures in this folder, or into a video NAME.mp4")
+      ->type_name("PATH");
   CLI::Option* plot =
       app.add_option("--plot", options.plot,
                      "Draw path, velocities and innovations of a robot and of the ball into this SVG file")
-          ->check(touchline::name_ending({".svg"}));
+          ->check(touchline::name_ending({".svg"}))
+          ->type_name("FILE");
   app.add_option("--plot-robot", options.plot_robot,
                  "TEAM:ID, the robot of --plot, with the team's color: blue:3 (default: the one that drives farthest)")
       ->needs(plot);
@@ -90,6 +94,10 @@ int main(int argc, char** argv) {
   touchline::add_overrides(app, options.overrides, "the venue or team file");
   app.add_flag("--skip-damaged", options.skip_damaged, "Skip pictures that cannot be decoded instead of stopping");
   app.add_flag("--quiet", quiet, "Print neither progress nor summary");
+  touchline::add_examples(
+      app, {{"touchline-replay game.mp4 --venue venue.toml --team team.toml --out game.jsonl", "write the results"},
+            {"touchline-replay pictures --venue venue.toml --team team.toml --out - --annotate seen",
+             "print the results, and draw them into copies of the pictures"}});
   if (const auto exit_code = touchline::parse_arguments(app, argc, argv)) return *exit_code;
 
   const auto request_stop = [](int) { stop_requested = true; };

@@ -20,10 +20,10 @@ namespace {
 constexpr std::size_t kBins = 32;
 constexpr std::uint8_t kClipped = 254, kBlack = 1;
 // Lamps that mirror in the floor clip some pixels; more of them hides patches.
-constexpr double kMostClipped = 0.02;
+constexpr double kMaxClipped = 0.02;
 // Greatest step between neighbors in a blurred edge: 0.38 of its height with a Gaussian of 1 px, 0.2 with 2 px.
 constexpr double kSharp = 0.3, kBlurred = 0.2;
-constexpr double kMostBlur_px = 1.0;
+constexpr double kMaxBlur_px = 1.0;
 
 // Median over the clear horizontal edges of the largest step between neighbors, relative to the whole edge.
 std::optional<double> focus_of(const hal::Picture& picture) {
@@ -110,7 +110,7 @@ nlohmann::json camera_quality(const Frame& frame, const SetupFiles& files, const
   if (focus) out["focus"] = *focus;
   if (!focus) note("warning", "the picture has no clear edge: is it dark, or is the lens covered?");
   if (focus && *focus < kSharp) note(*focus < kBlurred ? "bad" : "warning", "the picture is blurred: turn the lens");
-  if (*std::max_element(clipped.begin(), clipped.end()) > kMostClipped) {
+  if (*std::max_element(clipped.begin(), clipped.end()) > kMaxClipped) {
     note("warning", "bright parts are clipped: use a shorter exposure or less gain");
   }
 
@@ -121,13 +121,13 @@ nlohmann::json camera_quality(const Frame& frame, const SetupFiles& files, const
   static_cast<void>(
       config::read_toml(folder + "/" + files.team, "", {}, configuration->team, configuration->team_where).ok());
   const auto speed = static_cast<double>(configuration->team.control.drive.max_speed_mps);
-  const double limit_us = speed > 0 ? 1e6 * kMostBlur_px * scale / speed : 1e6;
+  const double limit_us = speed > 0 ? 1e6 * kMaxBlur_px * scale / speed : 1e6;
   const double exposure_us = configuration->board.camera.exposure_us;
   out["exposure_limit_us"] = limit_us;
-  out["blur_px"] = exposure_us * kMostBlur_px / limit_us;
+  out["blur_px"] = exposure_us * kMaxBlur_px / limit_us;
   if (const char* blur = blur_level(exposure_us, limit_us); std::string_view(blur) != "ok") {
     note(blur,
-         formatted("robots at %.1f m/s are blurred by %.2f pixels: ", speed, exposure_us * kMostBlur_px / limit_us) +
+         formatted("robots at %.1f m/s are blurred by %.2f pixels: ", speed, exposure_us * kMaxBlur_px / limit_us) +
              exposure_advice(picture, exposure_us, limit_us, focus.has_value()));
   }
   out["notes"] = notes;

@@ -16,12 +16,17 @@ int main(int argc, char** argv) {
   touchline::setup::SetupOptions options{"/etc/touchline/board.toml", "/var/lib/touchline-setup",
                                          "/run/touchline-setup/setup.sock"};
   app.add_option("--board", options.board, "Board file to set up; venue and team file lie beside it")
+      ->type_name("FILE")
       ->capture_default_str();
-  app.add_option("--state", options.folder, "Folder for the draft")->capture_default_str();
+  app.add_option("--state", options.folder, "Folder for the draft")->type_name("DIR")->capture_default_str();
   app.add_option("--socket", options.socket, "Unix socket for the firmware")
+      ->type_name("PATH")
       ->capture_default_str()
-      ->check(
-          CLI::Validator([](std::string& path) { return path.size() < 108 ? "" : "has more than 107 bytes"; }, "PATH"));
+      ->check(CLI::Validator([](std::string& path) { return path.size() < 108 ? "" : "has more than 107 bytes"; }, ""));
+  touchline::add_examples(app,
+                          {{"touchline-setup", "serve as the installed service does"},
+                           {"touchline-setup --board hall/board.toml --state draft --socket setup.sock",
+                            "serve `touchline run --board hall/board.toml --set console.setup_socket=setup.sock`"}});
   if (const auto exit_code = touchline::parse_arguments(app, argc, argv)) return *exit_code;
 
   // Writing to a terminal that is gone, or to a firmware that is, must not end the program.

@@ -22,7 +22,7 @@ namespace {
 
 // As the advice of touchline-calibrate colors.
 constexpr double kLookAlike_levels = 20;
-constexpr std::size_t kMostPairs = 12;
+constexpr std::size_t kMaxPairs = 12;
 
 nlohmann::json layouts_json() {
   nlohmann::json out = nlohmann::json::array();
@@ -87,7 +87,7 @@ nlohmann::json similar_json(const config::TeamFile& file, const config::VenueFil
   std::sort(pairs.begin(), pairs.end(), [](const auto& a, const auto& b) {
     return a.at("levels").template get<double>() < b.at("levels").template get<double>();
   });
-  if (pairs.size() > kMostPairs) pairs.erase(pairs.begin() + kMostPairs, pairs.end());
+  if (pairs.size() > kMaxPairs) pairs.erase(pairs.begin() + kMaxPairs, pairs.end());
   return pairs;
 }
 

@@ -13,7 +13,7 @@ using Lines = std::vector<std::string_view>;
 
 constexpr std::size_t kContext = 3;
 // The table of the longest common subsequence has the product of both numbers of lines; 16 million entries of 2 bytes.
-constexpr std::size_t kMostEntries = std::size_t{16} << 20;
+constexpr std::size_t kMaxEntries = std::size_t{16} << 20;
 
 struct Edit {
   char sign = ' ';
@@ -39,7 +39,7 @@ std::vector<Edit> edits_between(const Lines& a, const Lines& b) {
   std::vector<Edit> out;
   for (std::size_t i = 0; i < first; ++i) out.push_back({' ', a[i]});
   std::size_t row = 0, column = 0;
-  if ((rows + 1) * (columns + 1) <= kMostEntries) {
+  if ((rows + 1) * (columns + 1) <= kMaxEntries) {
     std::vector<std::uint16_t> common((rows + 1) * (columns + 1), 0);
     const auto at = [&](std::size_t i, std::size_t j) -> std::uint16_t& { return common[i * (columns + 1) + j]; };
     for (std::size_t i = rows; i-- > 0;) {

@@ -9,7 +9,7 @@ namespace touchline::statistics {
 namespace {
 
 constexpr std::size_t kStride = 128;
-constexpr std::size_t kLeastPerBlock = 5, kLeastAbove = 5;
+constexpr std::size_t kMinPerBlock = 5, kMinAbove = 5;
 
 }  // namespace
 
@@ -52,7 +52,7 @@ std::int64_t BlockBootstrap::percentile(const BlockCounts& times_drawn, double p
 
 std::optional<Interval> BlockBootstrap::interval(double percent) const {
   const double above = (1.0 - percent / 100.0) * static_cast<double>(sorted_.size()) + 1e-9;
-  if (least_block_length_ < kLeastPerBlock || above < static_cast<double>(kLeastAbove)) return std::nullopt;
+  if (least_block_length_ < kMinPerBlock || above < static_cast<double>(kMinAbove)) return std::nullopt;
   std::mt19937_64 random(1);
   std::uniform_int_distribution<std::size_t> any_block(0, kBlocks - 1);
   std::vector<std::int64_t> found(kResamples);

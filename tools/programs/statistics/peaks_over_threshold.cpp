@@ -96,9 +96,9 @@ double with_time(const std::vector<double>& ranks) {
 }  // namespace
 
 PeaksOverThreshold::PeaksOverThreshold(std::span<const double> values) : count_(values.size()) {
-  if (count_ < kLeastValues) return;
+  if (count_ < kMinValues) return;
   const std::size_t peaks =
-      std::clamp(static_cast<std::size_t>(kShare * static_cast<double>(count_)), kLeastPeaks, kMostPeaks);
+      std::clamp(static_cast<std::size_t>(kShare * static_cast<double>(count_)), kMinPeaks, kMaxPeaks);
   std::vector<double> sorted(values.begin(), values.end());
   const auto at = sorted.end() - static_cast<std::ptrdiff_t>(peaks) - 1;
   std::nth_element(sorted.begin(), at, sorted.end());
@@ -109,7 +109,7 @@ PeaksOverThreshold::PeaksOverThreshold(std::span<const double> values) : count_(
     excesses_.push_back(values[i] - threshold_);
   }
   // Fewer if many values equal the threshold.
-  if (excesses_.size() >= kLeastPeaks / 2) fit_.emplace(excesses_);
+  if (excesses_.size() >= kMinPeaks / 2) fit_.emplace(excesses_);
 }
 
 TailTests PeaksOverThreshold::test() const { return {independence(), stationarity(), fit_probability()}; }

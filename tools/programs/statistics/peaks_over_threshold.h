@@ -21,7 +21,7 @@ struct TailTests {
 /// Davison and Smith 1990). The estimate means something only if refusal() is empty.
 class PeaksOverThreshold {
  public:
-  static constexpr std::size_t kLeastValues = 2000, kLeastPeaks = 100, kMostPeaks = 500;
+  static constexpr std::size_t kMinValues = 2000, kMinPeaks = 100, kMaxPeaks = 500;
   static constexpr double kShare = 0.05;   // of the values that are peaks, within these limits
   static constexpr double kLevel = 0.01;   // a test fails below this probability
   static constexpr double kReach = 100.0;  // longest extrapolation, in multiples of the number of values

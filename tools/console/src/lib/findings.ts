@@ -1,4 +1,4 @@
-import type { Rgb } from './protocol';
+import type { Rgb } from './message_types';
 
 /** Classes or light of a picture: values in raster order, each for a rectangle of the picture. */
 export interface ValueGrid {

@@ -1,8 +1,9 @@
 import { drawLabel } from './canvas_label';
 import { LAYER_COLORS, type LayerKey } from './layers';
 import { fieldLines } from './field_lines';
+import type { TeamName } from './message_types';
 import type { PixelMap } from './projection';
-import type { Hello, Regions, State, TeamName } from './protocol';
+import type { Hello, Regions, State } from './protocol';
 import type { Trails } from './trails';
 
 type Point = [number, number];

@@ -3,12 +3,10 @@
 // members at any time; a member that changes its meaning or disappears increases PROTOCOL.
 
 import { expandRuns, type ValueGrid } from './findings';
+import type { Rgb, TeamName } from './message_types';
 import type { SetupCommand, SetupPicture, SetupMessage } from './setup_protocol';
 
 export const PROTOCOL = 1;
-
-export type TeamName = 'own' | 'opponent';
-export type Rgb = [number, number, number];
 
 export interface Field {
   length_m: number;

@@ -2,7 +2,7 @@
 // firmware relays them. Pixels are those of the camera's full picture; (0, 0) is the center of the top-left one. Members that an older
 // program does not send are optional.
 
-import type { Rgb, TeamName } from './protocol';
+import type { Rgb, TeamName } from './message_types';
 
 export const SETUP_STEPS = ['camera', 'field', 'light', 'colors', 'robots', 'radio'] as const;
 export type StepName = (typeof SETUP_STEPS)[number];

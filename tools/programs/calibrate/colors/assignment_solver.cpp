@@ -12,9 +12,9 @@ namespace touchline::calibrate {
 namespace {
 
 // Costs in nats: a recognized robot or ball, a robot in colors that no robot has, a missing color.
-constexpr double kExplained = 4.0, kStranger = 6.0, kMissing = 8.0, kForbidden = 1e4;
+constexpr double kExplained = 4.0, kUnlistedRobot = 6.0, kMissing = 8.0, kForbidden = 1e4;
 // Standard deviation of paints of one name, and the greatest cost of a paint.
-constexpr double kPaint = 12.0, kLeastLikely = 14.0;
+constexpr double kPaint = 12.0, kMaxPaintCost = 14.0;
 // Standard deviation of the shades of one color under uneven light, the cost of a further shade, and the least decrease
 // of the whole cost by it.
 constexpr double kShade = 14.0, kFurtherShade = 0.5, kWorthAShade = 1.0;
@@ -53,8 +53,8 @@ class Solver {
   // Under uneven light the patches of a color form several clusters, and no single distance separates all colors: adds
   // clusters to colors as further shades as long as this explains more robots.
   void add_shades(PatchLabels cut, const Teams& teams, const Exclusion& exclusion, Solution& best) const {
-    constexpr std::size_t kMostShades = 8;
-    for (std::size_t round = 0; round < kMostShades; ++round) {
+    constexpr std::size_t kMaxShades = 8;
+    for (std::size_t round = 0; round < kMaxShades; ++round) {
       std::size_t best_label = kNone, best_color = kNone;
       const double before = best.cost;
       std::set<std::size_t> assigned(best.label_of.begin(), best.label_of.end());
@@ -140,10 +140,10 @@ class Solver {
                   const Exclusion& exclusion) const {
     if (fixed(label) != kNone) return kForbidden;  // it has its color
     if (exclusion.color == color && difference(label.lab, exclusion.lab) < kSame) return kForbidden;
-    if (!expected[color]) return kLeastLikely / 2;
-    if (!is_plausible(input_.colors[color].look, label.rgb)) return kLeastLikely;
+    if (!expected[color]) return kMaxPaintCost / 2;
+    if (!is_plausible(input_.colors[color].look, label.rgb)) return kMaxPaintCost;
     const double d = dissimilarity(label.lab, *expected[color]) / kPaint;
-    return std::min(kLeastLikely, d * d / 2);
+    return std::min(kMaxPaintCost, d * d / 2);
   }
 
   // Ball candidates of a label are patches that no marker uses. A single one in a picture counts as a recognized ball.
@@ -152,7 +152,7 @@ class Solver {
     double cost = 0;
     for (const std::size_t p : label.patches) {
       if (in_markers[p]) {
-        cost += kStranger;
+        cost += kUnlistedRobot;
       } else if (is_ball_[p]) {
         ++alone[input_.picture[p]];
       }
@@ -194,7 +194,7 @@ class Solver {
       }
       const std::size_t r = robot(*m, cut, color_of);
       const bool explained = r != kNone && seen.insert({m->picture, m->team, r}).second;
-      cost += explained ? -kExplained : kStranger;
+      cost += explained ? -kExplained : kUnlistedRobot;
       if (explained) out.named.push_back({m->picture, m->team, r, m->patches[0], m->patches});
       if (r == kNone) out.unlisted.push_back({m->picture, m->team, kNone, m->patches[0], m->patches});
       ++(explained ? out.robots : out.unknown_robots);
@@ -214,8 +214,8 @@ class Solver {
   }
 
   // Cost of a label as identification color without its appearance: each patch contributes its part of a marker. A
-  // label that shows no robot of the team file is as costly as a missing color; one that also shows strangers may still
-  // be better than that, so that a robot of others does not take a color away.
+  // label that shows no robot of the team file is as costly as a missing color; one that also shows unlisted robots may
+  // still be better than that, so that a robot of others does not take a color away.
   std::vector<std::vector<double>> roles(const PatchLabels& cut,
                                          const std::vector<const MarkerCandidate*>& markers) const {
     std::vector<std::vector<double>> cost(input_.colors.size(), std::vector<double>(cut.labels.size(), 0.0));
@@ -231,7 +231,7 @@ class Solver {
           if (fixed(cut.labels[label]) != kNone) continue;
           const auto robots = std::count_if(team.robots.begin(), team.robots.end(),
                                             [&](const RobotMarking& r) { return r.colors[k - 1] == c + 1; });
-          cost[c][label] += (before < robots ? -kExplained : kStranger) / part;
+          cost[c][label] += (before < robots ? -kExplained : kUnlistedRobot) / part;
           explains[c][label] = explains[c][label] || before < robots;
         }
       }
@@ -351,7 +351,7 @@ class Solver {
       if (label.shade == kNone) continue;
       const std::size_t main = label_of[label.shade] != kNone ? label_of[label.shade] : cut.named(label.shade);
       const double d = main == kNone ? 0.0 : difference(label.lab, cut.labels[main].lab) / kShade;
-      cost += main == kNone ? kForbidden : kFurtherShade + std::min(kLeastLikely, d * d / 2);
+      cost += main == kNone ? kForbidden : kFurtherShade + std::min(kMaxPaintCost, d * d / 2);
     }
     return cost;
   }

@@ -286,8 +286,7 @@ Result<DetectedColors> auto_detect_colors(const VenueDraft& venue, const TeamCol
     for (FoundPatch& patch : patches) {
       if (input.ball != kBackground && patch.elongation < kBallElongation) {
         const double relative = relative_area(patch, camera, size_of(team.marker.ball));
-        if (relative >= kLeastRelativeArea && relative <= kMostRelativeArea)
-          input.balls.push_back(input.patches.size());
+        if (relative >= kMinRelativeArea && relative <= kMaxRelativeArea) input.balls.push_back(input.patches.size());
       }
       numbers.push_back(input.patches.size());
       input.patches.push_back(std::move(patch));

@@ -10,20 +10,20 @@ namespace touchline::calibrate {
 namespace {
 
 // Standard deviation of paints of one name, and the greatest dissimilarity of a pixel to the name.
-constexpr double kBallPaint = 14.0, kMostUnlikeBall = 50.0;
+constexpr double kBallPaint = 14.0, kMaxBallDissimilarity = 50.0;
 // Least part of the ball's disk that must look like it, and greatest elongation of that part.
-constexpr double kLeastPart = 0.18, kMostElongated = 1.7;
+constexpr double kMinPart = 0.18, kMaxBallElongation = 1.7;
 // Least brightness of the ball's pixels relative to its lit part, which is this quantile.
-constexpr double kLitQuantile = 0.9, kLeastLit = 0.5;
+constexpr double kLitQuantile = 0.9, kMinLit = 0.5;
 // Part of the disk that usually looks like the ball, the cost if nothing does, and the cost if everything in a ring
 // around the ball (in radii) differs from the floor.
 constexpr double kUsualPart = 0.5, kUncovered = 4.0, kRingBegin = 1.4, kRingEnd = 2.0, kSurrounded = 8.0;
 // Radius of the search around a candidate, which may be only the rim of one side, in radii of the ball.
 constexpr double kSearchRadius = 1.5;
 // Relative areas of the candidates: part of the ball, or the ball with a line.
-constexpr double kLeastRelative = 0.2, kMostRelative = 2.2;
+constexpr double kMinRelativeBallArea = 0.2, kMaxRelativeBallArea = 2.2;
 // Least difference to the next best candidate in nats.
-constexpr double kLeastBallMargin = 3.0;
+constexpr double kMinBallMargin = 3.0;
 
 class BallInference {
  public:
@@ -64,7 +64,7 @@ class BallInference {
     for (const FoundPatch& candidate : candidates) {
       if (is_on_robot(picture.number, candidate)) continue;
       const double relative = relative_area(candidate, camera_, size_);
-      if (relative < kLeastRelative || relative > kMostRelative) continue;
+      if (relative < kMinRelativeBallArea || relative > kMaxRelativeBallArea) continue;
       FoundPatch patch = like_ball(candidate, picture.picture);
       if (patch.pixels.empty()) continue;
       const double d = dissimilarity(patch.lab, expected_) / kBallPaint;
@@ -80,7 +80,7 @@ class BallInference {
           std::hypot(patch.center.u_px - at.u_px, patch.center.v_px - at.v_px) > static_cast<float>(patch.radius_px);
       if (elsewhere) margin = std::min(margin, cost - found[0].first);
     }
-    if (margin < kLeastBallMargin) return;
+    if (margin < kMinBallMargin) return;
     AssignedColor& color = assignment_.colors[ball_];
     color.rgb = found[0].second.rgb;
     color.dissimilarity = dissimilarity(found[0].second.lab, expected_);
@@ -122,7 +122,7 @@ class BallInference {
       const auto column = seed % width, row = seed / width;
       const PixelPoint at{static_cast<float>(column), static_cast<float>(row)};
       FoundPatch patch = patch_of(image, at, growth_radius_px(at, camera_, {size_}), std::move(region));
-      if (relative_area(patch, camera_, size_) >= kLeastRelative) out.push_back(std::move(patch));
+      if (relative_area(patch, camera_, size_) >= kMinRelativeBallArea) out.push_back(std::move(patch));
     }
     return out;
   }
@@ -134,7 +134,7 @@ class BallInference {
     const Channels rgb = to_rgb8(image.at(u, v), image.space);
     const Lab lab = lab_of({static_cast<double>(rgb[0]), static_cast<double>(rgb[1]), static_cast<double>(rgb[2])});
     const double own = dissimilarity(lab, expected_);
-    return own < kMostUnlikeBall &&
+    return own < kMaxBallDissimilarity &&
            std::none_of(assignment_.colors.begin(), assignment_.colors.end(), [&](const AssignedColor& c) {
              return !c.patches.empty() && dissimilarity(lab, lab_of(c.rgb)) < own;
            });
@@ -179,10 +179,10 @@ class BallInference {
     }
     keep_lit(ball.pixels, brightness);
     keep_disk(ball.pixels, image, std::sqrt(area / std::numbers::pi));
-    if (static_cast<double>(ball.pixels.size()) < kLeastPart * area) return {};
+    if (static_cast<double>(ball.pixels.size()) < kMinPart * area) return {};
     FoundPatch out = patch_of(image, candidate.center, candidate.radius_px, std::move(ball));
     out.sampled = true;
-    return out.elongation < kMostElongated ? out : FoundPatch{};
+    return out.elongation < kMaxBallElongation ? out : FoundPatch{};
   }
 
   // Leaves out the glow of a ball on the floor in its shadow, which has its hue, and its rim, if a part is lit.
@@ -192,7 +192,7 @@ class BallInference {
     const auto lit =
         sorted.begin() + static_cast<std::ptrdiff_t>(kLitQuantile * static_cast<double>(sorted.size() - 1));
     std::nth_element(sorted.begin(), lit, sorted.end());
-    const double least = kLeastLit * *lit;
+    const double least = kMinLit * *lit;
     std::size_t kept = 0;
     for (std::size_t i = 0; i < pixels.size(); ++i) {
       if (brightness[i] >= least) pixels[kept++] = pixels[i];

@@ -9,7 +9,7 @@ namespace touchline::calibrate {
 namespace {
 
 // Smaller pieces are edges of patches, not shades of the color.
-constexpr double kLeastShare = 0.015;
+constexpr double kMinShare = 0.015;
 
 struct Piece {
   ColorBox box;
@@ -51,7 +51,7 @@ std::vector<Piece> without(ColorBox rest, const ColorBox& common, const Learning
     }
     if (best_side == kSides) return pieces;
     set_side(rest, best_side, side_value(common, best_side));
-    if (best.share < kLeastShare) continue;
+    if (best.share < kMinShare) continue;
     std::vector<ColorCount> own;
     std::copy_if(pixels.begin(), pixels.end(), std::back_inserter(own),
                  [&](const ColorCount& p) { return contains(best.box, p.value); });

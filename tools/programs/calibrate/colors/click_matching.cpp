@@ -52,8 +52,8 @@ Result<FoundPatch> patch_from(const Click& click, const ChannelImage& image, con
     double least = std::numeric_limits<double>::infinity(), most = 0;
     for (const PatchSize& size : sizes) {
       const double expected = static_cast<double>(patch.pixels.size()) / relative_area(patch, camera, size);
-      least = std::min(least, kLeastRelativeArea * expected);
-      most = std::max(most, kMostRelativeArea * expected);
+      least = std::min(least, kMinRelativeArea * expected);
+      most = std::max(most, kMaxRelativeArea * expected);
     }
     return failure(ErrorCode::kNotFound,
                    "the region of one color around it has %zu pixels; patches of the team file have %.0f to %.0f there",

@@ -14,7 +14,7 @@ namespace {
 namespace fs = std::filesystem;
 
 // More pictures than these show the lamps as they are, and take time.
-constexpr std::size_t kMostTriedPictures = 4;
+constexpr std::size_t kMaxTriedPictures = 4;
 
 // Colors that some of the clicks or pictures lead to, and how well they do.
 struct Trial {
@@ -63,7 +63,7 @@ Result<Trial> try_clicks(const ColorFiles& files, const ColorFitInput& input, co
 // color may look like those of another.
 Result<DetectedColors> detect_without_clicks(const ColorFiles& files, const ColorFitInput& input) {
   TOUCHLINE_TRY_ASSIGN(Trial best, try_clicks(files, input, {}));
-  if (input.pictures.size() == 1 || input.pictures.size() > kMostTriedPictures) return std::move(best.found);
+  if (input.pictures.size() == 1 || input.pictures.size() > kMaxTriedPictures) return std::move(best.found);
   for (const auto& [image, picture] : input.pictures) {
     Trial one;
     Result<DetectedColors> found = auto_detect_colors(files.draft, files.colors, {}, {{image, picture}});

@@ -20,7 +20,7 @@ constexpr int kEdge_px = 3;
 constexpr double kEdgeShare = 0.03;
 
 // Least distance of two colors in levels: twice the change by lamp flicker and a tilted robot.
-constexpr int kLeastPairMargin = 20;
+constexpr int kMinPairMargin = 20;
 
 // So many patches of a color show the light on the field: a team's needs no boxes for other light, in which mixed
 // pixels of edges could join patches, and neither does the ball's.
@@ -107,7 +107,7 @@ class Fitter {
     learning.brightest = brightest();
     if (!learning.background.empty()) out_.background = median(learning.background);
     TOUCHLINE_TRY_ASSIGN(out_.learned, learn_boxes(learning, input_.rules));
-    out_.advice = advise(learning, input_.rules, out_.shown_rgb, out_.learned.margins, kLeastPairMargin);
+    out_.advice = advise(learning, input_.rules, out_.shown_rgb, out_.learned.margins, kMinPairMargin);
     TOUCHLINE_TRY(judge());
     return std::move(out_);
   }

@@ -19,6 +19,7 @@
 #include "tools/programs/calibrate/colors/other_light.h"
 #include "tools/programs/calibrate/venue/confirmation.h"
 #include "tools/programs/calibrate/venue/venue_draft.h"
+#include "tools/programs/command_line/command_line.h"
 #include "tools/programs/command_line/formatted.h"
 
 namespace touchline::calibrate {
@@ -31,32 +32,42 @@ namespace fs = std::filesystem;
 void ColorsCommand::add_options(CLI::App& app) {
   app.add_option("--picture", pictures,
                  "Picture of standing robots and ball: detects the colors without clicks; repeatable")
+      ->type_name("FILE")
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   app.add_option("--samples", samples,
-                 "JSON file of clicks: {\"samples\":[{\"image\",\"color\",\"u\",\"v\"}]}, or \"box\":[u0,v0,u1,v1]");
+                 "JSON file of clicks: {\"samples\":[{\"image\",\"color\",\"u\",\"v\"}]}, or \"box\":[u0,v0,u1,v1]")
+      ->type_name("FILE");
   app.add_option("--click", clicked,
                  "COLOR,U,V: pixel of a patch of this color in the first --picture, or COLOR,U,V,PICTURE; repeatable")
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   app.add_option("--venue", venue, "Venue file; its camera model, light map and region of interest are used")
-      ->required();
-  app.add_option("--images", images, "Folder of the pictures in the JSON file (default: the folder of the JSON file)");
-  app.add_option("--team", team, "Team file: each of its colors must have a click or be detected");
+      ->required()
+      ->type_name("FILE");
+  app.add_option("--images", images, "Folder of the pictures in the JSON file (default: the folder of the JSON file)")
+      ->type_name("DIR");
+  app.add_option("--team", team, "Team file: each of its colors must have a click or be detected")->type_name("FILE");
   std::vector<std::string> formats;
   formats.reserve(hal::kCameraFormats.size());
   for (const Choice<hal::CameraFormat>& choice : hal::kCameraFormats) formats.emplace_back(choice.word);
-  app.add_option("--format", format, "Format of the camera, as camera.format in board.toml")
-      ->check(CLI::IsMember(formats));
+  app.add_option("--format", format, "Format of the camera, as camera.format in board.toml")->check(one_of(formats));
   app.add_option("--patch-radius", patch_radius_px, "Greatest distance of a patch's pixels from the click, px")
       ->check(CLI::Range(3, 200));
-  app.add_option("--preview", preview, "Folder for pictures of the detected patches and of classified pixels");
+  app.add_option("--preview", preview, "Folder for pictures of the detected patches and of classified pixels")
+      ->type_name("DIR");
   app.add_flag("--yes", yes, "Accept colors that were detected without clicks, without asking");
   app.add_flag("--accept", accept,
                "Write the colors although the self-check missed robots or the ball in the pictures");
   app.add_option("--odd-color", odd_colors, "Color whose patches do not look like its name; repeatable")
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  add_examples(
+      app,
+      {{"touchline-calibrate colors --picture robots.png --venue venue.toml --team team.toml --format yuyv",
+        "find robots and ball, and ask whether they are right"},
+       {"touchline-calibrate colors --picture robots.png --click orange,312,200 --venue venue.toml --team team.toml",
+        "say where one patch of a color is"}});
 }
 
 // The default is a folder next to the venue file.

@@ -10,11 +10,11 @@ namespace touchline::calibrate {
 namespace {
 
 // Least difference in negative log-likelihood to the next best assignment: a probability of 95 %.
-constexpr double kLeastCostMargin = 3.0;
+constexpr double kMinCostMargin = 3.0;
 // Greatest difference from the expected appearance of a color name; the names themselves are 30 to 100 apart.
-constexpr double kMostUnlike = 55.0;
+constexpr double kMaxDissimilarity = 55.0;
 // With less difference, another patch that might have the color does not matter: the self-check shows a wrong choice.
-constexpr double kLooksRight = 30.0;
+constexpr double kMatchingDissimilarity = 30.0;
 
 // More robots that contradict the team file than robots that match it.
 bool contradicts_team_file(const Assignment& assignment) { return assignment.unknown_robots > assignment.robots; }
@@ -65,16 +65,16 @@ class Doubts {
           {formatted("%s: no patch was found in %s; show a further picture in which %s, or click on %s", name,
                      searched().c_str(), wish(c).c_str(), c + 1 == input_.ball ? "it" : "one of its patches"),
            any_click(c)});
-    } else if (color.dissimilarity > kMostUnlike && !has_hue_of(wanted.look, color.rgb)) {
+    } else if (color.dissimilarity > kMaxDissimilarity && !has_hue_of(wanted.look, color.rgb)) {
       out_.push_back(
           {formatted("%s: the remaining patches do not look like it (difference %.0f); click on one of its patches",
                      name, color.dissimilarity) +
                beside_clicks(c),
            any_click(c), c});
       // An unusual paint of the right hue for which there is no other patch is no doubt.
-    } else if (color.margin < kLeastCostMargin && !(color.same && c + 1 != input_.ball) &&
+    } else if (color.margin < kMinCostMargin && !(color.same && c + 1 != input_.ball) &&
                !(color.alone && has_hue_of(wanted.look, color.rgb)) &&
-               (!color.alternative.empty() || !wanted.look || color.dissimilarity > kLooksRight)) {
+               (!color.alternative.empty() || !wanted.look || color.dissimilarity > kMatchingDissimilarity)) {
       const char* const other = color.alternative.empty() ? "another patch" : color.alternative.c_str();
       if (was_clicked(c, example(c), input_.picture[color.patches.front()])) {
         out_.push_back({formatted("%s: could also be %s although %s was clicked on; show a further picture in which %s",

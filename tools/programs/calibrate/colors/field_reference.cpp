@@ -21,7 +21,7 @@ constexpr float kRobot_m = 0.1f;
 constexpr float kRobotWithoutModel_px = 24.0f;
 constexpr float kOutside_m = 0.25f;
 // Smaller regions are noise, larger ones (a share of the picture's width or height) are floor or furniture.
-constexpr std::uint32_t kLeastArea_px = 8;
+constexpr std::uint32_t kMinArea_px = 8;
 constexpr unsigned kLargest_share = 4;
 
 class Coverage {
@@ -96,15 +96,15 @@ double brightness_of(const FieldCells& field) {
 
 // Whether both pictures were taken in the same light: most of the cells that both show differ little in each channel.
 bool has_light_of(const FieldCells& field, const FieldCells& other) {
-  constexpr double kMostChange = 0.1;  // logarithm of the ratio
-  constexpr double kDark = 2.0;        // of a cell's sum, hardly more than noise
+  constexpr double kMaxChange = 0.1;  // logarithm of the ratio
+  constexpr double kDark = 2.0;       // of a cell's sum, hardly more than noise
   for (std::size_t c = 0; c < 3; ++c) {
     std::vector<double> ratios;
     for (std::size_t cell = 0; cell < field.size(); ++cell) {
       if (!field[cell] || !other[cell]) continue;
       ratios.push_back(((*field[cell])[c] + kDark) / ((*other[cell])[c] + kDark));
     }
-    if (!ratios.empty() && std::abs(std::log(statistics::median(ratios))) > kMostChange) return false;
+    if (!ratios.empty() && std::abs(std::log(statistics::median(ratios))) > kMaxChange) return false;
   }
   return true;
 }
@@ -129,7 +129,7 @@ void cover_colors(const ColorFitInput& input, const ColorFit& fit, const Frame& 
   (void)scan.scanner.scan(frame, scan.runs, scan.regions);  // regions that do not fit are small noise
   for (const Region& region : scan.regions) {
     const PixelBox& box = region.box;
-    if (region.area_px < kLeastArea_px || kLargest_share * (box.right - box.left) > frame.width_px ||
+    if (region.area_px < kMinArea_px || kLargest_share * (box.right - box.left) > frame.width_px ||
         kLargest_share * (box.bottom - box.top) > frame.height_px) {
       continue;
     }

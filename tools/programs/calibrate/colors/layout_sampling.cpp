@@ -16,11 +16,11 @@ using PlanePoint = std::complex<double>;
 constexpr double kLongAxis = 1.5;
 // Part of an outline's length and width that is sampled: chroma bleeds over the rest.
 constexpr double kInnerPart = 0.6;
-constexpr std::size_t kLeastPixels = 4;
+constexpr std::size_t kMinPixels = 4;
 // Pixels within this distance of the median have its color.
 constexpr double kSameColor = 30.0;
 // A dark patch is not a shadow if it is at least this different and saturated.
-constexpr double kLeastContrast = 8.0, kLeastSaturation = 0.25;
+constexpr double kMinContrast = 8.0, kMinSaturation = 0.25;
 
 FieldPoint field_point(PlanePoint at) { return {static_cast<float>(at.real()), static_cast<float>(at.imag())}; }
 
@@ -58,7 +58,7 @@ double LayoutView::tolerance_m(PlanePoint at) const {
 
 bool LayoutView::fits(const FoundPatch& patch, std::size_t place) const {
   const double relative = relative_area(patch, camera, size_of(layout.patches[place], layout));
-  return relative >= kLeastRelativeArea && relative <= kMostRelativeArea;
+  return relative >= kMinRelativeArea && relative <= kMaxRelativeArea;
 }
 
 std::vector<double> LayoutView::headings(const std::vector<FoundPatch>& patches,
@@ -131,7 +131,7 @@ std::optional<PlaceSample> sample_place(const LayoutView& view, std::size_t plac
       for (std::size_t c = 0; c < 3; ++c) values[c].push_back(image.at(u, v)[c]);
     }
   }
-  if (out.pixels.size() < kLeastPixels) return std::nullopt;
+  if (out.pixels.size() < kMinPixels) return std::nullopt;
   for (std::size_t c = 0; c < 3; ++c) out.median[c] = statistics::median(values[c]);
   const auto even = std::count_if(out.pixels.begin(), out.pixels.end(), [&](std::size_t pixel) {
     return color_distance(image.pixels[pixel], out.median, image.space) <= kSameColor;
@@ -141,8 +141,8 @@ std::optional<PlaceSample> sample_place(const LayoutView& view, std::size_t plac
   out.contrast = color_distance(out.median, floor, image.space);
   const Channels shown = to_rgb8(out.median, image.space);
   const bool colored =
-      out.contrast >= kLeastContrast && saturation({static_cast<double>(shown[0]), static_cast<double>(shown[1]),
-                                                    static_cast<double>(shown[2])}) >= kLeastSaturation;
+      out.contrast >= kMinContrast && saturation({static_cast<double>(shown[0]), static_cast<double>(shown[1]),
+                                                  static_cast<double>(shown[2])}) >= kMinSaturation;
   out.on_top = colored || differs_from_floor(out.median, floor, image.space);
   return out;
 }

@@ -22,11 +22,11 @@ constexpr double kLogGainSigma = 0.5, kLogTintSigma = 0.2, kMeanLitGlare = 0.06;
 // Pixels of a color that stand for all.
 constexpr std::size_t kShades = 16;
 // Least share of a color's light that a further box must add, and the number of such boxes of a color.
-constexpr double kLeastGain = 0.015;
-constexpr std::size_t kMostAdded = 4;
+constexpr double kMinGain = 0.015;
+constexpr std::size_t kMaxAdded = 4;
 // How many times more likely than any other color a box must make its own: one that is found by its box, or one that is
 // not.
-constexpr double kLeastOdds = 10.0, kLeastOddsOfIdentification = 2.0;
+constexpr double kMinOdds = 10.0, kMinOddsOfIdentification = 2.0;
 // Least distance of a box from gray, in levels.
 constexpr int kFromGray = 12;
 
@@ -168,7 +168,7 @@ class Widening {
   }
 
   void widen(std::size_t color) {
-    for (std::size_t added = 0; added < kMostAdded && !boxes_.full(); ++added) {
+    for (std::size_t added = 0; added < kMaxAdded && !boxes_.full(); ++added) {
       WeightVolume missing;
       for (const LitShades& shades : lit_[color]) {
         for (const LitPixel& pixel : shades) {
@@ -177,7 +177,7 @@ class Widening {
       }
       missing.sum_up();
       std::optional<CellBox> best;
-      double most = kLeastGain;
+      double most = kMinGain;
       for (const LitShades& shades : lit_[color]) {
         std::optional<CellBox> box = core_in_light(color, shades);
         if (!box) continue;
@@ -223,7 +223,7 @@ class Widening {
       if (real_[c].in(box) > rules_.other_share * real_[c].total()) return false;
       const bool is_identification =
           input_.colors[c].use == ColorUse::kIdentification && input_.colors[color].use == ColorUse::kTeam;
-      const double odds = is_identification ? kLeastOddsOfIdentification : kLeastOdds;
+      const double odds = is_identification ? kMinOddsOfIdentification : kMinOdds;
       if (odds * lit_volume_[c].in(box) > own) return false;
     }
     return std::none_of(boxes_.begin(), boxes_.end(), [&](const ColorBox& other) {

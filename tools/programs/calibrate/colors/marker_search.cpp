@@ -25,7 +25,7 @@ class Search {
                              kCenterError_px / static_cast<double>(camera.scale_px_per_m(at, layout.height_m)));
       for (std::size_t place = 0; place < layout.patches.size(); ++place) {
         const double relative = relative_area(patch, camera, size_of(layout.patches[place], layout));
-        fits_[place].push_back(relative >= kLeastRelativeArea && relative <= kMostRelativeArea);
+        fits_[place].push_back(relative >= kMinRelativeArea && relative <= kMaxRelativeArea);
       }
     }
   }

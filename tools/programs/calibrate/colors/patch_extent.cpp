@@ -16,7 +16,7 @@ namespace {
 constexpr double kReach = 3.0;
 // Patches that are cut by hand differ by up to an eighth.
 constexpr double kNotable = 0.15;
-constexpr std::size_t kLeastPatches = 3;
+constexpr std::size_t kMinPatches = 3;
 // Part of the pixels beside a region that the patch covers: they are mixed with the neighbor, so that growth stops.
 // Between 0.28 and 0.38 in pictures of the arena with patches of 6 to 10 pixels.
 constexpr double kCoveredBeside = 1.0 / 3;
@@ -116,7 +116,7 @@ std::string describe_scales(const std::array<PatchScale, 2>& scales) {
   std::string text;
   for (std::size_t team = 0; team < scales.size(); ++team) {
     const PatchScale& scale = scales[team];
-    if (scale.patches < kLeastPatches || std::abs(scale.ratio - 1) < kNotable) continue;
+    if (scale.patches < kMinPatches || std::abs(scale.ratio - 1) < kNotable) continue;
     text += formatted(
         "%s%s: patches are %.0f %% %s than the layout says (median of %zu): measure them and correct length_m and "
         "width_m of [[layout.patch]] in the team file",

@@ -17,7 +17,7 @@ namespace {
 // floor exceeds it.
 constexpr double kDiffersFromFloor = 16.0;
 // More elongated regions are lines: the longest patches (2 : 1) reach 2.2 with blur.
-constexpr double kMostElongation = 3.0;
+constexpr double kMaxElongation = 3.0;
 // Least distance between seeds: next to a patch the colors are mixed, and neighboring seeds give the same region. In
 // large pictures it is a part of the diameter of the smallest object, so that the work for a pixel of the picture is
 // bounded. Small objects keep a seed every third pixel.
@@ -72,7 +72,7 @@ std::vector<FoundPatch> clearest(std::vector<FoundPatch> patches, std::vector<Fo
 // On a textured floor every spot is a patch, and the texture repeats: keeps the patches that differ most from the floor
 // and whose color is rare, if there are more than any two teams can have. The order remains.
 void keep_rarest(std::vector<FoundPatch>& patches, const ChannelImage& image, const LocalBackground& floor) {
-  if (patches.size() <= kMostPatches) return;
+  if (patches.size() <= kMaxFoundPatches) return;
   std::map<std::array<int, 3>, double> count;  // patches by color; a cell and its neighbors are one color
   constexpr double kColorCell = 7.0;  // shades of a paint are up to 9 apart (kSame): within a cell or to the next one
   const auto cell_of = [](const Lab& lab) {
@@ -95,8 +95,8 @@ void keep_rarest(std::vector<FoundPatch>& patches, const ChannelImage& image, co
     const double contrast = color_distance(channels_of(patch.rgb, image.space), floor.at(u, v), image.space);
     rank.emplace_back(alike / std::max(1.0, contrast), p);
   }
-  std::nth_element(rank.begin(), rank.begin() + static_cast<std::ptrdiff_t>(kMostPatches), rank.end());
-  rank.resize(kMostPatches);
+  std::nth_element(rank.begin(), rank.begin() + static_cast<std::ptrdiff_t>(kMaxFoundPatches), rank.end());
+  rank.resize(kMaxFoundPatches);
   std::vector<std::size_t> kept;
   kept.reserve(rank.size());
   for (const auto& one : rank) kept.push_back(one.second);
@@ -117,7 +117,7 @@ double expected_area_px(PixelPoint at, const CameraModel& camera, const PatchSiz
 double least_area_px(PixelPoint at, const CameraModel& camera, const std::vector<PatchSize>& sizes) {
   double least = std::numeric_limits<double>::infinity();
   for (const PatchSize& size : sizes) {
-    least = std::min(least, kLeastRelativeArea * expected_area_px(at, camera, size));
+    least = std::min(least, kMinRelativeArea * expected_area_px(at, camera, size));
   }
   return least;
 }
@@ -192,7 +192,7 @@ int growth_radius_px(PixelPoint at, const CameraModel& camera, const std::vector
 bool has_size_of_a_patch(const FoundPatch& patch, const CameraModel& camera, const std::vector<PatchSize>& sizes) {
   return std::any_of(sizes.begin(), sizes.end(), [&](const PatchSize& size) {
     const double relative = relative_area(patch, camera, size);
-    return relative >= kLeastRelativeArea && relative <= kMostRelativeArea;
+    return relative >= kMinRelativeArea && relative <= kMaxRelativeArea;
   });
 }
 
@@ -256,7 +256,7 @@ std::vector<FoundPatch> find_patches(const ChannelImage& image, const std::vecto
         if (whole.elongation > kRound || difference(whole.lab, patch.lab) > kSameShade) continue;
         patch = std::move(whole);
       }
-      if (!has_size_of_a_patch(patch, camera, sizes) || patch.elongation > kMostElongation ||
+      if (!has_size_of_a_patch(patch, camera, sizes) || patch.elongation > kMaxElongation ||
           is_shadow(patch.rgb, to_rgb8(floor.at(u, v), image.space))) {
         continue;
       }

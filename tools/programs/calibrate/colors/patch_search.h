@@ -36,13 +36,14 @@ struct FoundPatch {
 };
 
 /// The patches of two complete teams and the ball; four times over for clutter.
-inline constexpr std::size_t kPatchesOfTwoTeams = kMaxRobots * kMaxPatches + 1, kMostPatches = 4 * kPatchesOfTwoTeams;
+inline constexpr std::size_t kPatchesOfTwoTeams = kMaxRobots * kMaxPatches + 1,
+                             kMaxFoundPatches = 4 * kPatchesOfTwoTeams;
 
 /// Finds patches without clicks. Grows a region (grow_region) from each even spot that differs from the local
 /// background, and keeps it if its area is 0.35 to 1.7 times the projected area of one of the sizes (allows for shade,
 /// blur and the dark side of a ball). `inside`: see inside_mask(); pixels outside the field and its margin are ignored.
 /// Other objects of this size (white dots, logos) are found as well; color and arrangement have to exclude them. Of
-/// more than kMostPatches, those that differ most from the floor and whose color is rarest.
+/// more than kMaxFoundPatches, those that differ most from the floor and whose color is rarest.
 std::vector<FoundPatch> find_patches(const ChannelImage& image, const std::vector<std::uint8_t>& inside,
                                      const LocalBackground& floor, const CameraModel& camera,
                                      const FieldParameters& field, const std::vector<PatchSize>& sizes);
@@ -62,7 +63,7 @@ bool has_size_of_a_patch(const FoundPatch& patch, const CameraModel& camera, con
 /// Ratio of the area of the patch to the projected area of the size.
 double relative_area(const FoundPatch& patch, const CameraModel& camera, const PatchSize& size);
 
-constexpr double kLeastRelativeArea = 0.35, kMostRelativeArea = 1.7;
+constexpr double kMinRelativeArea = 0.35, kMaxRelativeArea = 1.7;
 
 PatchSize size_of(const PatchPlace& place, const MarkerLayout& layout);
 PatchSize size_of(const BallParameters& ball);

@@ -9,7 +9,7 @@
 namespace touchline::calibrate {
 namespace {
 
-constexpr std::size_t kLeastSeeds = 300;
+constexpr std::size_t kMinSeeds = 300;
 
 struct Sample {
   std::size_t pixel = 0;
@@ -53,7 +53,7 @@ Result<GrownPatch> select_in_box(const ChannelImage& image, const std::vector<st
   }
   double best = 0;
   Channels color{};
-  const std::size_t step = std::max<std::size_t>(1, samples.size() / kLeastSeeds);
+  const std::size_t step = std::max<std::size_t>(1, samples.size() / kMinSeeds);
   for (std::size_t i = 0; i < samples.size(); i += step) {
     Channels mean{};
     const double found = support(image, samples, image.pixels[samples[i].pixel], mean);

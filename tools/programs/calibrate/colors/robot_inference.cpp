@@ -11,11 +11,11 @@ namespace touchline::calibrate {
 namespace {
 
 // Greatest mean square of the residuals, and least difference to another robot or color in nats.
-constexpr double kMostMeanSquare = 1.6, kLeastMargin = 3.0, kLeastColorMargin = 1.0;
+constexpr double kMaxMeanSquare = 1.6, kMinMargin = 3.0, kMinColorMargin = 1.0;
 // Share of the pixels that are darker than white.
 constexpr double kBrightest = 0.999;
 // Least share of the pixels of a patch that have its color.
-constexpr double kLeastEven = 0.5;
+constexpr double kMinEven = 0.5;
 
 // A robot at one place with its samples, the team patch first.
 struct Standing {
@@ -143,7 +143,7 @@ class Inference {
     std::vector<PlaceSample> out;
     for (std::size_t k = 0; k < view.layout.patches.size(); ++k) {
       auto sample = sample_place(view, k, center + turn * place_of(view.layout.patches[k]), turn);
-      if (!sample || !sample->on_top || sample->even < kLeastEven) return {};
+      if (!sample || !sample->on_top || sample->even < kMinEven) return {};
       out.push_back(std::move(*sample));
     }
     return out;
@@ -198,7 +198,7 @@ class Inference {
     const FittedLight fitted = fit_light(patches, brightness_);
     standing.light = fitted.light;
     standing.cost = fitted.cost;
-    if (2 * standing.cost > kMostMeanSquare * 3 * static_cast<double>(colors.size())) return false;
+    if (2 * standing.cost > kMaxMeanSquare * 3 * static_cast<double>(colors.size())) return false;
     if (!only_here.empty()) {
       standing.only_here = *only_here.begin();
       standing.in_odd_light = is_odd(standing.light, shown_by(standing, standing.only_here), brightness_);
@@ -210,10 +210,10 @@ class Inference {
         if (c == colors[k] || !looks_[c].was_seen() || c + 1 == input_.ball) continue;
         const ShownPatch other{looks_[c], patches[k].seen};
         const double margin = explain(other, standing.light, brightness_).cost - own;
-        if (margin >= kLeastColorMargin) continue;
+        if (margin >= kMinColorMargin) continue;
         // In odd light only the color that is learned must be certain.
         if (colors[k] == standing.only_here) standing.can_undo = false;
-        if (!standing.in_odd_light || margin < -kLeastMargin) return false;
+        if (!standing.in_odd_light || margin < -kMinMargin) return false;
       }
     }
     return true;
@@ -228,7 +228,7 @@ class Inference {
     for (const Standing& other : here) {
       if (other.robot != best.robot) best.margin = std::min(best.margin, other.cost - best.cost);
     }
-    if (best.margin >= kLeastMargin) found.push_back(std::move(best));
+    if (best.margin >= kMinMargin) found.push_back(std::move(best));
   }
 
   // Without those that a click names, a color has no patches in odd light.

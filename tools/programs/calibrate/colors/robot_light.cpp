@@ -12,7 +12,7 @@ namespace {
 constexpr double kGamma = 2.2;
 // Standard deviation of the logarithm of a channel, also of a color that is known only by its name, and the greatest
 // contradiction of one channel in these.
-constexpr double kSeenSigma = 0.25, kNamedSigma = 0.6, kMostResiduals = 4.0;
+constexpr double kSeenSigma = 0.25, kNamedSigma = 0.6, kMaxResiduals = 4.0;
 // Sensor noise and black level in linear light, which hide the ratios of dark channels.
 constexpr double kNoiseFloor = 0.01;
 // Greatest value of a channel at the camera's black.
@@ -41,7 +41,7 @@ GlareCosts costs_of(const ShownPatch& patch, double gain, double white) {
       const double expected = std::min(white, gain * look.color[c] + kGlares[g]);
       double residual = std::log((patch.seen[c] + kNoiseFloor) / (expected + kNoiseFloor)) / look.sigma;
       if (look.at_black[c]) residual = std::max(0.0, residual);
-      sum += std::min(residual * residual, kMostResiduals * kMostResiduals);
+      sum += std::min(residual * residual, kMaxResiduals * kMaxResiduals);
     }
     // A wide distribution is low everywhere.
     out[g] = sum / 2 + 3 * std::log(look.sigma / kSeenSigma);

@@ -235,14 +235,14 @@ bool SelfCheck::ball_explained() const {
 
 bool SelfCheck::most_visible_explained() const {
   // As many robots of other games may stay unknown.
-  constexpr double kMost = 0.9;
+  constexpr double kMinExplainedShare = 0.9;
   std::size_t visible = 0, explained = 0;
   for (const CheckedPicture& picture : pictures) {
     if (!picture.wrong.empty()) return false;
     visible += picture.visible;
     explained += picture.explained.size();
   }
-  return static_cast<double>(explained) >= kMost * static_cast<double>(visible);
+  return static_cast<double>(explained) >= kMinExplainedShare * static_cast<double>(visible);
 }
 
 std::size_t SelfCheck::robots_explained() const {
@@ -253,10 +253,10 @@ std::size_t SelfCheck::robots_explained() const {
 
 const OtherLightResult* SelfCheck::fragile_in() const {
   // One of four may stand at the edge of a lamp; more are boxes without room.
-  constexpr double kLeast = 0.75;
+  constexpr double kMin = 0.75;
   const auto worst = std::min_element(other_light.begin(), other_light.end(),
                                       [](const auto& a, const auto& b) { return a.robots < b.robots; });
-  const double least = kLeast * static_cast<double>(robots_explained());
+  const double least = kMin * static_cast<double>(robots_explained());
   return worst != other_light.end() && static_cast<double>(worst->robots) < least ? &*worst : nullptr;
 }
 

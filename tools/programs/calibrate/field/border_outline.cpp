@@ -7,9 +7,9 @@
 namespace touchline::calibrate {
 namespace {
 
-constexpr double kLeastEnclosed = 0.1;
+constexpr double kMinEnclosed = 0.1;
 // The regions between the lines of the field are larger; specks and letters are smaller.
-constexpr double kLeastArea = 0.001;
+constexpr double kMinArea = 0.001;
 
 std::vector<std::uint8_t> brightness(const hal::Picture& picture) {
   std::vector<std::uint8_t> luma(std::size_t{picture.width_px} * picture.height_px);
@@ -110,7 +110,7 @@ std::vector<OutlinePixel> outline_of(const Grid& grid, const std::vector<std::ui
   for (std::size_t i = 0; i < grid.size(); ++i) {
     if (visited[i] != 0 || !inside(i)) continue;
     const std::vector<std::size_t> area = flood(grid, {i}, false, inside, visited);
-    if (static_cast<double>(area.size()) < kLeastArea * static_cast<double>(grid.size())) continue;
+    if (static_cast<double>(area.size()) < kMinArea * static_cast<double>(grid.size())) continue;
     for (const std::size_t k : area) {
       bool at_border = false;
       grid.neighbors(k, false, [&](std::size_t n) { at_border = at_border || in_piece[n] != 0; });
@@ -134,7 +134,7 @@ std::vector<OutlinePixel> border_outline(const hal::Picture& picture, int thresh
   }
   std::vector<std::uint8_t> seen(grid.size());
   std::vector<OutlinePixel> best;
-  std::size_t most = static_cast<std::size_t>(kLeastEnclosed * static_cast<double>(grid.size()));
+  std::size_t most = static_cast<std::size_t>(kMinEnclosed * static_cast<double>(grid.size()));
   for (std::size_t i = 0; i < grid.size(); ++i) {
     if (seen[i] != 0 || !bright(i)) continue;
     const std::vector<std::size_t> piece = flood(grid, {i}, true, bright, seen);

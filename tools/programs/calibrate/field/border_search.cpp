@@ -39,7 +39,7 @@ HoughLine refitted(const std::vector<Eigen::Vector2d>& points, const HoughLine& 
   for (const Eigen::Vector2d& p : points) {
     if (std::abs(off(line, p.x(), p.y())) < within_px) near.push_back(p);
   }
-  if (near.size() < kLeastVotes / 2) return line;
+  if (near.size() < kMinVotes / 2) return line;
   for (const Eigen::Vector2d& p : near) mean += p / static_cast<double>(near.size());
   Eigen::Matrix2d spread = Eigen::Matrix2d::Zero();
   for (const Eigen::Vector2d& p : near) spread += (p - mean) * (p - mean).transpose();
@@ -200,7 +200,7 @@ double h_of_three_points(const std::vector<OutlinePixel>& outline, const HoughLi
     const double distance = off(side, p.u_px, p.v_px);
     if (std::abs(distance) < kCollect_px[0]) near.emplace_back(along.dot(Eigen::Vector2d(p.u_px, p.v_px)), distance);
   }
-  if (near.size() < kLeastVotes) return kLargestH_px;
+  if (near.size() < kMinVotes) return kLargestH_px;
   std::sort(near.begin(), near.end());
   const auto place = [&](double from, double to) {
     const auto index = [&near](double share) {

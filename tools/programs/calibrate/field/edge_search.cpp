@@ -12,7 +12,7 @@ constexpr double kToneExponent = 2.2;
 // Spacing of the samples across a mark: a quarter of a pixel.
 constexpr double kSampleStep_px = 0.25;
 // Least contrast as a fraction of full scale. White paint reflects ten times as much light as a dark floor.
-constexpr double kLeastContrast = 0.04;
+constexpr double kMinContrast = 0.04;
 constexpr double kFlatRise = 0.35;
 // Lens and interpolation blur an edge over about this distance; beyond it each side has its own level.
 constexpr double kBlur_px = 2.0;
@@ -133,7 +133,7 @@ std::optional<double> border_in(const Profile& profile, bool innermost) {
   if (steepest < 2 * kBlurSamples || steepest + 2 * kBlurSamples >= profile.size()) return std::nullopt;
   const double dark = profile.least(steepest - 2 * kBlurSamples, steepest);
   const double bright = profile.greatest(steepest, steepest + 2 * kBlurSamples);
-  if (bright - dark < kLeastContrast) return std::nullopt;
+  if (bright - dark < kMinContrast) return std::nullopt;
   const double level = 0.5 * (bright + dark);
   int i = steepest;
   while (i > 0 && profile[i] > level) --i;
@@ -150,7 +150,7 @@ std::optional<double> line_in(const Profile& profile) {
   }
   const int widest = static_cast<int>(kWidestLine_px / kSampleStep_px);
   const double dark = std::max(profile.least(top - widest, top), profile.least(top, top + widest));
-  if (profile[top] - dark < kLeastContrast) return std::nullopt;
+  if (profile[top] - dark < kMinContrast) return std::nullopt;
   const double level = 0.5 * (profile[top] + dark);
   int left = top, right = top;
   while (left > 0 && profile[left] > level) --left;

@@ -142,7 +142,7 @@ Result<void> fit_points_once(const FieldPictures& input, const LightPicture& lig
 
 // Drivers scale pictures of another shape to the size that was asked for: 5 : 4 to 4 : 3 is the smallest such stretch,
 // 1.07. Less is a wrong length or width.
-constexpr double kLeastStretch = 0.05;
+constexpr double kMinStretch = 0.05;
 
 double stretch_of(const FieldFit& fit) {
   return static_cast<double>(fit.camera.full.fx_px) / static_cast<double>(fit.camera.full.fy_px) - 1;
@@ -157,7 +157,7 @@ Result<void> fit_points(const FieldPictures& input, const LightPicture& light, c
   FieldFitInput free_input = fit_input;
   free_input.free_aspect = true;
   if (!fit_points_once(input, light, chosen, free_input, stretched).ok() || !stretched.unrefined.empty() ||
-      std::abs(stretch_of(stretched.fit)) < kLeastStretch || !check_center_markings(light, stretched, 0).ok()) {
+      std::abs(stretch_of(stretched.fit)) < kMinStretch || !check_center_markings(light, stretched, 0).ok()) {
     return square;
   }
   found = std::move(stretched);
@@ -312,7 +312,7 @@ Result<FieldReport> calibrate_field(const FieldPictures& input, const ChosenFiel
   for (std::size_t m = 0; m < report.refinement.marks.size(); ++m) {
     is_round |= report.marks[m].radius_m > 0 && report.refinement.marks[m].used;
   }
-  if (std::abs(stretch_of(report.fit)) >= kLeastStretch && !is_round) {
+  if (std::abs(stretch_of(report.fit)) >= kMinStretch && !is_round) {
     report.doubts.push_back(formatted(
         "the pixels of this picture are %.2f times as high as wide, or length or width of the field is wrong by as "
         "much: compare with a tape, and prefer a camera mode that does not stretch",

@@ -67,9 +67,10 @@ void FieldCommand::add_options(CLI::App& app) {
   app.add_option("--picture", pictures,
                  "Picture of the field as the camera delivers it; repeatable, pictures are averaged")
       ->required()
+      ->type_name("FILE")
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-  app.add_option("--venue", venue, "Venue file; created if it does not exist")->required();
+  app.add_option("--venue", venue, "Venue file; created if it does not exist")->required()->type_name("FILE");
   app.add_option(
          "--corners", corners,
          "Pixels u,v of the corners of the field: -x-y +x-y +x+y -x+y (x along the field). Without corners and\n"
@@ -81,22 +82,30 @@ void FieldCommand::add_options(CLI::App& app) {
   app.add_option("--field-preset", preset,
                  "Size of field and goals, and markings: mirosot-middle, vsss, ssl-a (or ssl), ssl-b");
   app.add_option(
-      "--drawing", drawing,
-      "TOML file with size, border, lines and arcs of the field (docs/calibration.md), or none: only the border\n"
-      "counts, whatever is painted inside it");
+         "--drawing", drawing,
+         "TOML file with size, border, lines and arcs of the field (docs/calibration.md), or none: only the border\n"
+         "counts, whatever is painted inside it")
+      ->type_name("FILE");
   app.add_option("--length", length_m, "Length of the field, m")->check(number_range(0.1, 30.0));
   app.add_option("--width", width_m, "Width of the field, m")->check(number_range(0.1, 30.0));
   app.add_option("--camera-height", camera_height_m, "Measured height of the lens above the floor, m")
       ->check(number_range(0.1, 20.0));
   app.add_option("--kind", kind, "Camera model that the firmware uses: full, or paper (Klancar eq. 12-15)")
-      ->check(CLI::IsMember({"full", "paper"}));
+      ->check(one_of({"full", "paper"}));
   app.add_flag_callback(
       "--no-refine", [this] { refine = false; }, "Use only the given points, without refinement along the border");
   app.add_option("--roi", region, "Pixels u,v of the corners of the region of interest, three or more");
   app.add_option(
-      "--preview", preview,
-      "PNG file to write: border and markings according to the model; the residuals are drawn in NAME-errors.png");
-  app.add_option("--report", report, "JSON file to write with the complete report");
+         "--preview", preview,
+         "PNG file to write: border and markings according to the model; the residuals are drawn in NAME-errors.png")
+      ->type_name("FILE");
+  app.add_option("--report", report, "JSON file to write with the complete report")->type_name("FILE");
+  add_examples(
+      app, {{"touchline-calibrate field --picture empty.png --venue venue.toml --field-preset vsss --camera-height 2.4",
+             "find the border by itself"},
+            {"touchline-calibrate field --picture empty.png --venue venue.toml --length 2.2 --width 1.8 --corners "
+             "82,410 560,418 548,61 95,57",
+             "begin with these corners"}});
 }
 
 Result<void> FieldCommand::write_previews(const hal::Picture& photograph, const FieldReport& found,

@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kCircle_rad = 2 * std::numbers::pi;
 // Upper limit that bounds the work and catches typing errors.
-constexpr std::size_t kMostMarkings = 200;
+constexpr std::size_t kMaxMarkings = 200;
 // Markings may extend into the goals and around them.
 constexpr double kBeyondField_m = 1.0;
 // A shorter line is too short for its direction to be measured.
@@ -81,10 +81,10 @@ Result<void> check(const FieldDrawing& drawing, const config::Locations& where) 
   if (2 * drawing.border.corner_m >= std::min(length, width) - static_cast<double>(drawing.field.goal_width_m)) {
     errors.add(where.of("border.corner_m"), "border.corner_m", "must leave a part of each side of the border");
   }
-  if (drawing.line.size() + drawing.arc.size() > kMostMarkings) {
+  if (drawing.line.size() + drawing.arc.size() > kMaxMarkings) {
     errors.add(where.file(), "",
                formatted("there are %zu lines and arcs; at most %zu are possible",
-                         drawing.line.size() + drawing.arc.size(), kMostMarkings));
+                         drawing.line.size() + drawing.arc.size(), kMaxMarkings));
   }
   for (std::size_t i = 0; i < drawing.line.size(); ++i) {
     const DrawnLine& line = drawing.line[i];

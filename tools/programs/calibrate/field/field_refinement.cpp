@@ -32,13 +32,13 @@ constexpr std::array<Round, 8> kRounds{{{30, 4, 1, false},
                                         {8, 0.3, 3, true},
                                         {8, 0.3, 3, true}}};
 // Standard deviation of the position of a blurred edge before the scatter is known, and its bounds.
-constexpr double kEdgeSigma_px = 0.15, kLeastSigma_px = 0.04, kMostSigma_px = 1.5;
+constexpr double kEdgeSigma_px = 0.15, kMinSigma_px = 0.04, kMaxSigma_px = 1.5;
 // Outlier limit: farther points belong to another object.
 constexpr double kOutlier_px = 1.0;
 // Edges with a smaller residual are considered correct.
 constexpr double kClean_px = 0.17;
 // Least share of points found along a marking that counts as present.
-constexpr double kLeastSeen = 0.5;
+constexpr double kMinSeen = 0.5;
 
 // Signed distance from the model to the point found, perpendicular to its mark.
 double off_px(const CameraModel& camera, const MarkPoint& p) {
@@ -75,7 +75,7 @@ double independent_sigma(const CameraModel& camera, const std::vector<MarkPoint>
     if (part < 0.05) break;
     correlation += 2 * part;
   }
-  return std::clamp(std::sqrt(square * correlation), kLeastSigma_px, kMostSigma_px);
+  return std::clamp(std::sqrt(square * correlation), kMinSigma_px, kMaxSigma_px);
 }
 
 // Selects the points to use: those of the border and of long lines, and those of other markings that are where the
@@ -95,7 +95,7 @@ std::vector<MarkPoint> agreeing(const CameraModel& camera, const std::vector<Mar
     mark.found = near[m];
     mark.offset_px = near[m] > 0 ? sum[m] / static_cast<double>(near[m]) : 0;
     mark.used =
-        marks[m].side >= 0 || (static_cast<double>(near[m]) >= kLeastSeen * static_cast<double>(mark.tried_points) &&
+        marks[m].side >= 0 || (static_cast<double>(near[m]) >= kMinSeen * static_cast<double>(mark.tried_points) &&
                                near[m] >= 3 && std::abs(mark.offset_px) < kMarkingTolerance_px);
   }
   std::vector<MarkPoint> kept;

@@ -18,7 +18,7 @@ Result<void> check_sides(const std::vector<Mark>& marks, const std::vector<std::
   }
   std::size_t sides = 0;
   for (std::size_t i = 0; i < 4; ++i) {
-    sides += static_cast<double>(seen[i]) > kLeastSideShare * static_cast<double>(tried[i]) ? 1u : 0u;
+    sides += static_cast<double>(seen[i]) > kMinSideShare * static_cast<double>(tried[i]) ? 1u : 0u;
   }
   if (sides == 4) return {};
   return failure(ErrorCode::kNotFound, "only %zu of the four sides of the border were found", sides);
@@ -38,27 +38,27 @@ Result<void> check_camera(const PictureSize& picture, const FieldParameters& fie
       outside += inside ? 0 : 1;
     }
   }
-  if (outside > kMostOutside * 4 * kSteps) {
+  if (outside > kMaxOutsideShare * 4 * kSteps) {
     return failure(ErrorCode::kNotFound,
                    "the picture cuts off %.0f %% of the border: turn or raise the camera, or use a wider lens",
                    100.0 * outside / (4 * kSteps));
   }
-  if (static_cast<double>(report.outliers) > kMostOutliers * static_cast<double>(report.points + report.outliers)) {
+  if (static_cast<double>(report.outliers) > kMaxOutlierShare * static_cast<double>(report.points + report.outliers)) {
     return failure(
         ErrorCode::kInconsistent,
         "%zu of %zu points found along the border and the markings do not fit the drawing of the field; is the size "
         "of the field right, and is the border free of objects?",
         report.outliers, report.points + report.outliers);
   }
-  if (report.rms_px > kMostRms_px * picture.zoom) {
+  if (report.rms_px > kMaxRms_px * picture.zoom) {
     return failure(
         ErrorCode::kInconsistent,
         "the drawing of the field differs from the picture by %.2f px (RMS; at most %.2f is accepted); are length and "
         "width "
         "right?",
-        report.rms_px, kMostRms_px * picture.zoom);
+        report.rms_px, kMaxRms_px * picture.zoom);
   }
-  if (!(report.sigma.lens_chi_square < kMostLensChiSquare)) {
+  if (!(report.sigma.lens_chi_square < kMaxLensChiSquare)) {
     return failure(
         ErrorCode::kInconsistent,
         "the camera model found is implausible (%.1f m high, %.0f degrees off the vertical, focal length %.0f px, "
@@ -75,14 +75,14 @@ Result<void> check_camera(const PictureSize& picture, const FieldParameters& fie
                    "the camera model found is tilted by %.0f degrees; is the size of the field right?",
                    fit.tilt_rad * 180.0 / std::numbers::pi);
   }
-  if (!(report.sigma.floor_corner_mm < kMostFloor_mm)) {
+  if (!(report.sigma.floor_corner_mm < kMaxFloorSigma_mm)) {
     return failure(
         ErrorCode::kInconsistent,
         "the corners of the field are uncertain by %.1f mm (standard deviation): too little of the border is "
         "visible, or its contrast is too low",
         std::min(report.sigma.floor_corner_mm, 999.0));
   }
-  if (!(report.sigma.top_corner_mm < kMostTop_mm)) {
+  if (!(report.sigma.top_corner_mm < kMaxTopSigma_mm)) {
     return failure(
         ErrorCode::kInconsistent,
         "the camera points almost straight down, so its height and its focal length cannot be separated (%.2f m +- "

@@ -16,7 +16,7 @@ namespace touchline::calibrate {
 Result<void> check_sides(const std::vector<Mark>& marks, const std::vector<std::size_t>& tried_points,
                          const std::vector<MarkPoint>& found);
 // Least share of each side; beyond a side that is not visible the lens model would be extrapolated.
-inline constexpr double kLeastSideShare = 0.4;
+inline constexpr double kMinSideShare = 0.4;
 
 struct PictureSize {
   int width_px = 0, height_px = 0;
@@ -28,11 +28,11 @@ struct PictureSize {
 /// kInconsistent: the picture contradicts the size of the field or any plausible camera, or the height is uncertain.
 Result<void> check_camera(const PictureSize& picture, const FieldParameters& field, const CameraModel& model,
                           const FieldFit& fit, const RefinementReport& report);
-inline constexpr double kMostOutside = 0.05;        // share of the border
-inline constexpr double kMostOutliers = 0.35;       // share of the points
-inline constexpr double kMostRms_px = 0.45;         // multiplied by zoom
-inline constexpr double kMostLensChiSquare = 12.0;  // see CameraUncertainty
-inline constexpr double kMostTop_mm = 14.0;         // standard deviation in the worst corner
-inline constexpr double kMostFloor_mm = 5.0;        // likewise, on the floor
+inline constexpr double kMaxOutsideShare = 0.05;   // share of the border
+inline constexpr double kMaxOutlierShare = 0.35;   // share of the points
+inline constexpr double kMaxRms_px = 0.45;         // multiplied by zoom
+inline constexpr double kMaxLensChiSquare = 12.0;  // see CameraUncertainty
+inline constexpr double kMaxTopSigma_mm = 14.0;    // standard deviation in the worst corner
+inline constexpr double kMaxFloorSigma_mm = 5.0;   // likewise, on the floor
 
 }  // namespace touchline::calibrate

@@ -27,8 +27,8 @@ struct SeenMarking {
 };
 
 // A line that is displaced and turned, or a circle of another center, radius and aspect ratio. `part`: 0 to 1 along it.
-constexpr Eigen::Index kMostTerms = 5;
-using Terms = Eigen::Matrix<double, kMostTerms, 1>;
+constexpr Eigen::Index kMaxTerms = 5;
+using Terms = Eigen::Matrix<double, kMaxTerms, 1>;
 Terms curve_terms(bool is_arc, double part) {
   Terms terms = Terms::Zero();
   terms(0) = 1;
@@ -50,8 +50,8 @@ std::optional<SeenMarking> seen_near(const LightPicture& picture, const CameraMo
   const MarkPlace middle = place_on(mark, length_of(mark) / 2);
   const auto scale = static_cast<double>(
       camera.scale_px_per_m({static_cast<float>(middle.x_m), static_cast<float>(middle.y_m)}, 0.0f));
-  constexpr double kLeastReach_px = 8.0;
-  const double reach_px = std::max(kLeastReach_px, reach_m * scale);
+  constexpr double kMinReach_px = 8.0;
+  const double reach_px = std::max(kMinReach_px, reach_m * scale);
   std::vector<std::size_t> tried;
   const std::vector<MarkPoint> points = find_marks(picture, camera, {mark}, kSpacing_px, reach_px, &tried);
   if (static_cast<double>(points.size()) < kSeenShare * static_cast<double>(tried[0])) return std::nullopt;
@@ -72,8 +72,7 @@ std::optional<SeenMarking> seen_near(const LightPicture& picture, const CameraMo
   curve(0) = sorted[sorted.size() / 2];
   for (double loss_px = reach_px; loss_px > kOnCurve_px / 4; loss_px *= 0.8) {
     // Terms that a line lacks stay zero.
-    Eigen::Matrix<double, kMostTerms, kMostTerms> normal =
-        1e-6 * Eigen::Matrix<double, kMostTerms, kMostTerms>::Identity();
+    Eigen::Matrix<double, kMaxTerms, kMaxTerms> normal = 1e-6 * Eigen::Matrix<double, kMaxTerms, kMaxTerms>::Identity();
     Terms right = Terms::Zero();
     for (std::size_t i = 0; i < offsets.size(); ++i) {
       const double residual = (offsets[i] - terms[i].dot(curve)) / loss_px;
@@ -172,7 +171,7 @@ Result<void> check_center_markings(const LightPicture& picture, const FieldRepor
   }
   const double smaller_m = 2 * std::min(half_x, half_y);
   const auto scale = static_cast<double>(camera.scale_px_per_m({0.0f, 0.0f}, 0.0f));
-  const double most_m = std::max(kMostBeside_m, kOnCurve_px / scale) + tolerance_m;
+  const double most_m = std::max(kMaxMarkingOffset_m, kOnCurve_px / scale) + tolerance_m;
   for (std::size_t m = 0; m < report.marks.size(); ++m) {
     const Mark& mark = report.marks[m];
     const bool used = report.refinement.points > 0 && report.refinement.marks[m].used;

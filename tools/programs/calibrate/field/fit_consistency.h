@@ -41,6 +41,6 @@ Result<void> check_center_markings(const LightPicture& picture, const FieldRepor
 
 // A center circle that lies farther beside its drawing means that the border is wrong by about two centimeters, since
 // it has a quarter of the field's size. Paint is laid more exactly.
-inline constexpr double kMostBeside_m = 0.005;
+inline constexpr double kMaxMarkingOffset_m = 0.005;
 
 }  // namespace touchline::calibrate

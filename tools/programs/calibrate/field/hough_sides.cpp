@@ -17,7 +17,7 @@ constexpr int kUsualBend_px = 3, kUsualWidth_px = 640;
 constexpr double kSkew_rad = 0.45;
 // The sides of a rectangle are 1 to 1.7 standard deviations of its outline away from its center; the markings inside
 // are closer.
-constexpr double kLeastDeviations = 0.8;
+constexpr double kMinDeviations = 0.8;
 
 double angle_of(int a) { return std::numbers::pi * a / kAngles; }
 
@@ -93,7 +93,7 @@ bool hough_sides(const std::vector<OutlinePixel>& outline, int width_px, int hei
       const double at_middle = middle.dot(normal), deviation = std::sqrt(normal.dot(spread * normal));
       int distance = votes.first_px();
       for (const std::uint32_t near : votes.at(a)) {
-        if (near > line.votes && sign * (distance - at_middle) >= kLeastDeviations * deviation) {
+        if (near > line.votes && sign * (distance - at_middle) >= kMinDeviations * deviation) {
           line = {angle, static_cast<double>(distance), near};
         }
         ++distance;
@@ -110,7 +110,7 @@ bool hough_sides(const std::vector<OutlinePixel>& outline, int width_px, int hei
   const std::array<double, 4> directions{quarter + turn, turn, -quarter + turn, 2 * quarter + turn};
   for (std::size_t i = 0; i < 4; ++i) {
     sides[i] = best(directions[i]);
-    if (sides[i].votes < kLeastVotes) return false;
+    if (sides[i].votes < kMinVotes) return false;
   }
   return true;
 }

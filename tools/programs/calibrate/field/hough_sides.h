@@ -14,7 +14,7 @@ struct HoughLine {
   std::size_t votes = 0;
 };
 /// A side needs this number of votes.
-inline constexpr std::size_t kLeastVotes = 60;
+inline constexpr std::size_t kMinVotes = 60;
 
 /// Step 2 of find_border(): Hough transform (Duda and Hart 1972). Finds the four sides of the border: the line with
 /// most votes, the opposite line and the two lines across, in the order bottom, right, top, left. Returns false if

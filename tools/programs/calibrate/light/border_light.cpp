@@ -15,7 +15,7 @@ constexpr double kFarthest_m = kNearest_m + kStepsOutwards * kOutwards_m;
 constexpr double kCorner_m = 0.15;
 // Number of pixels that are averaged at each sampling point: the brightest ones, which lie inside the border.
 constexpr std::size_t kBrightest = 3;
-constexpr std::size_t kLeastPlaces = 40;
+constexpr std::size_t kMinPlaces = 40;
 constexpr int kRounds = 40;
 // Deviations of the logarithm: below this limit they count as squares, above as absolute values.
 constexpr double kFine = 0.01;
@@ -117,11 +117,11 @@ Result<void> border_light(const std::array<Plane, 3>& background, const std::vec
     return failure(ErrorCode::kNotFound, "the border is saturated at %zu of %zu points: shorten the exposure",
                    saturated, places.size());
   }
-  if (samples.size() < kLeastPlaces) {
+  if (samples.size() < kMinPlaces) {
     return failure(
         ErrorCode::kNotFound,
         "the border is bright enough at only %zu points; %zu are needed: check the camera model and the exposure",
-        samples.size(), kLeastPlaces);
+        samples.size(), kMinPlaces);
   }
   for (std::size_t c = 0; c < 3; ++c) {
     const Terms solution = fit(samples, c);

@@ -73,7 +73,7 @@ Result<void> require_paper(const LightFitInput& input, std::vector<std::uint8_t>
     if (picture.width_px != first.width_px || picture.height_px != first.height_px) return {};  // fit_light() says so
   }
   const PaperCheck paper = check_paper(input.pictures, floor);
-  if (paper.other_share <= kMostOther) return {};
+  if (paper.other_share <= kMaxOtherShare) return {};
   LightFitInput uncovered = input;
   uncovered.surface = LightSurface::kField;
   uncovered.floor = std::move(floor);

@@ -5,6 +5,7 @@
 #include <cstdio>
 
 #include "tools/programs/calibrate/light/light_calibration.h"
+#include "tools/programs/command_line/command_line.h"
 #include "tools/programs/command_line/progress.h"
 
 namespace touchline::calibrate {
@@ -18,20 +19,25 @@ constexpr std::size_t kManyPictures = 12;
 void LightCommand::add_options(CLI::App& app) {
   app.add_option("--picture", pictures, "Reference picture; repeatable, see --surface")
       ->required()
+      ->type_name("FILE")
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-  app.add_option("--venue", venue, "Venue file; the map is written to the same folder")->required();
+  app.add_option("--venue", venue, "Venue file; the map is written to the same folder")->required()->type_name("FILE");
   app.add_option(
          "--surface", surface,
          "Subject of the pictures. grey: the field covered with grey paper; field: the empty field (lines and\n"
          "goals are ignored); moving: a few dozen pictures of a game (moving objects are ignored); border: the\n"
          "white border around the field, for a floor that reflects the lamps. Default: grey; moving for 12 or\n"
          "more pictures")
-      ->check(CLI::IsMember({"grey", "field", "moving", "border"}));
+      ->check(one_of({"grey", "field", "moving", "border"}));
   app.add_flag(
       "--keep-normal", keep_normal,
       "Keep the learned colors although the lamps have changed: the map is relative to the light in which the\n"
       "colors were learned. Needs pictures of the same surface as then");
+  add_examples(
+      app,
+      {{"touchline-calibrate light --picture grey.png --venue venue.toml", "from the field under grey paper"},
+       {"touchline-calibrate light --picture empty.png --venue venue.toml --surface field", "from the empty field"}});
 }
 
 Result<void> LightCommand::run() const {

@@ -13,9 +13,9 @@ namespace touchline::calibrate {
 namespace {
 
 // Least share of plain floor in a cell.
-constexpr double kLeastFloorShare = 0.3;
+constexpr double kMinFloorShare = 0.3;
 // core/light limits the gain to 4; the file format ends at 65535 / 32768 = 1.99997.
-constexpr float kLeastIllumination = 0.25f, kMostIllumination = 65535.0f / 32768.0f;
+constexpr float kMinIllumination = 0.25f, kMaxIllumination = 65535.0f / 32768.0f;
 
 // The median of each pixel over all pictures: what is visible in most of them.
 Plane usual_value(const std::vector<hal::Picture>& pictures, std::size_t channel) {
@@ -97,7 +97,7 @@ Result<void> fit_light(const LightFitInput& input, LightMap& out, LightReport& r
   for (std::size_t c = 0; c < 3; ++c) background[c] = paper ? mean_value(pictures, c) : usual_value(pictures, c);
   const bool floor = !paper && !border;
   const std::vector<std::uint8_t> counts = floor ? plain_floor(background, inside, width, height) : inside;
-  const double least_share = floor ? kLeastFloorShare : 0.0;
+  const double least_share = floor ? kMinFloorShare : 0.0;
   std::vector<std::uint8_t> known(grid.cells(), 0), saturated(grid.cells(), 0), dark(grid.cells(), 0);
   std::array<Plane, 3> continued;
   if (border) {
@@ -149,7 +149,7 @@ Result<void> fit_light(const LightFitInput& input, LightMap& out, LightReport& r
     report.least[channel] = *least;
     report.most[channel] = *most;
     if (input.normal) continue;
-    factor = std::max(factor, *most / report.normal[channel] / static_cast<double>(kMostIllumination));
+    factor = std::max(factor, *most / report.normal[channel] / static_cast<double>(kMaxIllumination));
   }
   LightMap map;
   map.columns = static_cast<std::uint16_t>(grid.columns());
@@ -161,7 +161,7 @@ Result<void> fit_light(const LightFitInput& input, LightMap& out, LightReport& r
     report.most[channel] /= report.normal[channel];
     for (std::size_t i = 0; i < grid.cells(); ++i) {
       const auto ratio = static_cast<float>(smooth[channel][i] / report.normal[channel]);
-      map.illumination[channel][i] = std::clamp(ratio, kLeastIllumination, kMostIllumination);
+      map.illumination[channel][i] = std::clamp(ratio, kMinIllumination, kMaxIllumination);
       if (known[i] != 0 && ratio != map.illumination[channel][i]) clamped[i] = 1;
     }
   }

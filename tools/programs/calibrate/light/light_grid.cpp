@@ -12,15 +12,15 @@ namespace {
 
 constexpr std::size_t kMaxColumns = 64, kMaxRows = 48;
 // The median of fewer pixels is not robust.
-constexpr std::size_t kLeastCellSide_px = 4;
+constexpr std::size_t kMinCellSide_px = 4;
 
 }  // namespace
 
 LightGrid::LightGrid(std::size_t width_px, std::size_t height_px)
     : width_px_(width_px),
       height_px_(height_px),
-      columns_(std::min(kMaxColumns, std::max<std::size_t>(1, width_px / kLeastCellSide_px))),
-      rows_(std::min(kMaxRows, std::max<std::size_t>(1, height_px / kLeastCellSide_px))) {}
+      columns_(std::min(kMaxColumns, std::max<std::size_t>(1, width_px / kMinCellSide_px))),
+      rows_(std::min(kMaxRows, std::max<std::size_t>(1, height_px / kMinCellSide_px))) {}
 
 Plane LightGrid::reduce(const Plane& pixels, const std::vector<std::uint8_t>& counts, double least_share) const {
   Plane out(cells(), std::numeric_limits<double>::quiet_NaN());

@@ -11,7 +11,7 @@ using Plane = std::vector<double>;
 /// 8-bit values: from kSaturated on the sensor may be saturated; below kDark one step is more than 10 %.
 inline constexpr double kSaturated = 250.0, kDark = 10.0;
 
-/// The coarse grid of a light map: at most kMaxColumns x kMaxRows cells, each at least kLeastCellSide_px wide and high.
+/// The coarse grid of a light map: at most kMaxColumns x kMaxRows cells, each at least kMinCellSide_px wide and high.
 class LightGrid {
  public:
   LightGrid(std::size_t width_px, std::size_t height_px);

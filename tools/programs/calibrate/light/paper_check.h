@@ -22,6 +22,6 @@ PaperCheck check_paper(const std::vector<hal::Picture>& pictures, const std::vec
 
 // Half of a robot: with the two pixels around it, one is 0.3 % of a field of 2.2 x 1.8 m in 640 x 480 pixels. Paper in
 // the scenes of the tests has none, their empty fields have 3 to 8 % (lines), with ten robots 6 to 11 %.
-inline constexpr double kMostOther = 0.0015;
+inline constexpr double kMaxOtherShare = 0.0015;
 
 }  // namespace touchline::calibrate

@@ -8,6 +8,7 @@
 #include "tools/programs/calibrate/noise/noise_recorder.h"
 #include "tools/programs/calibrate/venue/confirmation.h"
 #include "tools/programs/calibrate/venue/venue_draft.h"
+#include "tools/programs/command_line/command_line.h"
 #include "tools/programs/command_line/progress.h"
 
 namespace touchline::calibrate {
@@ -50,10 +51,14 @@ void print(const NoiseReport& report) {
 }  // namespace
 
 void NoiseCommand::add_options(CLI::App& app) {
-  app.add_option("input", input, "Folder of pictures, or video, of standing robots; 100 frames or more")->required();
-  app.add_option("--venue", venue, "Venue file; section [noise] is written")->required();
-  app.add_option("--team", team, "Team file")->required();
+  app.add_option("input", input, "Folder of pictures, or video, of standing robots; 100 frames or more")
+      ->required()
+      ->type_name("PATH");
+  app.add_option("--venue", venue, "Venue file; section [noise] is written")->required()->type_name("FILE");
+  app.add_option("--team", team, "Team file")->required()->type_name("FILE");
   app.add_flag("--yes", yes, "Write the result without asking");
+  add_examples(app, {{"touchline-calibrate noise standing --venue venue.toml --team team.toml",
+                      "from the pictures in the folder standing"}});
 }
 
 Result<void> NoiseCommand::run() const {

@@ -15,7 +15,7 @@ namespace {
 using statistics::mean;
 
 // A standard deviation of this many samples is known to 13 %.
-constexpr std::size_t kFewest = 30;
+constexpr std::size_t kMinSightings = 30;
 // A sighting farther from the median belongs to something else. If many do, the object was moved.
 constexpr double kSameObject_m = 0.01, kSameObjectShare = 0.9;
 // The means of the two halves of a standing object's sightings differ by less than this many standard deviations. Slow
@@ -86,8 +86,8 @@ Result<NoiseReport> NoiseMeasurement::report(const std::array<std::string, 2>& t
       return std::nullopt;
     };
     const std::size_t seen_in = seen.x.size();
-    if (seen_in < kFewest) {
-      return leave_out(formatted("seen in %zu frames, at least %zu are needed", seen_in, kFewest));
+    if (seen_in < kMinSightings) {
+      return leave_out(formatted("seen in %zu frames, at least %zu are needed", seen_in, kMinSightings));
     }
     const double x = median(seen.x), y = median(seen.y);
     std::size_t kept = 0;
@@ -101,9 +101,9 @@ Result<NoiseReport> NoiseMeasurement::report(const std::array<std::string, 2>& t
     for (auto* values : {&seen.x, &seen.y, &seen.theta, &seen.position_var, &seen.heading_var}) {
       if (!values->empty()) values->resize(kept);
     }
-    const bool turned = !seen.theta.empty() && kept >= kFewest && has_moved(seen.theta, kSettles_rad);
+    const bool turned = !seen.theta.empty() && kept >= kMinSightings && has_moved(seen.theta, kSettles_rad);
     const double share = static_cast<double>(kept) / static_cast<double>(seen_in);
-    if (kept < kFewest || share < kSameObjectShare || turned || has_moved(seen.x, kSettles_m) ||
+    if (kept < kMinSightings || share < kSameObjectShare || turned || has_moved(seen.x, kSettles_m) ||
         has_moved(seen.y, kSettles_m)) {
       return leave_out("it moved");
     }

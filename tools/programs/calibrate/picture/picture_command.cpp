@@ -51,18 +51,24 @@ struct Streaming {
 }  // namespace
 
 void PictureCommand::add_options(CLI::App& app) {
-  app.add_option("--board", board, "Board file; its section [camera] is used")->required();
+  app.add_option("--board", board, "Board file; its section [camera] is used")->required()->type_name("FILE");
   app.add_option("--set", overrides, "KEY=VALUE of the board file for this time: --set camera.exposure_us=4000")
       ->type_name("KEY=VALUE")
       ->expected(1)
       ->take_all();
-  app.add_option("--out", out, "PNG file to write; several pictures are named NAME-1.png, NAME-2.png, ...")->required();
+  app.add_option("--out", out, "PNG file to write; several pictures are named NAME-1.png, NAME-2.png, ...")
+      ->required()
+      ->type_name("FILE");
   app.add_option("--count", count, "Number of pictures")->check(CLI::Range(1, 1000))->capture_default_str();
   app.add_option("--every", every_s, "Seconds from one picture to the next")->check(number_range(0.0, 3600.0));
   app.add_option("--after", after_s,
                  "Seconds before the first picture, in which automatic exposure and white balance settle")
       ->check(number_range(0.0, 3600.0));
-  app.footer(
+  add_examples(
+      app,
+      {{"touchline-calibrate picture --board board.toml --out empty.png", "take a picture of the field"},
+       {"touchline-calibrate picture --board board.toml --out light.png --count 5 --every 1",
+        "take five, one a second"}},
       "No robot is driven. The service must not use the camera: sudo systemctl stop touchline\n"
       "Exit codes: 0 all pictures were written, 1 a file is wrong, 2 the camera failed, 64 the command line is wrong.");
 }

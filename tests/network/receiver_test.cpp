@@ -19,7 +19,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr std::uint32_t kFieldPc = 0xc0a80114, kStranger = 0xc0a80115;
+constexpr std::uint32_t kFieldPc = 0xc0a80114, kOtherSender = 0xc0a80115;
 
 // Messages: "1" drives robot 1; "y" and "b": the referee makes us yellow or blue; "h" and "g": it halts the game, or
 // lets it go on; anything else is malformed.
@@ -178,8 +178,8 @@ TEST_F(ThreadsReceiver, RobotsThatWeDoNotHaveTakeNoPlaceInTheTable) {
 }
 
 TEST_F(ThreadsReceiver, ForeignAndMalformedMessagesChangeNothing) {
-  line_.add("1", kStranger);
-  line_.add("y", kStranger);
+  line_.add("1", kOtherSender);
+  line_.add("y", kOtherSender);
   line_.add("x", 0);
   line_.add("", 0);
   line_.add("2", 0, false);
@@ -242,8 +242,8 @@ TEST_F(Input, ExplainsEachDistinctBadMessageOfEachSenderOnce) {
 }
 
 TEST_F(Input, NamesARefusedSenderOnceAndTheKeyThatPermitsIt) {
-  for (int i = 0; i < 3; ++i) line_.add("1", kStranger, true, static_cast<std::uint16_t>(i));
-  line_.add("1", kStranger + 1);
+  for (int i = 0; i < 3; ++i) line_.add("1", kOtherSender, true, static_cast<std::uint16_t>(i));
+  line_.add("1", kOtherSender + 1);
   EXPECT_TRUE(receive().empty());
   const std::string begin = "network: vsss-referee from udp://0.0.0.0:5: messages of ";
   const std::vector<std::string> expected{
@@ -255,7 +255,7 @@ TEST_F(Input, NamesARefusedSenderOnceAndTheKeyThatPermitsIt) {
 TEST_F(Input, AFloodOfDifferentMessagesPrintsFewLines) {
   std::mt19937 random(1);
   for (std::uint32_t i = 0; i < 10000; ++i) {
-    line_.add("x", kStranger + i);
+    line_.add("x", kOtherSender + i);
     line_.add(std::string(1 + random() % 90, 'v'), 0, true, static_cast<std::uint16_t>(i));
   }
   receive();
@@ -277,7 +277,7 @@ TEST_F(Input, NoStopIsLostInAFloodOfRefusedMessages) {
   std::size_t halts = 0, sent = 0;
   for (int ms = 0; ms < 3000; ++ms) {
     now_ += 1ms;
-    for (int i = 0; i < 100; ++i) line_.add("g", kStranger + static_cast<std::uint32_t>(i % 3));
+    for (int i = 0; i < 100; ++i) line_.add("g", kOtherSender + static_cast<std::uint32_t>(i % 3));
     if (ms % 32 == 5 && sent < 93) {
       line_.add("h", kFieldPc);
       ++sent;
@@ -297,7 +297,7 @@ TEST_F(Input, NoStopIsLostInAFloodOfRefusedMessages) {
   }
   EXPECT_EQ(input_.counts().refused, 300000U);
   EXPECT_FALSE(line_.filter);
-  line_.add("g", kStranger);
+  line_.add("g", kOtherSender);
   receive();
   EXPECT_EQ(input_.counts().refused, 300001U);
 }
@@ -314,7 +314,7 @@ TEST_F(Input, AStopOfAPermittedSenderIsNeverOverTheRate) {
 TEST_F(ThreadsReceiver, FloodIsLimited) {
   constexpr std::uint64_t kFlood = 20000;
   for (std::uint64_t i = 0; i < kFlood; ++i) line_.add("1", kFieldPc);
-  for (std::uint64_t i = 0; i < kFlood; ++i) line_.add("1", kStranger);
+  for (std::uint64_t i = 0; i < kFlood; ++i) line_.add("1", kOtherSender);
   const Instant begin = hal::MonotonicClock::read();
   start(100.0);
   finish();

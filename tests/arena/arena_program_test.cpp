@@ -146,7 +146,7 @@ TEST_F(ArenaProgram, RefusesBadArgumentsWithAMessage) {
   };
   refused("", "scene is required");
   refused("layouts " + kBoard, "--out is required");
-  refused("cup " + kBoard + out("x"), "unknown scene \"cup\"; scenes:");
+  refused("cup " + kBoard + out("x"), "scene: \"cup\" is no choice; known choices: ");
   refused("layouts " + kBoard + out("x") + "--count 0", "--count");
   refused("layouts " + kBoard + out("x") + "--seed minus", "--seed");
   refused("layouts --board '" + folder_ / "none.toml" + "' " + out("x"), "none.toml: no such file");

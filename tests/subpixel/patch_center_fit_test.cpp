@@ -188,6 +188,59 @@ TEST_F(PatchCenter, StatesTheNoiseOfTheCamera) {
   EXPECT_LT(turn_stated / turn_scatter, 2.5f);
 }
 
+// A strip of a patch has the color of the top or of something that lies on it, or the patch bleeds over its edge. If
+// the fit accepts the robot, the stated error must contain the real one; that of intact patches stays as it is.
+TEST_F(PatchCenter, StatesTheErrorOfTornPatchesThatItAccepts) {
+  use(paper_layout());
+  struct Scatter {
+    int accepted = 0, excluded = 0;
+    double position2 = 0, heading2 = 0;  // sums of squared errors per stated variance
+  } intact, torn;
+  for (int n = 0; n < 48; ++n) {
+    const Pose truth{{dice_.real(-0.8f, 0.8f), dice_.real(-0.6f, 0.6f)}, dice_.real(-kPi, kPi)};
+    const std::size_t k = n % 2 == 0 ? 0 : 1;
+    const int side = dice_.whole(0, 3), kind = dice_.whole(0, 2);
+    const bool is_torn = n % 4 != 3;
+    const float part = dice_.real(0.03f, 0.15f);
+    const PatchPlace place = layout_.patches[k];
+    Photograph picture(PixelFormat::kRgb24, 640, 480);
+    const Square exposed = surroundings(truth);
+    picture.expose(exposed.left_px, exposed.top_px, exposed.right_px, exposed.bottom_px, [&](double u, double v) {
+      if (!is_torn) return light(truth, 1.0f, u, v);
+      const FieldPoint local =
+          to_robot_frame(truth, camera_.to_field({static_cast<float>(u), static_cast<float>(v)}, layout_.height_m));
+      const float along = (side % 2 == 0 ? local.x_m - place.x_m : local.y_m - place.y_m) * (side < 2 ? 1.0f : -1.0f);
+      const float across = std::abs(side % 2 == 0 ? local.y_m - place.y_m : local.x_m - place.x_m);
+      const float half = 0.5f * place.length_m, width = part * place.length_m;
+      if (across < half && kind < 2 && along > half - width && along < half) return kind == 0 ? kTop : kFloor;
+      if (across < half && kind == 2 && along >= half && along < half + 0.5f * width) return kPatchLight[k];
+      return light(truth, 1.0f, u, v);
+    });
+    const Pose near{{truth.position.x_m + 0.0002f, truth.position.y_m - 0.0002f}, truth.theta_rad + 0.2f * kDegree};
+    sightings_.robots.clear();
+    sightings_.robots.push_back(sighting(near));
+    centers_.refine(picture.frame(), sightings_);
+    const RobotSighting& robot = sightings_.robots[0];
+    if (robot.noise.xx == 0.0f) continue;
+    const Errors error = errors(truth, robot);
+    Scatter& scatter = is_torn ? torn : intact;
+    const float position2 = error.position_m * error.position_m / (robot.noise.xx + robot.noise.yy);
+    const float heading2 = error.angle_rad * error.angle_rad / robot.noise.tt;
+    ++scatter.accepted;
+    scatter.excluded += std::max(position2, heading2) > 9.0f ? 1 : 0;
+    scatter.position2 += static_cast<double>(position2);
+    scatter.heading2 += static_cast<double>(heading2);
+  }
+  for (const Scatter& scatter : {intact, torn}) {
+    std::printf("%d accepted, %d beyond 3 sigma; NEES of position %.2f, of heading %.2f\n", scatter.accepted,
+                scatter.excluded, scatter.position2 / scatter.accepted, scatter.heading2 / scatter.accepted);
+  }
+  EXPECT_GE(torn.accepted, 30);
+  EXPECT_EQ(intact.accepted, 12);
+  EXPECT_EQ(intact.excluded, 0);
+  EXPECT_LE(torn.excluded, 1);
+}
+
 // With shared chroma, color edges have half the resolution.
 TEST_F(PatchCenter, IsAccurateInEveryFormat) {
   use(paper_layout());

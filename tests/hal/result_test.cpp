@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/linux/driver_allocations.h"
+#include "tools/programs/latency/allocation_counter.h"
 
 namespace touchline {
 namespace {
@@ -95,17 +95,17 @@ TEST(ErrorText, FormatsTextsOfEveryLengthAroundTheInlineCapacity) {
 }
 
 TEST(ErrorText, AllocatesNothingForOneLine) {
-  if (!testing::DriverAllocations::are_counted()) GTEST_SKIP();
+  if (!latency::allocations_are_counted()) GTEST_SKIP();
   const std::string line(ErrorText::kInlineCapacity - 20, 'x');
-  const testing::DriverAllocations allocations;
+  const auto begin = latency::allocations_of_this_thread();
   Result<void> result = prefixed("camera", failure(ErrorCode::kIo, "%s", line.c_str()));
   const Result<void> copy = result;
   const Result<void> moved = std::move(result);
-  EXPECT_EQ(allocations.count(), 0u);
+  EXPECT_EQ(latency::allocations_of_this_thread(), begin);
   EXPECT_EQ(copy.error().text.size(), moved.error().text.size());
   ErrorText longer = copy.error().text;
   longer.append(line);
-  EXPECT_GT(allocations.count(), 0u) << "this test would not notice an allocation";
+  EXPECT_GT(latency::allocations_of_this_thread(), begin) << "this test would not notice an allocation";
 }
 
 }  // namespace

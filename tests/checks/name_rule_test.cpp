@@ -1,0 +1,38 @@
+// Names of constants use the field's words for limits: kMax and kMin, not kMost, kLeast or kFewest.
+#include <gtest/gtest.h>
+
+#include <regex>
+
+#include "tests/checks/inclusion_rule.h"
+
+namespace touchline::checks {
+namespace {
+
+// Files that still have old names.
+constexpr std::array<std::string_view, 5> kNotYet{"core/marker/", "core/region/", "core/track/", "core/light/",
+                                                  "core/subpixel/patch_center_fit.cpp"};
+
+// The first name of a file that the rule forbids; empty: none.
+std::string forbidden_name(const std::string& text) {
+  static const std::regex forbidden(R"(\bk(Most|Least|Fewest)([A-Z]\w*)?\b)");
+  std::smatch found;
+  return std::regex_search(text, found, forbidden) ? found.str() : "";
+}
+
+TEST(NameRule, LimitsAreCalledMaxAndMin) {
+  for (const SourceFile& file : read_sources(TOUCHLINE_SOURCE_DIR)) {
+    const auto begins = [&](std::string_view path) { return file.path.starts_with(path); };
+    if (std::any_of(kNotYet.begin(), kNotYet.end(), begins) || file.path.ends_with("name_rule_test.cpp")) continue;
+    EXPECT_EQ(forbidden_name(file.text), "") << file.path << ": say kMax or kMin";
+  }
+}
+
+TEST(NameRule, FindsPlantedNames) {
+  EXPECT_EQ(forbidden_name("constexpr float kMostUnnamed = 0.99f;"), "kMostUnnamed");
+  EXPECT_EQ(forbidden_name("x < kLeast"), "kLeast");
+  EXPECT_EQ(forbidden_name("kFewestBytes"), "kFewestBytes");
+  EXPECT_EQ(forbidden_name("kMostlyFlat, kMaxRows, at_least"), "");
+}
+
+}  // namespace
+}  // namespace touchline::checks

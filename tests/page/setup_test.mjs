@@ -24,6 +24,11 @@ async function withBoard(run, options = {}, server = {}) {
     await board.end();
   }
 }
+async function setColor(page, robot, name) {
+  const field = page.locator(`[data-top="${robot}"] input[list]:not([disabled])`).first();
+  await field.fill(name);
+  await field.press('Tab');
+}
 const picture = (page) => page.locator('canvas[data-picture]');
 
 for (const [width, colorScheme] of [[360, 'light'], [768, 'dark'], [1920, 'light']]) {
@@ -40,21 +45,25 @@ for (const [width, colorScheme] of [[360, 'light'], [768, 'dark'], [1920, 'light
       };
       await look('welcome');
       await begin(page);
-      for (const [name, after] of [['camera', 'field'], ['field', 'light'], ['light', 'colors'], ['colors', 'robots']]) {
+      const pass = async (name, after) => {
         await look(name);
         await act(page, name);
         await look(`${name}, done`);
         await next(page, after);
-      }
+      };
+      for (const [name, after] of [['camera', 'field'], ['field', 'light'], ['light', 'robots']]) await pass(name, after);
       // Two opponents have the same colors: that is not accepted.
       await page.click('[data-action="robots"]:not([disabled])');
       await page.waitForSelector('[data-setup-error]:has-text("same colors")');
       await page.waitForFunction(() => document.querySelectorAll('[data-top].bad').length === 2);
       await look('robots, refused');
-      await page.selectOption('[data-top="opponent-3"] select:not([disabled])', 'cyan');
+      await setColor(page, 'opponent-3', 'cyan');
+      await page.click('[data-edit-layout="own"]');
+      await look('robots, layout');
       await page.waitForFunction(() => document.querySelectorAll('[data-top].bad').length === 0);
       await act(page, 'robots');
-      await next(page, 'radio');
+      await next(page, 'colors');
+      await pass('colors', 'radio');
       await look('radio');
       await act(page, 'radio');
       await next(page);

@@ -106,7 +106,9 @@ async function moveTheBallByKeyboard(page) {
     }
   };
   await page.click('[data-move-objects]');
-  const from = await place();
+  await waitForPicture(page);
+  let from = await place();
+  while (!Number.isFinite(from[0])) from = await place(); // the canvas is not drawn yet
   await page.focus('canvas[data-picture]');
   await page.keyboard.press('ArrowDown'); // it appears
   await go(from);
@@ -192,11 +194,24 @@ test('from an arena without calibration to a scored goal', () =>
     await page.waitForSelector('[data-halt="setup"]:has-text("is being set up")');
     await waitForPicture(page);
     await page.waitForSelector('[data-live="true"]');
+    // Every advice is taken, and gone then.
+    const advice = await page.locator('[data-step="camera"] [data-quality="warning"]').textContent();
+    const exposure = page.locator('.key:has(label:has-text("Exposure")) input[type="number"]:not([disabled])');
+    await exposure.fill(/expose at most (\d+) us/.exec(advice)[1]);
+    await exposure.press('Tab');
+    await page.waitForSelector('[data-step="camera"] [data-quality="ok"]');
     await act(page, 'camera');
     await next(page, 'field');
     await page.selectOption('[data-preset]:not([disabled])', 'mirosot-middle');
-    await page.fill('[data-height]', '2.3');
     await act(page, 'field');
+    await page.waitForSelector('.notes .warning:has-text("the height of the lens was not measured")');
+    const seen = /says ([\d.]+) m/.exec(await page.textContent('[data-seen-height]'))[1];
+    await page.fill('[data-height]', seen);
+    await page.click('[data-action="field"]:not([disabled])');
+    await page.waitForSelector('.notes .warning', { state: 'detached' });
+    await next(page, 'light');
+    await page.click('[data-goto="field"]');
+    assert.equal(Number(await page.inputValue('[data-height]')), Number(seen), 'what was entered stays');
     await next(page, 'light');
     await act(page, 'light');
     await page.waitForSelector('[data-after]');

@@ -18,7 +18,15 @@
 namespace touchline {
 
 Devices::Devices() = default;
-Devices::~Devices() = default;
+Devices::~Devices() {
+  if (objects_ && arena_) objects_->detach();
+}
+
+void Devices::attach(std::shared_ptr<ArenaObjects> objects) {
+  if (!arena_ || !objects) return;
+  objects_ = std::move(objects);
+  objects_->attach(*arena_);
+}
 
 void Devices::make(const config::Configuration& configuration, std::uint64_t seed, ArenaTime time) {
   const config::BoardFile& board = configuration.board;

@@ -4,6 +4,7 @@
 #include <memory>
 #include <string>
 
+#include "firmware/arena_objects.h"
 #include "firmware/config/configuration.h"
 #include "firmware/loop.h"
 #include "hal/camera.h"
@@ -36,7 +37,8 @@ class Devices {
   /// device beside it runs in real time.
   void make(const config::Configuration& configuration, std::uint64_t seed, ArenaTime time = ArenaTime::kFast);
 
-  /// After make().
+  /// After make(): the arena, if there is one, is the field whose objects are moved. null: nobody moves them.
+  void attach(std::shared_ptr<ArenaObjects> objects);
   [[nodiscard]] HalDevices hal_devices();
   /// In simulated time the clock stands still while the processor works.
   [[nodiscard]] bool simulated_time() const { return simulated_time_; }
@@ -52,6 +54,7 @@ class Devices {
   std::unique_ptr<hal::Camera> camera_;
   std::unique_ptr<hal::Radio> radio_;
   std::unique_ptr<hal::Gpio> gpio_;
+  std::shared_ptr<ArenaObjects> objects_;
   bool simulated_time_ = false;
 };
 

@@ -32,6 +32,7 @@ Result<void> Session::configure_pipeline() {
 
 Result<void> Session::open(LoopObserver observer) {
   devices_.make(*configuration_, options_.seed, options_.arena_time);
+  devices_.attach(arena_objects_);
   const HalDevices made = devices_.hal_devices();
   if (gpio_proxy_ != nullptr) gpio_proxy_->attach(made.gpio, made.clock);
   hal::Gpio& gpio = gpio_proxy_ != nullptr ? *gpio_proxy_ : made.gpio;

@@ -80,6 +80,8 @@ class Session {
     console_ = link;
     pictures_ = pictures;
   }
+  /// Who moves the objects of an arena; call it before open().
+  void set_arena_objects(std::shared_ptr<ArenaObjects> objects) { arena_objects_ = std::move(objects); }
   /// Passes new settings to the running loop (firmware/config_reloader.h).
   [[nodiscard]] LiveUpdate& live_update() { return live_update_; }
   /// Builds and opens the devices, after load().
@@ -112,6 +114,7 @@ class Session {
   ConsoleLink* console_ = nullptr;
   PictureExchange* pictures_ = nullptr;
   const std::atomic<bool>* restart_ = nullptr;
+  std::shared_ptr<ArenaObjects> arena_objects_;
   std::uint64_t first_number_ = 0;
   bool is_draft_ = false;
   DeviceFlags awaited_{};

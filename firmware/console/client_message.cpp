@@ -15,7 +15,7 @@ struct MessageWord {
   std::string_view word;
   MessageKind kind;
 };
-constexpr std::array<MessageWord, 13> kMessageWords{{{"watch", MessageKind::kWatch},
+constexpr std::array<MessageWord, 14> kMessageWords{{{"watch", MessageKind::kWatch},
                                                      {"seen", MessageKind::kSeen},
                                                      {"stop", MessageKind::kStop},
                                                      {"start", MessageKind::kStart},
@@ -27,7 +27,8 @@ constexpr std::array<MessageWord, 13> kMessageWords{{{"watch", MessageKind::kWat
                                                      {"setup", MessageKind::kSetup},
                                                      {"use_saved", MessageKind::kUseSaved},
                                                      {"probe", MessageKind::kProbe},
-                                                     {"score", MessageKind::kScore}}};
+                                                     {"score", MessageKind::kScore},
+                                                     {"move", MessageKind::kMove}}};
 // Of a team in a game.
 constexpr std::int64_t kMaxGoals = 999;
 
@@ -156,6 +157,15 @@ void read_probe(MemberReader& reader, ClientMessage& out) {
   out.pixel.v_px = static_cast<float>(reader.number("v_px", 0.0, double{kMaxFrameHeight}));
 }
 
+void read_move(MemberReader& reader, ClientMessage& out) {
+  const auto pixel = [&reader](const char* u, const char* v) -> PixelPoint {
+    return {static_cast<float>(reader.number(u, 0.0, double{kMaxFrameWidth})),
+            static_cast<float>(reader.number(v, 0.0, double{kMaxFrameHeight}))};
+  };
+  out.pixel = pixel("u_px", "v_px");
+  out.to = pixel("to_u_px", "to_v_px");
+}
+
 void read_score(MemberReader& reader, ClientMessage& out) {
   if (!reader.has("own") && !reader.has("opponent")) return;
   out.score = Score{static_cast<std::uint32_t>(reader.integer("own", 0, kMaxGoals)),
@@ -191,6 +201,7 @@ Result<ClientMessage> parse_client_message(std::string_view text) {
   if (out.kind == MessageKind::kAdaptation) read_adaptation(reader, out);
   if (out.kind == MessageKind::kProbe) read_probe(reader, out);
   if (out.kind == MessageKind::kScore) read_score(reader, out);
+  if (out.kind == MessageKind::kMove) read_move(reader, out);
   if (reader.error()) return *reader.error();
   return out;
 }

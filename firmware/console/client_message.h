@@ -42,7 +42,8 @@ struct ClientMessage {
     kSetup,
     kUseSaved,
     kProbe,
-    kScore
+    kScore,
+    kMove
   };
   Kind kind = Kind::kPing;
   std::optional<std::int64_t> request;  // number that the answer repeats
@@ -54,7 +55,8 @@ struct ClientMessage {
 
   WatchedFindings findings;  // beside the picture
 
-  PixelPoint pixel;            // of kProbe
+  PixelPoint pixel;            // of kProbe; of kMove: where the object is
+  PixelPoint to;               // of kMove
   std::optional<Score> score;  // of kScore; nullopt: no longer known
 
   std::uint64_t number = 0;  // of kSeen: the picture

@@ -25,6 +25,7 @@ void Console::attach(Session& session, SnapshotRing& snapshots) {
   snapshots_ = &snapshots;
   session.set_snapshots(&snapshots);
   session.set_console(&loop_, &pictures_);
+  session.set_arena_objects(arena_objects_);
 }
 
 void Console::start(Session& session, AdaptationRequests* adaptation, const std::string& version, const Print& print) {
@@ -53,8 +54,9 @@ Result<void> Console::open(Session& session, AdaptationRequests* adaptation, con
     settings.access.token = token_ = std::move(token).value();
   }
   version_ = version;
-  hub_ = std::make_unique<Hub>(HubLinks{*snapshots_, pictures_, loop_, reports_, adaptation, print, use_files_},
-                               scene_of(session, version), HubSettings{plan_.picture_rate_hz, plan_.setup_socket});
+  hub_ = std::make_unique<Hub>(
+      HubLinks{*snapshots_, pictures_, loop_, reports_, adaptation, print, use_files_, arena_objects_.get()},
+      scene_of(session, version), HubSettings{plan_.picture_rate_hz, plan_.setup_socket});
   for (const std::uint16_t first = plan_.port;; ++settings.port) {
     server_ = std::make_unique<WebServer>(*hub_, settings);
     Result<void> opened = server_->open();

@@ -56,6 +56,8 @@ class Console {
   PictureExchange pictures_;
   ConsoleLink loop_;
   SharedReports reports_;
+  // Shared with the session, which may outlive the console.
+  const std::shared_ptr<ArenaObjects> arena_objects_ = std::make_shared<ArenaObjects>();
   SnapshotRing* snapshots_ = nullptr;
   std::unique_ptr<Hub> hub_;
   std::unique_ptr<WebServer> server_;

@@ -235,6 +235,8 @@ void write_hello(JsonWriter& json, const Scene& scene, bool has_setup, std::uint
   write_field(json, configuration.pipeline.marker.field);
   json.key("camera");
   write_camera(json, scene.camera);
+  json.key("arena");
+  json.boolean(configuration.board.camera.backend == hal::CameraBackend::kMock);
   json.key("calibrated");
   json.boolean(scene.is_calibrated);
   write_text(json, "using", word_of_files(scene));

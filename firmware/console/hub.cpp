@@ -233,6 +233,8 @@ Result<void> Hub::obey(Client& client, const ClientMessage& message, Instant arr
       TOUCHLINE_TRY(driving_.require_driver(client.number));
       told_score_ = message.score;
       return {};
+    case Kind::kMove:
+      return move_object(client, message);
     case Kind::kAdaptation:
       return change_adaptation(client, message.adaptation);
   }
@@ -251,6 +253,12 @@ void Hub::watch(Client& client, const ClientMessage& message, Instant now) {
   const int wanted = client.picture_width_px > 0 ? client.picture_width_px : scene_.camera.width_px;
   const int full = scene_.camera.width_px;
   client.link.set(wanted > 0 ? (full + wanted - 1) / wanted : 1, client.picture_period);
+}
+
+Result<void> Hub::move_object(const Client& client, const ClientMessage& message) {
+  TOUCHLINE_TRY(driving_.require_driver(client.number));
+  if (links_.arena == nullptr) return ArenaObjects().move(message.pixel, message.to);
+  return links_.arena->move(message.pixel, message.to);
 }
 
 // The loop's requests exchange two modes each.

@@ -10,6 +10,7 @@
 #include <string_view>
 #include <vector>
 
+#include "firmware/arena_objects.h"
 #include "firmware/console/bug_report.h"
 #include "firmware/console/client.h"
 #include "firmware/console/client_message.h"
@@ -93,6 +94,7 @@ struct HubLinks {
   AdaptationRequests* adaptation;  // null: none
   Print print;                     // for a line of the log
   UseFiles use_files{};            // empty: impossible
+  ArenaObjects* arena = nullptr;   // null: the field is real
 };
 
 struct HubSettings {
@@ -164,6 +166,7 @@ class Hub {
   Result<void> obey(Client& client, const ClientMessage& message, Instant arrived, Instant now);
   void read_loop(Instant now);
   void watch(Client& client, const ClientMessage& message, Instant now);
+  Result<void> move_object(const Client& client, const ClientMessage& message);
   Result<void> change_adaptation(const Client& client, AdaptationMode wanted);
   void pass_on();
   void serve_setup(Instant now);

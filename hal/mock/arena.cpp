@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace touchline::hal::mock {
 namespace {
@@ -12,6 +13,18 @@ static_assert(seconds(kStep) == World::kStepS);
 // With these the lamps of `parameters` give the values that they describe. The default of camera.exposure_us, and the
 // middle of what cameras with 8 bits offer.
 constexpr int kNominalExposure_us = 5000, kNominalGain = 128;
+
+// A robot or a ball is taken hold of within this part of its size around its center: a finger covers the small ones.
+constexpr double kReach = 1.5;
+
+// Where the line of sight of a pixel meets the plane at this height; empty if it does not descend to it.
+std::optional<Vector2> seen_at(const Lens& lens, const PixelPoint& pixel, double height_m) {
+  const Vec3 ray = lens.unproject(static_cast<double>(pixel.u_px), static_cast<double>(pixel.v_px));
+  if (ray[2] >= 0.0) return std::nullopt;
+  const Vec3 eye = lens.position_m();
+  const double t = (height_m - eye[2]) / ray[2];
+  return Vector2{eye[0] + t * ray[0], eye[1] + t * ray[1]};
+}
 
 }  // namespace
 
@@ -106,6 +119,51 @@ std::optional<Exposure> Arena::take_exposure() {
 void Arena::adjust_camera(const CameraSettings& settings) {
   const auto ratio = [](int value, int nominal) { return value > 0 ? static_cast<double>(value) / nominal : 1.0; };
   sensor_.set_brightness(ratio(settings.exposure_us, kNominalExposure_us) * ratio(settings.gain, kNominalGain));
+}
+
+Result<void> Arena::move_object(const PixelPoint& from, const PixelPoint& to) {
+  const Snapshot objects = world_.snapshot();
+  const std::size_t ball = objects.robots.size();
+  const auto place_of = [&](std::size_t i) -> const Placement& { return i == ball ? objects.ball : objects.robots[i]; };
+  const double robot_reach = 0.5 * std::numbers::sqrt2 * parameters_.robot_side_m;
+  const auto reach_of = [&](std::size_t i) { return i == ball ? parameters_.ball_radius_m : robot_reach; };
+  const auto height_of = [&](std::size_t i) {
+    return i == ball ? parameters_.ball_radius_m : parameters_.robot_height_m;
+  };
+  std::optional<std::size_t> moved;
+  double least = kReach;
+  for (std::size_t i = 0; i <= ball; ++i) {
+    const auto at = seen_at(renderer_.lens(), from, height_of(i));
+    if (!at) continue;
+    const double share = std::hypot(at->x - place_of(i).x_m, at->y - place_of(i).y_m) / reach_of(i);
+    if (share >= least) continue;
+    least = share;
+    moved = i;
+  }
+  if (!moved) {
+    return failure(ErrorCode::kNotFound, "there is neither a robot nor the ball at %.0f,%.0f",
+                   static_cast<double>(from.u_px), static_cast<double>(from.v_px));
+  }
+  const auto begin = seen_at(renderer_.lens(), from, height_of(*moved));
+  const auto end = seen_at(renderer_.lens(), to, height_of(*moved));
+  if (!end) return Error{ErrorCode::kOutOfRange, "this is not on the field"};
+  Placement placed = place_of(*moved);
+  const double reach = reach_of(*moved);
+  const double most_x = 0.5 * parameters_.field.length_m - reach, most_y = 0.5 * parameters_.field.width_m - reach;
+  placed.x_m = std::clamp(placed.x_m + end->x - begin->x, -most_x, most_x);
+  placed.y_m = std::clamp(placed.y_m + end->y - begin->y, -most_y, most_y);
+  for (std::size_t i = 0; i <= ball; ++i) {
+    const double distance = std::hypot(placed.x_m - place_of(i).x_m, placed.y_m - place_of(i).y_m);
+    if (i != *moved && distance < reach + reach_of(i)) {
+      return failure(ErrorCode::kBusy, "%s is there: choose a free place", i == ball ? "the ball" : "another robot");
+    }
+  }
+  if (*moved == ball) {
+    world_.place_ball(placed);
+  } else {
+    world_.place(*moved, placed);
+  }
+  return {};
 }
 
 void Arena::set_led(bool on) {

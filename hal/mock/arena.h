@@ -17,6 +17,7 @@
 #include "hal/mock/renderer.h"
 #include "hal/mock/sensor.h"
 #include "hal/mock/world.h"
+#include "hal/result.h"
 
 namespace touchline::hal::mock {
 
@@ -64,6 +65,10 @@ class Arena {
   std::optional<Exposure> take_exposure();
   /// Renders the frame into `out`, which holds the bytes of picture_layout().
   void render(const Exposure& exposure, std::span<std::uint8_t> out);
+
+  /// Puts the robot or the ball that the camera shows at `from` to where it shows `to`, within the walls; it then
+  /// stands still. kNotFound: there is none; kBusy: another one is there.
+  Result<void> move_object(const PixelPoint& from, const PixelPoint& to);
 
   /// Switches ArenaParameters::led at now().
   void set_led(bool on);

@@ -56,6 +56,11 @@ void World::referee() {
     still_s_ = 0.0;
     return;
   }
+  // Nobody plays with a ball beside robots that stand: it stays where somebody has put it.
+  const bool is_played = parameters_.opponents == Opponents::kPlay ||
+                         std::any_of(robots_.begin(), robots_.end(),
+                                     [](const Robot& robot) { return robot.commanded_mps != std::array<double, 2>{}; });
+  if (!is_played) return;
   still_s_ += kStepS;
   if (still_s_ > parameters_.physics.free_ball_after_s) {
     ++statistics_.free_balls;

@@ -45,6 +45,10 @@ TEST(ClientMessageParser, ReadsEachType) {
   EXPECT_EQ(message.pixel.v_px, 0.0f);
   EXPECT_EQ(parsed(R"({"type":"score","own":3,"opponent":0})").score, (Score{3, 0}));
   EXPECT_FALSE(parsed(R"({"type":"score"})").score.has_value());
+  message = parsed(R"({"type":"move","u_px":10.5,"v_px":0,"to_u_px":30,"to_v_px":40})");
+  EXPECT_EQ(message.kind, Kind::kMove);
+  EXPECT_EQ(message.pixel.u_px, 10.5f);
+  EXPECT_EQ(message.to.v_px, 40.0f);
 }
 
 TEST(ClientMessageParser, RefusesEverythingElseAndNamesTheMember) {
@@ -79,6 +83,7 @@ TEST(ClientMessageParser, RefusesEverythingElseAndNamesTheMember) {
   EXPECT_EQ(error(R"({"type":"probe","u_px":1,"v_px":1})"), "\"request\" is missing");
   EXPECT_EQ(error(R"({"type":"probe","request":1,"u_px":1,"v_px":-0.1})"), "\"v_px\" is not within 0 to 1944");
   EXPECT_EQ(error(R"({"type":"score","own":3})"), "\"opponent\" is missing");
+  EXPECT_EQ(error(R"({"type":"move","u_px":1,"v_px":2,"to_u_px":3})"), "\"to_v_px\" is missing");
   EXPECT_EQ(error(R"({"type":"score","own":1000,"opponent":0})"), "\"own\" is out of range");
   EXPECT_FALSE(parse_client_message(std::string(4096, '[')).ok());
 }

@@ -191,5 +191,34 @@ TEST_F(ArenaTest, OneDeviceMayBeOpenedWhileOthersAreUsed) {
   EXPECT_GT(arena->channel().statistics().obeyed, 10U);
 }
 
+TEST_F(ArenaTest, AnObjectIsMovedToWhereThePictureWasPointedAt) {
+  parameters.robot = ArenaParameters{}.robot;
+  start();
+  const auto pixel_of = [&](double x_m, double y_m, double height_m) -> PixelPoint {
+    const auto [u, v] = arena->lens().project({x_m, y_m, height_m});
+    return {static_cast<float>(u), static_cast<float>(v)};
+  };
+  const double top_m = parameters.robot_height_m;
+  const Placement robot = arena->world().snapshot().robots[2];
+  // Held beside its center, so that it is put down beside the place, too.
+  ASSERT_TRUE(arena->move_object(pixel_of(robot.x_m + 0.02, robot.y_m, top_m), pixel_of(0.42, 0.7, top_m)).ok());
+  Snapshot moved = arena->world().snapshot();
+  EXPECT_NEAR(moved.robots[2].x_m, 0.4, 1e-3);
+  EXPECT_NEAR(moved.robots[2].y_m, 0.7, 1e-3);
+  EXPECT_EQ(moved.robots[2].theta_rad, robot.theta_rad);
+  const double ball_m = parameters.ball_radius_m;
+  ASSERT_TRUE(arena->move_object(pixel_of(moved.ball.x_m, moved.ball.y_m, ball_m), pixel_of(-0.3, -0.7, ball_m)).ok());
+  moved = arena->world().snapshot();
+  EXPECT_NEAR(moved.ball.x_m, -0.3, 1e-3);
+  EXPECT_NEAR(moved.ball.y_m, -0.7, 1e-3);
+
+  EXPECT_EQ(arena->move_object(pixel_of(-0.9, 0.8, top_m), pixel_of(0, 0, top_m)).code(), ErrorCode::kNotFound);
+  EXPECT_EQ(arena->move_object(pixel_of(0.4, 0.7, top_m), pixel_of(-0.3, -0.7, top_m)).code(), ErrorCode::kBusy);
+  // Beyond a wall it stays beside it.
+  ASSERT_TRUE(arena->move_object(pixel_of(0.4, 0.7, top_m), pixel_of(0.2, 1.5, top_m)).ok());
+  EXPECT_LT(arena->world().snapshot().robots[2].y_m, 0.9);
+  EXPECT_GT(arena->world().snapshot().robots[2].y_m, 0.8);
+}
+
 }  // namespace
 }  // namespace touchline::hal::mock

@@ -45,11 +45,23 @@ TEST(Referee, MovesABallThatStandsStill) {
   parameters.physics.free_ball_after_s = 2.0;
   World world(parameters, 1);
   world.place_ball({0.9, 0.8, 0.0});
+  world.drive(0, -0.1, 0.1);  // somebody plays
   run(world, 1.99);
   EXPECT_EQ(world.statistics().free_balls, 0U);
   run(world, 0.02);
   EXPECT_EQ(world.statistics().free_balls, 1U);
   EXPECT_LT(from_center(world), 0.06);
+}
+
+TEST(Referee, LeavesTheBallWhereSomebodyHasPutItWhileRobotsStand) {
+  ArenaParameters parameters = noise_free_arena();
+  parameters.physics.free_ball_after_s = 1.0;
+  World world(parameters, 1);
+  world.place_ball({0.9, 0.8, 0.0});
+  world.drive(0, 0.0, 0.0);
+  run(world, 3.0);
+  EXPECT_EQ(world.statistics().free_balls, 0U);
+  EXPECT_EQ(world.snapshot().ball.x_m, 0.9);
 }
 
 TEST(Referee, LeavesABallThatRolls) {
@@ -58,6 +70,7 @@ TEST(Referee, LeavesABallThatRolls) {
   parameters.physics.ball_deceleration_mps2 = parameters.physics.ball_damping_per_s = 0.0;
   World world(parameters, 1);
   world.place_ball({-1.0, 0.5, 0.0}, {0.2, 0.0});
+  world.drive(0, -0.1, 0.1);
   run(world, 8.0);
   EXPECT_EQ(world.statistics().free_balls, 0U);
 }

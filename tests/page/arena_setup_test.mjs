@@ -82,6 +82,51 @@ async function startToPlay(page) {
   }
 }
 
+/** Takes hold of the arena's ball with the crosshair, and puts it down 40 pixels above. */
+async function moveTheBallByKeyboard(page) {
+  const cross = async () => (await page.getAttribute('canvas[data-picture]', 'data-cross')).split(' ').map(Number);
+  const place = () => page.evaluate(() => {
+    const canvas = document.querySelector('canvas[data-picture]');
+    const { data, width } = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height);
+    let [count, u, v] = [0, 0, 0];
+    for (let i = 0; i < data.length; i += 4) {
+      if (data[i] < 170 || data[i] - data[i + 1] < 80 || data[i + 1] - data[i + 2] < 40) continue; // orange alone
+      [count, u, v] = [count + 1, u + ((i / 4) % width), v + Math.floor(i / 4 / width)];
+    }
+    const scale = Math.min(canvas.width / 640, canvas.height / 480);
+    return [319.5 + (u / count - canvas.width / 2) / scale, 239.5 + (v / count - canvas.height / 2) / scale];
+  });
+  const go = async ([u, v]) => {
+    for (const [axis, keys, wanted] of [[0, ['ArrowLeft', 'ArrowRight'], u], [1, ['ArrowUp', 'ArrowDown'], v]]) {
+      for (let presses = 0; presses < 200; presses += 1) {
+        const off = wanted - (await cross())[axis];
+        if (Math.abs(off) < 4) break;
+        await page.keyboard.press(`${Math.abs(off) > 40 ? 'Shift+' : ''}${keys[off > 0 ? 1 : 0]}`);
+      }
+    }
+  };
+  await page.click('[data-move-objects]');
+  await waitForPicture(page);
+  let from = await place();
+  while (!Number.isFinite(from[0])) from = await place(); // the canvas is not drawn yet
+  await page.focus('canvas[data-picture]');
+  await page.keyboard.press('ArrowDown'); // it appears
+  await go(from);
+  await page.keyboard.press('Enter');
+  await page.waitForSelector('canvas[data-moving="true"]');
+  await go([from[0], from[1] - 40]);
+  await page.keyboard.press('Enter');
+  await page.waitForSelector('canvas[data-moving=""]');
+  await page.keyboard.press('Escape');
+  for (let attempt = 0; ; attempt += 1) {
+    await page.waitForTimeout(200);
+    const to = await place();
+    if (Math.abs(to[1] - from[1] + 40) < 8) break;
+    assert.ok(attempt < 50, `the ball is at ${to}, it was at ${from}`);
+  }
+  await page.click('[data-move-objects]');
+}
+
 /** Both programs with a copy of the board's folder; `change` of its venue file. */
 async function withArena(run, change = (text) => text) {
   const folder = await mkdtemp(join(tmpdir(), 'touchline-arena-'));
@@ -149,21 +194,37 @@ test('from an arena without calibration to a scored goal', () =>
     await page.waitForSelector('[data-halt="setup"]:has-text("is being set up")');
     await waitForPicture(page);
     await page.waitForSelector('[data-live="true"]');
+    // Every advice is taken, and gone then.
+    const advice = await page.locator('[data-step="camera"] [data-quality="warning"]').textContent();
+    const exposure = page.locator('.key:has(label:has-text("Exposure")) input[type="number"]:not([disabled])');
+    await exposure.fill(/expose at most (\d+) us/.exec(advice)[1]);
+    await exposure.press('Tab');
+    await page.waitForSelector('[data-step="camera"] [data-quality="ok"]');
     await act(page, 'camera');
     await next(page, 'field');
     await page.selectOption('[data-preset]:not([disabled])', 'mirosot-middle');
-    await page.fill('[data-height]', '2.3');
     await act(page, 'field');
+    await page.waitForSelector('.notes .warning:has-text("the height of the lens was not measured")');
+    const seen = /says ([\d.]+) m/.exec(await page.textContent('[data-seen-height]'))[1];
+    await page.fill('[data-height]', seen);
+    await page.click('[data-action="field"]:not([disabled])');
+    await page.waitForSelector('.notes .warning', { state: 'detached' });
+    await next(page, 'light');
+    await page.click('[data-goto="field"]');
+    assert.equal(Number(await page.inputValue('[data-height]')), Number(seen), 'what was entered stays');
     await next(page, 'light');
     await act(page, 'light');
     await page.waitForSelector('[data-after]');
-    await next(page, 'colors');
-    await act(page, 'colors');
-    await page.waitForSelector('[data-color-chip="orange"]:not(.missing)');
     await next(page, 'robots');
     await page.waitForSelector('[data-top="own-4"]');
     await page.waitForSelector('[data-quality="none"]'); // no tick before a person has compared them
+    await page.fill('[data-ball-radius]:not([disabled])', '21.35');
     await act(page, 'robots');
+    await next(page, 'colors');
+    await moveTheBallByKeyboard(page);
+    await act(page, 'colors'); // without a click
+    await page.waitForSelector('[data-color-chip="orange"]:not(.missing)');
+    await page.waitForSelector('[data-step="colors"] [data-quality="ok"]:has-text("10 of 10")');
     await page.click('[data-noise]:not([disabled])');
     await page.waitForSelector('[data-noise-result]');
     await next(page, 'radio');
@@ -188,6 +249,7 @@ test('from an arena without calibration to a scored goal', () =>
     await page.waitForSelector('[data-message]:has-text("Saved")');
     const after = await venue();
     assert.ok(after.includes('[camera_model') && after.includes('[[color]]') && after.includes('[noise]'));
+    assert.match(after, /penalty_area_depth_m = 0/, 'the arena has no penalty areas');
 
     await page.click('[data-to-play]');
     await startToPlay(page);

@@ -24,6 +24,11 @@ async function withBoard(run, options = {}, server = {}) {
     await board.end();
   }
 }
+async function setColor(page, robot, name) {
+  const field = page.locator(`[data-top="${robot}"] input[list]:not([disabled])`).first();
+  await field.fill(name);
+  await field.press('Tab');
+}
 const picture = (page) => page.locator('canvas[data-picture]');
 
 for (const [width, colorScheme] of [[360, 'light'], [768, 'dark'], [1920, 'light']]) {
@@ -40,21 +45,25 @@ for (const [width, colorScheme] of [[360, 'light'], [768, 'dark'], [1920, 'light
       };
       await look('welcome');
       await begin(page);
-      for (const [name, after] of [['camera', 'field'], ['field', 'light'], ['light', 'colors'], ['colors', 'robots']]) {
+      const pass = async (name, after) => {
         await look(name);
         await act(page, name);
         await look(`${name}, done`);
         await next(page, after);
-      }
+      };
+      for (const [name, after] of [['camera', 'field'], ['field', 'light'], ['light', 'robots']]) await pass(name, after);
       // Two opponents have the same colors: that is not accepted.
       await page.click('[data-action="robots"]:not([disabled])');
       await page.waitForSelector('[data-setup-error]:has-text("same colors")');
       await page.waitForFunction(() => document.querySelectorAll('[data-top].bad').length === 2);
       await look('robots, refused');
-      await page.selectOption('[data-top="opponent-3"] select:not([disabled])', 'cyan');
+      await setColor(page, 'opponent-3', 'cyan');
+      await page.click('[data-edit-layout="own"]');
+      await look('robots, layout');
       await page.waitForFunction(() => document.querySelectorAll('[data-top].bad').length === 0);
       await act(page, 'robots');
-      await next(page, 'radio');
+      await next(page, 'colors');
+      await pass('colors', 'radio');
       await look('radio');
       await act(page, 'radio');
       await next(page);
@@ -65,6 +74,110 @@ for (const [width, colorScheme] of [[360, 'light'], [768, 'dark'], [1920, 'light
       await look('saved');
     }, { viewport: { width, height: 740 }, colorScheme }));
 }
+
+// The layout of a window of 1280 x 800 pixels, or of 1366 x 768, with a zoom of 200 %.
+for (const [width, height] of [[640, 400], [683, 384]]) {
+  test(`at ${width} x ${height} pixels, picture and controls are visible together in every step`, () =>
+    withBoard(async (page) => {
+      await begin(page);
+      for (const name of ['camera', 'field', 'light', 'robots', 'colors', 'radio']) {
+        await page.click(`[data-goto="${name}"]`);
+        await waitForPicture(page);
+        for (const control of [`[data-action="${name}"]`, '[data-next]']) {
+          await page.locator(control).scrollIntoViewIfNeeded();
+          const [canvas, button, stop, header] = await Promise.all(['canvas[data-picture]', control, 'header [data-stop]', 'header'].map((selector) => page.locator(selector).boundingBox()));
+          const below = header.y + header.height;
+          const shown = Math.min(canvas.y + canvas.height, height) - Math.max(canvas.y, below);
+          assert.ok(shown >= 0.8 * Math.min(canvas.height, height - below), `${name}, ${control}: ${shown} of ${canvas.height} pixels of the picture are visible`);
+          assert.ok(canvas.width > 250, `${name}: the picture is ${canvas.width} pixels wide`);
+          assert.ok(button.y >= below - 1 && button.y + button.height <= height + 1, `${name}, ${control}: ${JSON.stringify(button)}`);
+          assert.ok(stop.y >= 0 && stop.y + stop.height <= height, 'Stop is visible');
+        }
+      }
+      assert.deepEqual(await axe(page), []);
+    }, { viewport: { width, height } }));
+}
+
+test('at 1920 pixels no large part of a step is empty', () =>
+  withBoard(async (page) => {
+    await page.waitForSelector('[data-begin]');
+    const widths = async (name, least) => {
+      const right = await page.evaluate(() => Math.max(...[...document.querySelectorAll('main .panel')].map((panel) => panel.getBoundingClientRect().right)));
+      assert.ok(right > least, `${name} ends at ${right}`);
+    };
+    await widths('welcome', 1850);
+    await begin(page);
+    for (const name of ['camera', 'field', 'light', 'robots', 'colors', 'radio']) {
+      await page.click(`[data-goto="${name}"]`);
+      await waitForPicture(page);
+      await widths(name, 1850);
+      const { y, height } = await page.locator('canvas[data-picture]').boundingBox();
+      assert.ok(y < 300 && height > 400, `${name}: the picture is at ${y} and ${height} pixels high`);
+    }
+  }, { viewport: { width: 1920, height: 1080 } }));
+
+test('the menu closes on Escape and when something else is pressed', () =>
+  withBoard(async (page) => {
+    await begin(page);
+    const open = () => page.waitForSelector('.menu[open]');
+    const closed = () => page.waitForSelector('.menu:not([open])');
+    await page.click('.menu summary');
+    await open();
+    await page.keyboard.press('Escape');
+    await closed();
+    assert.equal(await page.evaluate(() => document.activeElement.tagName), 'SUMMARY');
+    await page.keyboard.press('Enter');
+    await open();
+    await page.click('canvas[data-picture]', { position: { x: 20, y: 200 } });
+    await closed();
+    await page.click('.menu summary');
+    await open();
+    await page.focus('[data-save]');
+    await closed();
+  }));
+
+test('a layout is drawn while it is typed, and used when the person says so', () =>
+  withBoard(async (page) => {
+    await begin(page);
+    await page.click('[data-goto="robots"]');
+    await page.click('[data-edit-layout="own"]');
+    const drawn = () => page.getAttribute('[data-top="own-0"] polygon', 'points');
+    const before = await drawn();
+    const steps = await undoCount(page);
+    await page.fill('[data-patch="0-x_m"]', '5');
+    assert.notEqual(await drawn(), before);
+    assert.equal(await undoCount(page), steps, 'nothing is sent while somebody types');
+    await page.click('[data-use-layout]:not([disabled])');
+    await page.waitForFunction((count) => Number(document.querySelector('[data-undo]').dataset.undo) === count + 1, steps);
+    await page.waitForFunction(() => document.querySelector('[data-layout="own"]').value === 'own-two-squares');
+    assert.equal(await page.inputValue('[data-patch="0-x_m"]'), '5');
+    // Any name of a color.
+    await setColor(page, 'own-1', 'our paint');
+    await page.waitForFunction(() => document.querySelector('[data-top="own-1"] svg').getAttribute('aria-label').includes('our paint'));
+    await setColor(page, 'opponent-1', 'their paint');
+    await page.waitForFunction(() => document.querySelector('[data-top="opponent-1"] svg').getAttribute('aria-label').includes('their paint'));
+    // Only colors that robots have are asked for.
+    await page.click('[data-goto="colors"]');
+    await page.waitForSelector('[data-color-chip="our paint"]');
+    assert.equal(await page.locator('[data-color-chip="green"]').count(), 0);
+  }));
+
+test('a color is clicked on with the keyboard alone', () =>
+  withBoard(async (page) => {
+    await begin(page);
+    await page.click('[data-goto="colors"]');
+    await act(page, 'colors');
+    await page.focus('[data-color-chip="yellow"]:not([disabled])');
+    await page.keyboard.press('Enter');
+    await page.waitForSelector('[data-color-chip="yellow"][aria-pressed="true"]');
+    await page.focus('canvas[data-picture]');
+    await page.keyboard.press('ArrowLeft');
+    await page.keyboard.press('Shift+ArrowLeft');
+    const [u, v] = (await page.getAttribute('canvas[data-picture]', 'data-cross')).split(' ').map(Number);
+    assert.ok(u < 310 && u > 100 && Math.abs(v - 240) < 3, `the crosshair is at ${u}, ${v}`);
+    await page.keyboard.press('Enter');
+    await page.waitForSelector('[data-color-chip="yellow"]:not(.missing)');
+  }));
 
 test('Ctrl+Z undoes, Ctrl+Y does it again, from every step', () =>
   withBoard(async (page) => {

@@ -25,6 +25,13 @@ TEST_F(ScriptedFirmware, FindsTheFieldAndSavesIt) {
   EXPECT_GT(field["rms_mm"].get<double>(), 0.05);
   EXPECT_LT(field["rms_mm"].get<double>(), 1.0);
   EXPECT_NEAR(field["camera_height_m"].get<double>(), 2.3, 0.03);
+  EXPECT_NEAR(field["seen_height_m"].get<double>(), 2.3, 0.1);
+  EXPECT_EQ(field["entered"]["camera_height_m"], 2.3);
+  EXPECT_EQ(field["entered"]["preset"], "mirosot-middle");
+  // Border, goals, center line and circle: the arena has no penalty areas.
+  EXPECT_EQ(field["overlay"].size(), 4u + 6u + 2u + 4u) << "and the triangles in the corners";
+  EXPECT_EQ(field["values"]["penalty_area_depth_m"], 0.0);
+  EXPECT_EQ(field["values"]["center_circle_m"], 0.25);
   EXPECT_EQ(picture(field["error_map"]).bytes.substr(1, 3), "PNG");
   EXPECT_EQ(state_["undo"], nlohmann::json({"field found"}));
   EXPECT_FALSE(fs::exists(saved("venue.toml"))) << "nothing is written before it is saved";

@@ -61,6 +61,44 @@ TEST_F(ScriptedFirmware, SetsKeysAsStepsOfUndo) {
   EXPECT_TRUE(state_["steps"]["camera"]["done"]);
 }
 
+TEST_F(ScriptedFirmware, WritesALayoutAndTheBallBeforeTheColors) {
+  start_program();
+  expect_ok("begin");
+  const auto patch = [](const char* role, double x_m, double y_m) -> nlohmann::json {
+    return {{"role", role}, {"outline", "circle"}, {"x_m", x_m}, {"y_m", y_m}, {"length_m", 0.04}, {"width_m", 0.04}};
+  };
+  nlohmann::json layout = {{"name", "ours"}, {"robot_side_m", 0.08}, {"height_m", 0.061}};
+  layout["patches"] = {patch("team", 0, 0.01), patch("identification", -0.02, 0),
+                       patch("identification", 0.02, 0.0125)};
+  expect_ok("robots.set", {{"layout", layout},
+                           {"ball", {{"color", "tennis green"}, {"radius_m", 0.033}}},
+                           {"own", {{"layout", "ours"}, {"robots", {{{"id", 3}, {"colors", {"our paint", "red"}}}}}}}});
+  const nlohmann::json robots = state_["steps"]["robots"];
+  EXPECT_EQ(robots["problems"], nlohmann::json::array());
+  const nlohmann::json& written = robots["layouts"][0];
+  EXPECT_EQ(written["name"], "ours");
+  EXPECT_EQ(written["own"], true);
+  EXPECT_NEAR(written["height_m"].get<double>(), 0.061, 1e-6);
+  EXPECT_EQ(written["patches"][2]["y_m"], 0.0125);
+  EXPECT_EQ(robots["ball"], "tennis green");
+  EXPECT_EQ(robots["ball_radius_m"], 0.033);
+  EXPECT_EQ(state_["undo"].size(), 1u) << "one step of undo";
+  // Only these colors are asked for.
+  const std::vector<std::string> needed = state_["steps"]["colors"]["needed"];
+  EXPECT_EQ(std::count(needed.begin(), needed.end(), "our paint"), 1);
+  EXPECT_EQ(std::count(needed.begin(), needed.end(), "tennis green"), 1);
+  EXPECT_EQ(std::count(needed.begin(), needed.end(), "green"), 0) << "of a robot that does not play any more";
+  // Again under the same name: it is replaced.
+  layout["height_m"] = 0.07;
+  expect_ok("robots.set", {{"layout", layout}});
+  EXPECT_NEAR(state_["steps"]["robots"]["layouts"][0]["height_m"].get<double>(), 0.07, 1e-6);
+  EXPECT_NE(state_["steps"]["robots"]["layouts"][1]["name"], "ours");
+  expect_ok("confirm", {{"step", "robots"}});
+  EXPECT_EQ(state_["steps"]["robots"]["quality"]["level"], "ok") << state_["steps"]["robots"]["quality"];
+  expect_error("robots.set", {{"layout", {{"name", "none"}, {"robot_side_m", 0.08}, {"height_m", 0}}}},
+               "needs patches");
+}
+
 TEST_F(ScriptedFirmware, KeepsCommentsAndWritesShortNumbers) {
   write("etc/team.toml", read("etc/team.toml") + "\n[control.drive] # ours\nmax_speed_mps = 1.5 # not more\n");
   start_program();

@@ -17,6 +17,12 @@ const LAYOUTS = [
   { name: 'ssl-butterfly', patches: [[0, 0], [0.04, 0.03], [0.04, -0.03], [-0.04, 0.03], [-0.04, -0.03]].map(([x, y], i) => ({ ...patch(i ? 'identification' : 'team', x, y), outline: 'circle' })) },
 ];
 
+/** What the robots and the ball need, and what of it is not known yet. */
+function neededColors({ robots: { own, opponent, ball }, colors: { names } }) {
+  const needed = [...new Set([own.color, opponent.color, ball, ...[...own.robots, ...opponent.robots].flatMap(({ colors }) => colors)])];
+  return { needed, wanted: needed.filter((name) => !names.some((known) => known.name === name)) };
+}
+
 function fresh() {
   const team = (color) => ({ layout: 'two-squares', color, robots: NAMES.map((name, id) => ({ id, colors: [color === 'yellow' && id === 3 ? NAMES[2] : name] })) });
   return {
@@ -30,7 +36,7 @@ function fresh() {
     },
     light: { done: false, quality: unknown, notes: [], surface: null },
     colors: { done: false, quality: unknown, notes: [], names: [], wanted: COLORS.map(([name]) => name), pictures: [], clicks: [] },
-    robots: { done: false, quality: unknown, notes: [], layouts: LAYOUTS, own: team('blue'), opponent: team('yellow'), ball: 'orange', problems: [], similar: [] },
+    robots: { done: false, quality: unknown, notes: [], layouts: LAYOUTS, own: team('blue'), opponent: team('yellow'), ball: 'orange', ball_radius_m: 0.02135, problems: [], similar: [] },
     radio: { done: false, quality: { level: 'ok', text: '2400 packets sent, none lost' }, notes: [], values: { backend: 'serial', device: '/dev/ttyUSB0', baud: 115200 }, devices: ['/dev/ttyUSB0', '/dev/ttyAMA0'] },
   };
 }
@@ -295,8 +301,12 @@ const handlers = {
   'colors.remove'(setup, { click }) {
     setup.change('click removed', 'colors', { clicks: setup.steps.colors.clicks.filter((_, i) => i !== click) });
   },
-  'robots.set'(setup, { own, opponent }) {
-    setup.change('robots', 'robots', { ...(own ? { own } : {}), ...(opponent ? { opponent } : {}), done: false });
+  'robots.set'(setup, { own, opponent, ball, layout }) {
+    const { robots } = setup.steps;
+    const layouts = layout ? [{ ...layout, own: true }, ...robots.layouts.filter(({ name }) => name !== layout.name)] : robots.layouts;
+    const colors = { ball: ball?.color ?? robots.ball, ball_radius_m: ball?.radius_m ?? robots.ball_radius_m };
+    setup.change('robots', 'robots', { ...(own ? { own } : {}), ...(opponent ? { opponent } : {}), ...colors, layouts, done: false });
+    setup.steps.colors = { ...setup.steps.colors, ...neededColors(setup.steps) };
   },
   'radio.set'(setup, { command: _, type: __, request: ___, ...values }) {
     setup.change('radio', 'radio', { values: { ...setup.steps.radio.values, ...values } });

@@ -142,8 +142,12 @@ Result<void> learn_colors(const ColorRequest& request, const JobInput& input, co
     fit_input.pictures[color_image(i)] = *input.state.color_frames[i];
   }
   if (fit_input.pictures.empty()) return Error{ErrorCode::kNotFound, "there is no picture of robots and ball"};
-  const std::vector<Click> clicks =
+  std::vector<Click> clicks =
       clicks_of(former != input.state.measured.end() ? *former : nlohmann::json::object(), request);
+  // A color that the robots no longer have is not asked for.
+  std::erase_if(clicks, [&](const Click& click) {
+    return std::find(files.colors.names.begin(), files.colors.names.end(), click.color) == files.colors.names.end();
+  });
   fit_input.light = draft.light;
   fit_input.region_of_interest = draft.region_of_interest;
   output.progress("patches and robots are being searched", 0.1);

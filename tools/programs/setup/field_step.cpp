@@ -4,6 +4,7 @@
 
 #include "core/geometry/camera_model.h"
 #include "tools/programs/calibrate/field/fit_consistency.h"
+#include "tools/programs/calibrate/field/painted_lines.h"
 #include "tools/programs/command_line/formatted.h"
 #include "tools/programs/setup/page_state.h"
 
@@ -16,36 +17,46 @@ constexpr std::size_t kPointsOfALine = 33;
 // and a quarter of the limits at which calibrate_field() refuses.
 constexpr double kGoodTop_mm = 4.0, kGoodRms_mm = 1.5;
 
-nlohmann::json polyline(const CameraModel& camera, const FieldPoint& from, const FieldPoint& to) {
+nlohmann::json polyline(const CameraModel& camera, const calibrate::Mark& mark) {
   nlohmann::json out = nlohmann::json::array();
   for (std::size_t i = 0; i < kPointsOfALine; ++i) {
-    const float t = static_cast<float>(i) / static_cast<float>(kPointsOfALine - 1);
-    const PixelPoint pixel =
-        camera.to_pixel({from.x_m + t * (to.x_m - from.x_m), from.y_m + t * (to.y_m - from.y_m)}, 0.0f);
+    const double way_m = calibrate::length_of(mark) * static_cast<double>(i) / static_cast<double>(kPointsOfALine - 1);
+    const calibrate::MarkPlace place = calibrate::place_on(mark, way_m);
+    const PixelPoint pixel = camera.to_pixel({static_cast<float>(place.x_m), static_cast<float>(place.y_m)}, 0.0f);
     out.push_back({pixel.u_px, pixel.v_px});
   }
   return out;
 }
 
-nlohmann::json overlay_of(const CameraModel& camera, const FieldParameters& field) {
-  const float x = field.length_m / 2, y = field.width_m / 2, goal = field.goal_width_m / 2;
+// The lines of the model that this field has: the border, the goals, and what the pictures show of the other markings.
+nlohmann::json overlay_of(const CameraModel& camera, const FieldParameters& field,
+                          const calibrate::FieldReport& report) {
+  const auto x = static_cast<double>(field.length_m / 2), y = static_cast<double>(field.width_m / 2);
+  const auto goal = static_cast<double>(field.goal_width_m / 2);
   nlohmann::json out = nlohmann::json::array();
-  const auto add = [&](const FieldPoint& from, const FieldPoint& to) { out.push_back(polyline(camera, from, to)); };
-  add({-x, -y}, {x, -y});
-  add({x, -y}, {x, y});
-  add({x, y}, {-x, y});
-  add({-x, y}, {-x, -y});
-  add({0, -y}, {0, y});
-  for (const float side : {-1.0f, 1.0f}) {
-    const float back = side * (x + field.goal_depth_m);
-    add({side * x, -goal}, {back, -goal});
-    add({back, -goal}, {back, goal});
-    add({back, goal}, {side * x, goal});
+  const auto add = [&](double from_x, double from_y, double to_x, double to_y) {
+    out.push_back(polyline(camera, {calibrate::MarkKind::kLine, from_x, from_y, to_x, to_y}));
+  };
+  add(-x, -y, x, -y);
+  add(x, -y, x, y);
+  add(x, y, -x, y);
+  add(-x, y, -x, -y);
+  for (const double side : {-1.0, 1.0}) {
+    if (field.goal_width_m <= 0) break;
+    const double back = side * (x + static_cast<double>(field.goal_depth_m));
+    add(side * x, -goal, back, -goal);
+    add(back, -goal, back, goal);
+    add(back, goal, side * x, goal);
+  }
+  for (std::size_t m = 0; m < report.refinement.marks.size(); ++m) {
+    if (report.marks[m].side < 0 && calibrate::is_seen(report.refinement.marks[m])) {
+      out.push_back(polyline(camera, report.marks[m]));
+    }
   }
   return out;
 }
 
-nlohmann::json notes_of(const calibrate::FieldReport& report) {
+nlohmann::json notes_of(const calibrate::FieldReport& report, const FieldParameters& field) {
   nlohmann::json notes = nlohmann::json::array();
   const auto note = [&](const char* level, const std::string& text) {
     notes.push_back({{"level", level}, {"text", text}});
@@ -55,12 +66,18 @@ nlohmann::json notes_of(const calibrate::FieldReport& report) {
     note("warning", "the height of the lens was not measured: measure it with a tape and enter it");
   }
   for (const std::string& doubt : report.doubts) note("warning", doubt);
-  if (report.refinement.points > 0) note("ok", calibrate::describe(report.refinement.height));
+  // If it shows the height, the page has it beside the field for it.
+  if (report.refinement.points > 0 && !calibrate::shows_height(report.refinement.height)) {
+    note("ok", calibrate::describe(report.refinement.height));
+  }
   std::size_t used = 0;
   for (const calibrate::MarkReport& mark : report.refinement.marks) used += mark.used ? 1u : 0u;
   if (!report.refinement.marks.empty()) {
     note("ok",
          formatted("%zu of %zu markings agree with the drawing of the field", used, report.refinement.marks.size()));
+  }
+  if (const std::string unpainted = calibrate::describe_unpainted(field, report); !unpainted.empty()) {
+    note("ok", unpainted + ", so none are drawn or told to other programs");
   }
   return notes;
 }
@@ -72,8 +89,8 @@ nlohmann::json measured_field(const calibrate::FieldReport& report, const FieldP
                         {"tilt_rad", report.fit.tilt_rad},
                         {"camera_height_sigma_m", report.fit.height_sigma_m},
                         {"top_assumes", calibrate::assumption_of(report)},
-                        {"overlay", overlay_of(camera, field)},
-                        {"notes", notes_of(report)},
+                        {"overlay", overlay_of(camera, field, report)},
+                        {"notes", notes_of(report, field)},
                         {"report", calibrate::text_of(report)}};
   const float x = field.length_m / 2, y = field.width_m / 2;
   for (const FieldPoint& corner : {FieldPoint{-x, -y}, FieldPoint{x, -y}, FieldPoint{x, y}, FieldPoint{-x, y}}) {
@@ -85,6 +102,10 @@ nlohmann::json measured_field(const calibrate::FieldReport& report, const FieldP
     out["max_mm"] = report.fit.residual_mm.max;
     out["quality"] = quality("warning", "four points show no accuracy: it is unknown between them");
     return out;
+  }
+  if (calibrate::shows_height(refined.height)) {
+    out["seen_height_m"] = refined.height.height_m;
+    out["seen_height_sigma_m"] = refined.height.sigma_m;
   }
   out["rms_mm"] = refined.rms_mm;
   out["p95_mm"] = refined.p95_mm;
@@ -130,6 +151,11 @@ Result<void> find_field(const FieldRequest& request, const JobInput& input, cons
     return Error{ErrorCode::kInconsistent, "the camera model found is invalid"};
   }
   nlohmann::json measured = measured_field(report, field, camera);
+  measured["entered"] = {{"preset", request.choice.preset},
+                         {"length_m", request.choice.length_m},
+                         {"width_m", request.choice.width_m},
+                         {"camera_height_m", request.choice.camera_height_m},
+                         {"ignore_lines", request.choice.drawing == calibrate::kNoDrawing}};
   const std::string warning = calibrate::region_warning(draft.region_of_interest, picture, field, report.fit.camera);
   if (!warning.empty()) {
     measured["notes"].push_back({{"level", "warning"}, {"text", warning}});

@@ -39,10 +39,14 @@ nlohmann::json field_values(const calibrate::VenueDraft& venue) {
                        {"width_m", preset.drawing.field.width_m}});
   }
   const DescribedKeys field = DescribedKeys::of(venue.file.field);
-  return {{"done", calibrate::has_camera_model(venue)},
-          {"values", field.values()},
-          {"keys", field.keys()},
-          {"presets", presets}};
+  const bool is_done = calibrate::has_camera_model(venue);
+  const bool has_height = is_done && venue.file.camera_model.kind == CameraModelKind::kFull;
+  return {
+      {"done", is_done},
+      {"values", field.values()},
+      {"keys", field.keys()},
+      {"presets", presets},
+      {"camera_height_m", has_height ? nlohmann::json(venue.file.camera_model.full.position_m[2]) : nlohmann::json()}};
 }
 
 nlohmann::json color_values(const calibrate::VenueDraft& venue, const Result<calibrate::TeamColors>& team) {
@@ -58,7 +62,8 @@ nlohmann::json color_values(const calibrate::VenueDraft& venue, const Result<cal
       if (std::none_of(venue.file.color.begin(), venue.file.color.end(), has_name)) wanted.push_back(name);
     }
   }
-  return {{"done", !names.empty() && wanted.empty()}, {"names", names}, {"wanted", wanted}};
+  const nlohmann::json needed = team.ok() ? nlohmann::json(team.value().names) : nlohmann::json::array();
+  return {{"done", !names.empty() && wanted.empty()}, {"names", names}, {"wanted", wanted}, {"needed", needed}};
 }
 
 nlohmann::json radio_values(const config::BoardFile& board) {
@@ -99,7 +104,9 @@ nlohmann::json steps_of(const DraftState& draft, const std::string& folder) {
   steps["colors"] = with_measured(draft, "colors", color_values(venue, team));
   steps["robots"] = with_measured(draft, "robots", robots_state(path(draft.files.team), venue));
   // Only a person can compare the drawings with the robots: before, colors that differ are no reason for a tick.
-  if (steps["robots"]["quality"]["level"] == "ok" && !is_confirmed(draft, "robots")) {
+  if (steps["robots"]["quality"]["level"] == "none" && is_confirmed(draft, "robots")) {
+    steps["robots"]["quality"] = quality("ok", "compared with the robots; their colors are found in the next step");
+  } else if (steps["robots"]["quality"]["level"] == "ok" && !is_confirmed(draft, "robots")) {
     steps["robots"]["quality"] = quality("none", "the colors can be told apart; not compared with the robots yet");
   }
   steps["radio"] = with_measured(draft, "radio", radio_values(configuration->board));

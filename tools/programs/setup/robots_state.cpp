@@ -6,10 +6,12 @@
 #include <sstream>
 
 #include "firmware/config/layout_choice.h"
+#include "firmware/config/paint_names.h"
 #include "firmware/config/section_writer.h"
 #include "firmware/config/standard_layouts.h"
 #include "firmware/config/team_file.h"
 #include "firmware/config/toml_file.h"
+#include "firmware/config/value_writer.h"
 #include "firmware/config/wording.h"
 #include "tools/programs/calibrate/colors/team_colors.h"
 #include "tools/programs/calibrate/imaging/channel_image.h"
@@ -24,24 +26,53 @@ namespace {
 constexpr double kLookAlike_levels = 20;
 constexpr std::size_t kMaxPairs = 12;
 
-nlohmann::json layouts_json() {
+nlohmann::json layout_json(const std::string& name, const std::string& help, const MarkerLayout& layout, bool is_own) {
+  nlohmann::json patches = nlohmann::json::array();
+  for (const PatchPlace& patch : layout.patches) {
+    const auto number = [](float value) { return nlohmann::json::parse(config::number_text(value)); };
+    patches.push_back({{"role", config::word_of(patch.role, config::kPatchRoles)},
+                       {"outline", config::word_of(patch.outline, config::kPatchOutlines)},
+                       {"x_m", number(patch.x_m)},
+                       {"y_m", number(patch.y_m)},
+                       {"length_m", number(patch.length_m)},
+                       {"width_m", number(patch.width_m)},
+                       {"turn_rad", number(patch.turn_rad)}});
+  }
+  return {{"name", name},
+          {"help", help},
+          {"own", is_own},
+          {"robot_side_m", layout.robot_side_m},
+          {"height_m", layout.height_m},
+          {"body_turn_rad", config::body_turn_rad(layout)},
+          {"patches", patches}};
+}
+
+// Those of the team file come first, as where a team names one.
+nlohmann::json layouts_json(const config::TeamFile& file) {
   nlohmann::json out = nlohmann::json::array();
+  for (const config::LayoutEntry& own : file.layout) {
+    if (own.patch.size() <= kMaxPatches) out.push_back(layout_json(own.name, "", config::layout_of(own), true));
+  }
   for (const config::StandardLayout& standard : config::standard_layouts()) {
-    nlohmann::json patches = nlohmann::json::array();
-    for (const PatchPlace& patch : standard.layout.patches) {
-      patches.push_back({{"role", config::word_of(patch.role, config::kPatchRoles)},
-                         {"outline", config::word_of(patch.outline, config::kPatchOutlines)},
-                         {"x_m", patch.x_m},
-                         {"y_m", patch.y_m},
-                         {"length_m", patch.length_m},
-                         {"width_m", patch.width_m},
-                         {"turn_rad", patch.turn_rad}});
-    }
-    out.push_back({{"name", std::string(standard.name)},
-                   {"help", std::string(standard.help)},
-                   {"robot_side_m", standard.layout.robot_side_m},
-                   {"body_turn_rad", config::body_turn_rad(standard.layout)},
-                   {"patches", patches}});
+    out.push_back(layout_json(std::string(standard.name), std::string(standard.help), standard.layout, false));
+  }
+  return out;
+}
+
+// Names from which a person may choose, and their usual looks until the camera has shown the real ones.
+nlohmann::json palette_json(const config::TeamFile& file) {
+  nlohmann::json out = nlohmann::json::array();
+  for (const auto& [name, rgb] : config::usual_paints()) out.push_back({{"name", name}, {"rgb", rgb}});
+  std::vector<std::string> used = {file.own.color, file.opponent.color, file.ball.color};
+  for (const config::TeamEntry* team : {&file.own, &file.opponent}) {
+    for (const config::RobotEntry& robot : team->robot)
+      used.insert(used.end(), robot.colors.begin(), robot.colors.end());
+  }
+  for (const std::string& name : used) {
+    const auto is_name = [&](const nlohmann::json& one) { return one["name"] == name; };
+    if (name.empty() || std::any_of(out.begin(), out.end(), is_name)) continue;
+    const std::optional<config::Rgb> rgb = config::usual_rgb(name);
+    out.push_back({{"name", name}, {"rgb", rgb ? nlohmann::json(*rgb) : nlohmann::json()}});
   }
   return out;
 }
@@ -105,15 +136,17 @@ nlohmann::json robots_state(const std::string& team_path, const calibrate::Venue
     problems.push_back(folder == std::string::npos ? line : line.substr(folder + 1));
   }
   nlohmann::json out = {{"done", false},
-                        {"layouts", layouts_json()},
+                        {"layouts", layouts_json(file)},
+                        {"palette", palette_json(file)},
                         {"own", team_json(file.own)},
                         {"opponent", team_json(file.opponent)},
                         {"ball", file.ball.color},
+                        {"ball_radius_m", nlohmann::json::parse(config::number_text(file.ball.radius_m))},
                         {"similar", similar_json(file, venue.file)}};
   if (!problems.empty()) {
     out["quality"] = quality("bad", problems[0].get_ref<const std::string&>());
   } else if (out["similar"].empty()) {
-    out["quality"] = quality("none", "the colors are not learned yet");
+    out["quality"] = quality("none", "the colors are not found yet");
   } else {
     const double levels = out["similar"][0]["levels"].get<double>();
     out["quality"] = quality(levels < kLookAlike_levels ? "warning" : "ok",
@@ -122,6 +155,66 @@ nlohmann::json robots_state(const std::string& team_path, const calibrate::Venue
   }
   out["problems"] = problems;
   return out;
+}
+
+Result<std::string> replace_layout(const std::string& text, const nlohmann::json& layout) {
+  if (!layout.is_object()) return Error{ErrorCode::kInconsistent, "\"layout\" must be an object"};
+  const Arguments members(layout);
+  TOUCHLINE_TRY_ASSIGN(const std::string name, members.text("name"));
+  if (name.empty()) return Error{ErrorCode::kInconsistent, "the layout needs a name"};
+  TOUCHLINE_TRY_ASSIGN(const double side_m, members.number("robot_side_m", 0.02, 0.4));
+  TOUCHLINE_TRY_ASSIGN(const double height_m, members.number("height_m", 0.0, 0.5));
+  if (!members.has("patches") || !members["patches"].is_array() || members["patches"].empty()) {
+    return Error{ErrorCode::kInconsistent, "the layout needs patches"};
+  }
+  // The text of a number that was rounded to single precision, as everywhere in these files.
+  const auto short_number = [](double value) { return std::stod(config::number_text(static_cast<float>(value))); };
+  toml::array patches;
+  for (const nlohmann::json& one : members["patches"]) {
+    if (!one.is_object()) return Error{ErrorCode::kInconsistent, "a patch must be an object"};
+    const Arguments patch(one);
+    toml::table entry;
+    for (const char* word : {"role", "outline"}) {
+      TOUCHLINE_TRY_ASSIGN(const std::string value, patch.text(word));
+      entry.insert(word, value);
+    }
+    for (const char* key : {"x_m", "y_m", "length_m", "width_m", "turn_rad"}) {
+      TOUCHLINE_TRY_ASSIGN(const double value, patch.number(key, -6.3, 6.3, 0.0));
+      if (value != 0.0 || std::string_view(key) != "turn_rad") entry.insert(key, short_number(value));
+    }
+    patches.push_back(std::move(entry));
+  }
+  toml::table entry{{"name", name}, {"robot_side_m", short_number(side_m)}, {"height_m", short_number(height_m)}};
+  entry.insert("patch", std::move(patches));
+  const std::string content = text.empty() ? config::kNewFile : text;
+  try {
+    const toml::table file = toml::parse(content);
+    toml::array layouts;
+    if (const toml::array* former = file["layout"].as_array()) {
+      for (const toml::node& other : *former) {
+        const toml::table* const table = other.as_table();
+        if (table != nullptr && (*table)["name"].value_or(std::string()) != name) layouts.push_back(*table);
+      }
+    }
+    layouts.push_back(std::move(entry));
+    std::ostringstream section;
+    section << toml::table{{"layout", std::move(layouts)}} << "\n";
+    return config::replace_section(content, "layout", section.str());
+  } catch (const toml::parse_error& fault) {
+    return failure(ErrorCode::kInconsistent, "line %u: %s", fault.source().begin.line,
+                   std::string(fault.description()).c_str());
+  }
+}
+
+Result<std::string> replace_ball(const std::string& text, const nlohmann::json& ball) {
+  if (!ball.is_object()) return Error{ErrorCode::kInconsistent, "\"ball\" must be an object"};
+  std::string content = text;
+  for (const char* key : {"color", "radius_m"}) {
+    if (!ball.contains(key)) continue;
+    TOUCHLINE_TRY_ASSIGN(const std::string value, toml_of(ball.at(key)));
+    TOUCHLINE_TRY_ASSIGN(content, replace_key(content, std::string("ball.") + key, value));
+  }
+  return content;
 }
 
 Result<std::string> replace_team(const std::string& text, const std::string& name, const nlohmann::json& table) {

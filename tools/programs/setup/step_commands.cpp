@@ -233,6 +233,8 @@ Answer SetupProgram::set(const Arguments& arguments) {
 Answer SetupProgram::robots_set(const Arguments& arguments) {
   const SetupFiles& files = draft_.now().files;
   Result<std::string> text = files.text(files.team);
+  if (arguments.has("layout")) text = replace_layout(text.value(), arguments["layout"]);
+  if (text.ok() && arguments.has("ball")) text = replace_ball(text.value(), arguments["ball"]);
   for (const char* name : {"own", "opponent"}) {
     if (text.ok() && arguments.has(name)) text = replace_team(text.value(), name, arguments[name]);
   }

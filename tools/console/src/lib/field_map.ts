@@ -1,3 +1,4 @@
+import { drawLabel } from './canvas_label';
 import { cssColor } from './format';
 import type { Hello, RobotTrack, State } from './protocol';
 import type { Trails } from './trails';
@@ -75,16 +76,7 @@ export function drawFieldMap(
 
   function label(text: string, x: number, y: number, size: number): void {
     context.font = `600 ${size * unit}px system-ui, sans-serif`;
-    context.textAlign = 'center';
-    context.textBaseline = 'middle';
-    context.lineWidth = 3 * unit;
-    context.strokeStyle = colors.field;
-    // At the border of a small field the name stays inside.
-    const margin = context.measureText(text).width / 2 + 2 * unit;
-    const inside = Math.max(margin, Math.min(width - margin, x));
-    context.strokeText(text, inside, y);
-    context.fillStyle = colors.text;
-    context.fillText(text, inside, y);
+    drawLabel(context, text, x, y, { color: colors.field, width: 3 * unit }, colors.text);
   }
 
   function drawRobot(target: CanvasRenderingContext2D, track: RobotTrack, color: string, isSelected: boolean): void {
@@ -109,15 +101,7 @@ export function drawFieldMap(
     }
     target.restore();
     context.font = `700 ${Math.max(11 * unit, half * 1.1)}px system-ui, sans-serif`;
-    context.textAlign = 'center';
-    context.textBaseline = 'middle';
-    context.lineJoin = 'round';
-    context.lineWidth = 3 * unit;
-    context.strokeStyle = 'rgb(0 0 0 / 0.7)';
-    const id = track.id === null ? '?' : String(track.id);
-    context.strokeText(id, x, y);
-    context.fillStyle = '#ffffff';
-    context.fillText(id, x, y);
+    drawLabel(context, track.id === null ? '?' : String(track.id), x, y, { color: 'rgb(0 0 0 / 0.7)', width: 3 * unit }, '#ffffff');
   }
 }
 

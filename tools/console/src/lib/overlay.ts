@@ -1,3 +1,4 @@
+import { drawLabel } from './canvas_label';
 import { LAYER_COLORS, type LayerKey } from './layers';
 import { fieldLines } from './field_lines';
 import type { TeamName } from './message_types';
@@ -63,14 +64,7 @@ class Pen {
   text(text: string, [x, y]: Point, color: string, size = 13): void {
     const { context, unit } = this;
     context.font = `600 ${size * unit}px system-ui, sans-serif`;
-    context.textAlign = 'center';
-    context.textBaseline = 'middle';
-    context.lineJoin = 'round';
-    context.lineWidth = 3.5 * unit;
-    context.strokeStyle = 'rgb(0 0 0 / 0.75)';
-    context.strokeText(text, x, y);
-    context.fillStyle = color;
-    context.fillText(text, x, y);
+    drawLabel(context, text, x, y, { color: 'rgb(0 0 0 / 0.75)', width: 3.5 * unit }, color);
   }
 }
 

@@ -64,6 +64,7 @@ export interface Hello {
   max_speed_mps?: number; // of own robots
   max_turn_radps?: number;
   using?: 'saved' | 'draft'; // the files
+  arena?: boolean; // the field is simulated: its objects can be moved
   calibrated?: boolean; // false: camera, console and stop packets only
   setup?: boolean; // the program touchline-setup runs beside the firmware
 }
@@ -276,7 +277,8 @@ export type ClientMessage =
   | { type: 'ping' }
   | { type: 'drive'; id: number; speed_mps: number; turn_radps: number }
   | { type: 'drive'; id: number; give_back: true }
-  | { type: 'adaptation'; action: 'freeze' | 'follow' | 'reset' };
+  | { type: 'adaptation'; action: 'freeze' | 'follow' | 'reset' }
+  | { type: 'move'; u_px: number; v_px: number; to_u_px: number; to_v_px: number };
 
 /** Header of a binary message: 32 bytes, little-endian; the content follows: a JPEG of the camera, or a picture of the setup. */
 export const BINARY_HEADER_BYTES = 32;

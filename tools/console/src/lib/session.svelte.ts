@@ -208,6 +208,12 @@ class Session {
     this.ask({ type: 'adaptation', action }, 'Adaptation to the light');
   }
 
+  /** Moves the robot or the ball of the arena that the camera's picture shows at `from`. */
+  moveObject(from: [number, number], to: [number, number]): void {
+    const [u_px, v_px, to_u_px, to_v_px] = [...from, ...to].map((value) => Math.max(0, value)) as [number, number, number, number];
+    this.ask({ type: 'move', u_px, v_px, to_u_px, to_v_px }, 'Move');
+  }
+
   tell(message: ClientMessage): void {
     this.connection.tell(message);
   }

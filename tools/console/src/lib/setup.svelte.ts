@@ -1,5 +1,5 @@
 import { completeState } from './setup_defaults';
-import type { SetupCommand, SetupMessage, SetupPicture, SetupState } from './setup_protocol';
+import type { FieldEntry, SetupCommand, SetupMessage, SetupPicture, SetupState } from './setup_protocol';
 import { ANSWER_MS, whenSilent } from './silence';
 
 // Every step has a few pictures, and clicks replace each other's.
@@ -26,6 +26,7 @@ export class Setup {
   pictures = $state.raw<ReadonlyMap<number, { url: string; image: ImageBitmap }>>(new Map());
   error = $state(''); // the answer to the last command, if it was refused
   waiting = $state(0); // commands without an answer
+  fieldEntry = $state.raw<Partial<FieldEntry>>({}); // typed and not used yet; it stays while other steps are shown
 
   private answers = new Map<number, (answer: Result) => void>();
 

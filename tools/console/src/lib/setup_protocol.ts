@@ -4,7 +4,7 @@
 
 import type { Rgb, TeamName } from './message_types';
 
-export const SETUP_STEPS = ['camera', 'field', 'light', 'colors', 'robots', 'radio'] as const;
+export const SETUP_STEPS = ['camera', 'field', 'light', 'robots', 'colors', 'radio'] as const;
 export type StepName = (typeof SETUP_STEPS)[number];
 
 export type Level = 'none' | 'ok' | 'warning' | 'bad'; // none: nothing was measured yet
@@ -48,12 +48,24 @@ export interface FieldPreset {
   width_m?: number;
 }
 
+/** What a person says about the field; 0 and '': nothing. */
+export interface FieldEntry {
+  preset: string;
+  length_m: number;
+  width_m: number;
+  camera_height_m: number;
+  ignore_lines: boolean;
+}
+
 export interface FieldStep extends Step {
   values: Record<string, KeyValue>;
   presets: (FieldPreset | string)[];
   camera_height_m?: number | null;
   camera_height_sigma_m?: number | null;
   tilt_rad?: number | null;
+  seen_height_m?: number | null; // what the picture alone says
+  seen_height_sigma_m?: number | null;
+  entered?: FieldEntry | null; // by a person, for this result
   rms_mm?: number | null;
   p95_mm?: number | null;
   max_mm?: number | null;
@@ -82,6 +94,7 @@ export interface LightStep extends Step {
 export interface ColorsStep extends Step {
   names: { name: string; shown_rgb?: Rgb; boxes?: unknown[] }[];
   wanted: string[]; // of the team file, without a box
+  needed?: string[]; // of the team file
   pictures: number[]; // that clicks refer to
   clicks: { name: string; u_px: number; v_px: number; picture?: number; used?: boolean; reason?: string }[];
   confusion?: { names?: string[]; rows: number[][] } | number[][] | null; // rows: colors; columns: background, then the colors
@@ -101,6 +114,15 @@ export interface LayoutPatch {
   length_m: number;
   width_m: number;
   turn_rad?: number;
+}
+
+export interface RobotLayout {
+  name: string;
+  own?: boolean; // of the team file
+  robot_side_m?: number;
+  height_m?: number; // of the patches above the floor
+  body_turn_rad?: number;
+  patches: LayoutPatch[];
 }
 
 export interface TeamTable {
@@ -131,10 +153,12 @@ export interface NoiseMeasure {
 }
 
 export interface RobotsStep extends Step {
-  layouts: { name: string; robot_side_m?: number; body_turn_rad?: number; patches: LayoutPatch[] }[];
+  layouts: RobotLayout[];
+  palette?: { name: string; rgb?: Rgb | null }[]; // usual names of paints, and those in use, with their usual looks
   own: TeamTable;
   opponent: TeamTable;
   ball?: string;
+  ball_radius_m?: number;
   problems?: (string | { text: string; robots?: RobotRef[] })[];
   similar?: { a: RobotRef; b: RobotRef; levels: number }[];
   noise?: NoiseMeasure | null;
@@ -193,7 +217,7 @@ export type SetupCommand =
   | { command: 'colors.find'; accept?: boolean }
   | { command: 'colors.click'; name: string; u_px: number; v_px: number; picture?: number }
   | { command: 'colors.remove'; click: number }
-  | { command: 'robots.set'; own?: TeamTable; opponent?: TeamTable }
+  | { command: 'robots.set'; own?: TeamTable; opponent?: TeamTable; ball?: { color?: string; radius_m?: number }; layout?: RobotLayout }
   | { command: 'radio.set'; backend?: string; device?: string; baud?: number };
 
 export interface Differences {

@@ -50,3 +50,10 @@ export function fromCanvas(view: View, x: number, y: number, canvas: Size, pictu
   const scale = fitScale(canvas, picture) * view.zoom;
   return [(x - canvas.width / 2 - view.x) / scale + picture.width / 2, (y - canvas.height / 2 - view.y) / scale + picture.height / 2];
 }
+
+/** Moves the view until the picture's point (u, v) is at least `margin` canvas pixels inside the canvas, as far as it can. */
+export function reveal(view: View, u: number, v: number, margin: number, canvas: Size, picture: Size): View {
+  const [x, y] = toCanvas(view, u, v, canvas, picture);
+  const inside = (value: number, most: number) => Math.min(Math.max(value, margin), most - margin) - value;
+  return pan(view, inside(x, canvas.width), inside(y, canvas.height), canvas, picture);
+}

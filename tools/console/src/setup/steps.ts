@@ -8,7 +8,7 @@ export const STEP_AIMS: Record<StepName, string> = {
   field: 'find its lines in the picture',
   light: 'measure how it falls on the field',
   colors: 'find those of robots and ball',
-  robots: 'compare their tops with the drawings',
+  robots: 'say how their tops and the ball look',
   radio: 'drive one robot',
 };
 

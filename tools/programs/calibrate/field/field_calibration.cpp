@@ -8,6 +8,7 @@
 #include "tools/programs/calibrate/field/paper_fit.h"
 #include "tools/programs/calibrate/field/residual_map.h"
 #include "tools/programs/calibrate/field/vanishing_points.h"
+#include "tools/programs/calibrate/field/painted_lines.h"
 #include "tools/programs/calibrate/imaging/channel_image.h"
 #include "tools/programs/command_line/formatted.h"
 #include "tools/programs/command_line/progress.h"
@@ -325,7 +326,7 @@ std::vector<Section> field_sections(const VenueDraft& venue, const hal::Picture&
   config::PictureEntry entry = venue.file.picture;
   entry.width_px = static_cast<std::uint16_t>(picture.width_px);
   entry.height_px = static_cast<std::uint16_t>(picture.height_px);
-  return {section_of("picture", entry, ""), section_of("field", field, ""),
+  return {section_of("picture", entry, ""), section_of("field", painted_field(field, report), ""),
           section_of("camera_model", report.fit.camera, residual_text(report))};
 }
 

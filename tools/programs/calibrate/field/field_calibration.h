@@ -47,7 +47,7 @@ struct FieldPictures {
 /// the message says what was found before.
 Result<FieldReport> calibrate_field(const FieldPictures& input, const ChosenField& field, double camera_height_m);
 
-/// [picture], [field] and [camera_model] of the venue file.
+/// [picture], [field] (see painted_field()) and [camera_model] of the venue file.
 std::vector<Section> field_sections(const VenueDraft& venue, const hal::Picture& picture, const FieldParameters& field,
                                     const FieldReport& report);
 

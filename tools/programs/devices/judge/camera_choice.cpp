@@ -162,13 +162,17 @@ Result<hal::CameraSettings> choose_camera(const std::string& device, const std::
   if (!device.empty() && device[0] != '/') return choose_libcamera(device, mode);
   const std::vector<hal::CameraNode> nodes = hal::list_cameras();
   if (!device.empty()) return choose_v4l2(device, mode, nodes);
+  // Where a sensor is on a ribbon cable, some of the kernel's devices belong to its ISP and deliver nothing alone.
+  const std::vector<hal::LibcameraName> cameras = hal::libcamera_cameras();
+  const bool has_ribbon = std::any_of(cameras.begin(), cameras.end(), [](const auto& here) { return !here.external; });
+  if (has_ribbon) return choose_libcamera("auto", mode);
   std::string refusals;
   for (const hal::CameraNode& node : nodes) {
     Result<hal::CameraSettings> chosen = choose_v4l2(node.by_path.empty() ? node.path : node.by_path, mode, nodes);
     if (chosen.ok()) return chosen;
     refusals += "\n  " + chosen.text();
   }
-  if (!hal::libcamera_cameras().empty()) return choose_libcamera("auto", mode);
+  if (!cameras.empty()) return choose_libcamera("auto", mode);
   return failure(ErrorCode::kNotFound,
                  "no camera delivers pictures. Is it plugged in (`lsusb`), and its driver loaded (`dmesg`)? "
                  "`touchline-devices --judge --board boards/mock/board.toml` shows the measurement in a simulation.%s",

@@ -19,7 +19,8 @@ Result<void> parse_mode(const std::string& text, hal::CameraSettings& settings);
 bool choose_mode(const std::vector<hal::V4l2FormatInfo>& formats, hal::CameraSettings& settings);
 
 /// The camera that `device` names: a V4L2 device, by its file or a link to it, or an id of libcamera, a part of one, or
-/// "auto". "": the first V4L2 camera that delivers pictures, else the first one of libcamera. `mode`: as for
+/// "auto". "": a camera on a ribbon cable, through libcamera; else the first V4L2 camera that
+/// delivers pictures; else the first one of libcamera. `mode`: as for
 /// parse_mode(), or "": chosen. kNotFound: there is no such camera; the message lists those that there are.
 Result<hal::CameraSettings> choose_camera(const std::string& device, const std::string& mode);
 

@@ -1,20 +1,26 @@
 #include "firmware/device_list/suggestion.h"
 
 #include <algorithm>
-#include <cstdlib>
+#include <cmath>
+#include <initializer_list>
 #include <tuple>
 
 namespace touchline::devices {
 namespace {
 
-constexpr long kWidth = 640, kHeight = 480;
+constexpr double kGameRate_hz = 60.0;
+constexpr std::uint32_t kGameWidth_px = 1280, kGameHeight_px = 1024;
 
-std::optional<hal::CameraFormat> format_of(const std::string& word) {
-  const auto* const found = std::find_if(hal::kCameraFormats.begin(), hal::kCameraFormats.end(),
-                                         [&](const auto& choice) { return choice.word == word; });
-  if (found == hal::kCameraFormats.end()) return std::nullopt;
-  return found->value;
-}
+struct Mode {
+  hal::CameraFormat format;
+  std::uint32_t width_px, height_px;
+  double rate_hz;
+
+  [[nodiscard]] auto rank() const {
+    return std::tuple(std::min(std::round(rate_hz), kGameRate_hz), width_px * height_px,
+                      format != hal::CameraFormat::kMjpg);
+  }
+};
 
 std::string first_of(std::initializer_list<std::string> names) {
   const auto* const named = std::find_if(names.begin(), names.end(), [](const std::string& n) { return !n.empty(); });
@@ -23,32 +29,56 @@ std::string first_of(std::initializer_list<std::string> names) {
 
 }  // namespace
 
-std::optional<hal::CameraSettings> suggested_settings(const Camera& camera) {
-  std::optional<hal::CameraSettings> best;
-  std::tuple<long, double, bool> rank_of_best;
-  for (const hal::V4l2FormatInfo& offer : camera.formats) {
-    const std::optional<hal::CameraFormat> format = format_of(offer.word);
-    if (!format) continue;
-    for (const hal::V4l2FrameSize& size : offer.sizes) {
-      // The size of a range that is closest; drivers with ranges accept multiples of at least 2 pixels.
-      const long width = std::clamp<long>(kWidth, size.width_px, size.max_width_px);
-      const long height = std::clamp<long>(kHeight, size.height_px, size.max_height_px);
-      if (width > static_cast<long>(kMaxFrameWidth) || height > static_cast<long>(kMaxFrameHeight)) continue;
-      const double rate = size.rates_hz.empty() ? 0.0 : *std::max_element(size.rates_hz.begin(), size.rates_hz.end());
-      const std::tuple rank{std::labs(width - kWidth) + std::labs(height - kHeight), -rate,
-                            *format == hal::CameraFormat::kMjpg};
-      if (best && rank >= rank_of_best) continue;
-      rank_of_best = rank;
-      best.emplace();
-      best->backend = hal::CameraBackend::kV4l2;
-      best->device = lasting_name(camera.node);
-      best->format = *format;
-      best->width_px = static_cast<std::uint16_t>(width);
-      best->height_px = static_cast<std::uint16_t>(height);
-      if (rate > 0.0) best->rate_hz = rate;
+std::optional<hal::CameraFormat> format_of(const std::string& word) {
+  for (const Choice<hal::CameraFormat>& choice : hal::kCameraFormats) {
+    if (choice.word == word) return choice.value;
+  }
+  return std::nullopt;
+}
+
+bool choose_mode(const std::vector<hal::V4l2FormatInfo>& formats, hal::CameraSettings& settings) {
+  std::optional<Mode> best;
+  const auto consider = [&](hal::CameraFormat format, std::uint32_t width, std::uint32_t height, double rate_hz) {
+    const Mode mode{format, width, height, rate_hz};
+    if (!best || mode.rank() > best->rank()) best = mode;
+  };
+  for (const hal::V4l2FormatInfo& format : formats) {
+    const std::optional<hal::CameraFormat> word = format_of(format.word);
+    if (!word) continue;
+    for (const hal::V4l2FrameSize& size : format.sizes) {
+      // A range of sizes has the game's size if that is inside.
+      const std::uint32_t width = std::clamp(kGameWidth_px, size.width_px, size.max_width_px);
+      const std::uint32_t height = std::clamp(kGameHeight_px, size.height_px, size.max_height_px);
+      if (width > kGameWidth_px || height > kGameHeight_px) continue;
+      if (size.rates_hz.empty()) consider(*word, width, height, kGameRate_hz);
+      for (const double rate_hz : size.rates_hz) consider(*word, width, height, rate_hz);
     }
   }
-  return best;
+  if (!best) {
+    // Only sizes above the game's: the smallest of them.
+    for (const hal::V4l2FormatInfo& format : formats) {
+      const std::optional<hal::CameraFormat> word = format_of(format.word);
+      if (!word) continue;
+      for (const hal::V4l2FrameSize& size : format.sizes) {
+        const Mode mode{*word, size.width_px, size.height_px, size.rates_hz.empty() ? kGameRate_hz : size.rates_hz[0]};
+        if (!best || mode.width_px * mode.height_px < best->width_px * best->height_px) best = mode;
+      }
+    }
+  }
+  if (!best) return false;
+  settings.format = best->format;
+  settings.width_px = static_cast<std::uint16_t>(best->width_px);
+  settings.height_px = static_cast<std::uint16_t>(best->height_px);
+  settings.rate_hz = best->rate_hz;
+  return true;
+}
+
+std::optional<hal::CameraSettings> suggested_settings(const Camera& camera) {
+  hal::CameraSettings settings;
+  settings.backend = hal::CameraBackend::kV4l2;
+  settings.device = lasting_name(camera.node);
+  if (!choose_mode(camera.formats, settings)) return std::nullopt;
+  return settings;
 }
 
 std::string lasting_name(const hal::CameraNode& camera) {

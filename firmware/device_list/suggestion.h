@@ -2,14 +2,21 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "firmware/device_list/device_list.h"
 #include "hal/device_parameters.h"
 
 namespace touchline::devices {
 
-/// Device, format, size and rate with which a camera is tried first: the size closest to 640 x 480, of that the highest
-/// rate, and with equal rates raw pictures rather than JPEG. Nothing if it cannot be opened or offers no format that
+/// The format of a word in board files; nothing if there is none.
+std::optional<hal::CameraFormat> format_of(const std::string& word);
+
+/// Chooses format, size and rate as for a game: the highest rate up to 60 Hz, then the largest picture up to
+/// 1280 x 1024, then pictures that are not compressed. False: the camera offers no format that Touchline reads.
+bool choose_mode(const std::vector<hal::V4l2FormatInfo>& formats, hal::CameraSettings& settings);
+
+/// Device and mode with which a camera is tried first. Nothing if it cannot be opened or offers no format that
 /// Touchline reads.
 std::optional<hal::CameraSettings> suggested_settings(const Camera& camera);
 

@@ -66,7 +66,7 @@ void Arena::start_camera() {
   streaming_ = true;
   first_exposure_ = now_;
   next_frame_ = 0;
-  exposing_.reset();
+  shutters_.clear();
   waiting_.clear();
   held_ = 0;
 }
@@ -75,37 +75,61 @@ Instant Arena::exposure_begin(std::uint64_t frame) const {
   return first_exposure_ + from_seconds(static_cast<double>(frame) / camera_.rate_hz);
 }
 
+void Arena::open_shutter() {
+  const auto sequence = static_cast<std::uint32_t>(next_frame_++);
+  if (fault_active(FaultKind::kCameraStall) || fault_active(FaultKind::kCameraLost)) return;
+  if (held_ + static_cast<int>(waiting_.size() + shutters_.size()) >= camera_.buffers) return;
+  OpenShutter shutter;
+  shutter.exposure.begin = world_.snapshot();
+  shutter.exposure.sequence = sequence;
+  shutter.since = stepped_;
+  shutters_.push_back(shutter);
+}
+
+void Arena::watch_led(OpenShutter& shutter) const {
+  const double row = std::clamp(parameters_.led.v_px / std::max(1, camera_.height_px - 1), 0.0, 1.0);
+  const Instant begin = shutter.since + from_seconds(row * parameters_.sensor.readout_s);
+  if (!shutter.led_on_before && stepped_ >= begin) shutter.led_on_before = led_on_until(stepped_);
+  const Duration open = stepped_ - begin;
+  if (shutter.led_known || !shutter.led_on_before || open < from_seconds(parameters_.sensor.exposure_s)) return;
+  shutter.led_known = true;
+  if (open > Duration::zero()) {
+    shutter.exposure.led = seconds(led_on_until(stepped_) - *shutter.led_on_before) / seconds(open);
+  }
+}
+
+void Arena::close_shutter(Exposure& exposure, Instant since) {
+  exposure.end = world_.snapshot();
+  const double all_rows_s = seconds(stepped_ - since), readout_s = parameters_.sensor.readout_s;
+  if (readout_s > 0.0) {
+    exposure.rows.begin_per_row = static_cast<float>(readout_s / all_rows_s / std::max(1, camera_.height_px - 1));
+    exposure.rows.exposure = static_cast<float>((all_rows_s - readout_s) / all_rows_s);
+  }
+  exposure.capture_time = since + (stepped_ - since - from_seconds(readout_s)) / 2;
+  exposure.ready = stepped_ + from_seconds(parameters_.sensor.transfer_s);
+  waiting_.push_back(exposure);
+}
+
 void Arena::update_shutter() {
-  if (!exposing_ && stepped_ >= exposure_begin(next_frame_)) {
-    const auto sequence = static_cast<std::uint32_t>(next_frame_++);
-    if (fault_active(FaultKind::kCameraStall) || fault_active(FaultKind::kCameraLost)) return;
-    if (held_ + static_cast<int>(waiting_.size()) >= camera_.buffers) return;
-    Exposure exposure;
-    exposure.begin = world_.snapshot();
-    exposure.sequence = sequence;
-    exposing_ = exposure;
-    exposing_since_ = stepped_;
-    led_on_at_exposure_ = led_on_until(stepped_);
-  }
-  if (exposing_ && stepped_ >= exposing_since_ + from_seconds(parameters_.sensor.exposure_s)) {
-    exposing_->end = world_.snapshot();
-    exposing_->capture_time = exposing_since_ + (stepped_ - exposing_since_) / 2;
-    const Duration open = stepped_ - exposing_since_;
-    if (open > Duration::zero()) {
-      exposing_->led = seconds(led_on_until(stepped_) - led_on_at_exposure_) / seconds(open);
-    }
-    exposing_->ready = stepped_ + from_seconds(parameters_.sensor.transfer_s);
-    waiting_.push_back(*exposing_);
-    exposing_.reset();
-  }
+  const SensorParameters& sensor = parameters_.sensor;
+  const Duration exposure = from_seconds(sensor.exposure_s), readout = from_seconds(sensor.readout_s);
+  const bool is_busy = !shutters_.empty() && stepped_ <= shutters_.back().since + std::max(exposure, readout);
+  if (!is_busy && stepped_ >= exposure_begin(next_frame_)) open_shutter();
+  for (OpenShutter& shutter : shutters_) watch_led(shutter);
+  if (shutters_.empty() || stepped_ < shutters_[0].since + exposure + readout) return;
+  close_shutter(shutters_[0].exposure, shutters_[0].since);
+  std::copy(shutters_.begin() + 1, shutters_.end(), shutters_.begin());
+  shutters_.pop_back();
 }
 
 std::optional<Instant> Arena::next_frame_ready() const {
   if (!streaming_) return std::nullopt;
   if (!waiting_.empty()) return waiting_[0].ready;
-  const Instant begin = exposing_ ? exposing_since_ : std::max(exposure_begin(next_frame_), stepped_);
+  const Instant begin = shutters_.empty() ? std::max(exposure_begin(next_frame_), stepped_) : shutters_[0].since;
+  const SensorParameters& sensor = parameters_.sensor;
   // The shutter opens and closes on steps of the world, so both of its instants are rounded up.
-  return begin + from_seconds(parameters_.sensor.exposure_s) + from_seconds(parameters_.sensor.transfer_s) + 2 * kStep;
+  return begin + from_seconds(sensor.exposure_s) + from_seconds(sensor.readout_s) + from_seconds(sensor.transfer_s) +
+         2 * kStep;
 }
 
 std::optional<Exposure> Arena::take_exposure() {
@@ -191,8 +215,9 @@ std::span<const std::uint16_t> Arena::with_led(std::span<const std::uint16_t> pi
 }
 
 void Arena::render(const Exposure& exposure, std::span<std::uint8_t> out) {
-  const std::span<const std::uint16_t> light =
-      fault_active(FaultKind::kDark) ? renderer_.render_dark() : renderer_.render(exposure.begin, exposure.end);
+  const std::span<const std::uint16_t> light = fault_active(FaultKind::kDark)
+                                                   ? renderer_.render_dark()
+                                                   : renderer_.render(exposure.begin, exposure.end, exposure.rows);
   const auto is_active = [&](FaultKind kind) { return fault_active(kind, exposure.capture_time); };
   sensor_.expose(picture_faults_.change_scene(with_led(light, exposure.led), is_active), out);
   picture_faults_.change_bytes(out, exposure.capture_time, is_active);

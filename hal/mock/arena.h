@@ -21,18 +21,22 @@
 
 namespace touchline::hal::mock {
 
-/// One exposure of the camera, not yet rendered: the scene when the shutter opens and when it closes.
+/// One exposure of the camera, not yet rendered: the scene when the shutter of the first row opens and when that of the
+/// last row closes.
 struct Exposure {
   Snapshot begin, end;
-  Instant capture_time{}, ready{};
+  RowTiming rows;
+  Instant capture_time{}, ready{};  // middle of the first row's exposure; in memory
   std::uint32_t sequence = 0;
   double led = 0.0;  // share of the exposure in which the LED was on
 };
 
 /// Runs world, radio and camera on one time line. Time advances only by advance_to(), in steps of the world. Packets,
 /// time-outs and exposures take effect in the order of time, on these steps: a packet on the first step after its
-/// arrival, the opening and closing of the shutter on the first step at or after its time. If the exposure time is
-/// longer than the frame period, the camera takes fewer pictures. Nothing is allocated after construction.
+/// arrival, the opening and closing of the shutter on the first step at or after its time. If the exposure time or the
+/// time of the readout is longer than the frame period, the camera takes fewer pictures. A rolling shutter exposes the
+/// first rows of a picture while it still reads the last ones of the picture before. Nothing is allocated after
+/// construction.
 class Arena {
  public:
   // Not zero, so that an Instant that was never set differs from the start of the game.
@@ -86,7 +90,18 @@ class Arena {
   [[nodiscard]] std::mutex& mutex() { return mutex_; }
 
  private:
+  // An exposure in progress.
+  struct OpenShutter {
+    Exposure exposure;
+    Instant since{};
+    std::optional<Duration> led_on_before;  // when the row with the LED begins
+    bool led_known = false;
+  };
+
   void update_shutter();
+  void open_shutter();
+  void watch_led(OpenShutter& shutter) const;
+  void close_shutter(Exposure& exposure, Instant since);
   [[nodiscard]] Instant exposure_begin(std::uint64_t frame) const;
   // How long the LED was on until `instant`, which is not before its last change.
   [[nodiscard]] Duration led_on_until(Instant instant) const {
@@ -106,11 +121,11 @@ class Arena {
   bool streaming_ = false;
   Instant first_exposure_{};
   std::uint64_t next_frame_ = 0;
-  std::optional<Exposure> exposing_;
-  Instant exposing_since_{};
+  // The next exposure begins when the former one has taken its exposure time and its readout: three at most overlap.
+  FixedVector<OpenShutter, 3> shutters_;
   bool led_on_ = false;
   Instant led_changed_{};
-  Duration led_on_time_{}, led_on_at_exposure_{};
+  Duration led_on_time_{};
   std::vector<std::uint16_t> led_picture_;
   FixedVector<Exposure, 32> waiting_;  // the largest number of buffers that the board file allows
   int held_ = 0;

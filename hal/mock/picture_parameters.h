@@ -78,6 +78,7 @@ struct SensorParameters {
   double read_noise_electrons = 18.0;
   double gamma = 2.2;
   double exposure_s = 0.004;
+  double readout_s = 0.0;
   double transfer_s = 0.007;
   double blur_px = 0.0;
   BayerPattern bayer = BayerPattern::kNone;
@@ -93,6 +94,11 @@ struct SensorParameters {
     visit.number(
         self.exposure_s,
         {.name = "exposure_s", .range = {0.0, 0.1}, .unit = "s", .help = "Exposure time, which causes motion blur"});
+    visit.number(self.readout_s, {.name = "readout_s",
+                                  .range = {0.0, 0.1},
+                                  .unit = "s",
+                                  .help = "Rolling shutter: time from the exposure of the first row to that of the "
+                                          "last row; 0: global shutter"});
     visit.number(self.transfer_s, {.name = "transfer_s",
                                    .range = {0.0, 0.5},
                                    .unit = "s",

@@ -166,7 +166,8 @@ void Renderer::store_pixel(std::size_t index, const LinearRgb& light) {
   }
 }
 
-std::span<const std::uint16_t> Renderer::render(const Snapshot& begin, const Snapshot& end) {
+std::span<const std::uint16_t> Renderer::render(const Snapshot& begin, const Snapshot& end, const RowTiming& rows) {
+  rows_ = rows;
   for (const std::uint32_t index : covered_pixels_) {
     std::copy_n(&floor_[std::size_t{3} * index], 3, &picture_[std::size_t{3} * index]);
   }
@@ -193,15 +194,9 @@ void Renderer::add_object(const Appearance* appearance, const Placement& begin, 
   const auto bit = static_cast<std::uint32_t>(1U << objects_.size());
   Object object;
   object.appearance = appearance;
-  const double turn = std::remainder(end.theta_rad - begin.theta_rad, 2.0 * std::numbers::pi);
-  for (int sample = 0; sample < kSamples; ++sample) {
-    const auto t = static_cast<double>(sample_time(sample));
-    const double theta = begin.theta_rad + t * turn;
-    object.at[static_cast<std::size_t>(sample)] = {static_cast<float>(begin.x_m + t * (end.x_m - begin.x_m)),
-                                                   static_cast<float>(begin.y_m + t * (end.y_m - begin.y_m)),
-                                                   static_cast<float>(std::cos(theta)),
-                                                   static_cast<float>(std::sin(theta))};
-  }
+  object.begin = begin;
+  object.end = end;
+  object.turn_rad = std::remainder(end.theta_rad - begin.theta_rad, 2.0 * std::numbers::pi);
   if (!objects_.push_back(object)) return;
   // Bounding box in the image of the cuboids around the object's first and last pose.
   std::array<double, 4> box{1e9, 1e9, -1e9, -1e9};
@@ -225,6 +220,23 @@ void Renderer::add_object(const Appearance* appearance, const Placement& begin, 
   }
 }
 
+void Renderer::move_to_row(Object& object, std::size_t row) const {
+  const bool is_rolling = rows_.begin_per_row > 0.0f;
+  const std::size_t timed_row = is_rolling ? row : 0;  // without it, all rows have the same poses
+  if (object.row == timed_row) return;
+  object.row = timed_row;
+  const Placement &begin = object.begin, &end = object.end;
+  for (int sample = 0; sample < kSamples; ++sample) {
+    const auto t =
+        static_cast<double>(static_cast<float>(timed_row) * rows_.begin_per_row + sample_time(sample) * rows_.exposure);
+    const double theta = begin.theta_rad + t * object.turn_rad;
+    object.at[static_cast<std::size_t>(sample)] = {static_cast<float>(begin.x_m + t * (end.x_m - begin.x_m)),
+                                                   static_cast<float>(begin.y_m + t * (end.y_m - begin.y_m)),
+                                                   static_cast<float>(std::cos(theta)),
+                                                   static_cast<float>(std::sin(theta))};
+  }
+}
+
 void Renderer::render_pixel(std::size_t index, std::uint32_t mask) {
   const std::size_t row = index / width_, column = index % width_;
   const Ray middle = rays_[index];
@@ -234,6 +246,9 @@ void Renderer::render_pixel(std::size_t index, std::uint32_t mask) {
   const float sign_u = last_column ? -1.0f : 1.0f, sign_v = last_row ? -1.0f : 1.0f;
   const float drop = eye_[2] - robot_height_;
   const float top_light = lighting_.irradiance(eye_[0] + drop * middle.x, eye_[1] + drop * middle.y, robot_height_);
+  for (std::uint32_t left = mask; left != 0; left &= left - 1) {
+    move_to_row(objects_[static_cast<std::size_t>(__builtin_ctz(left))], row);
+  }
   LinearRgb sum{};
   int floor_samples = 0;
   for (int sample = 0; sample < kSamples; ++sample) {

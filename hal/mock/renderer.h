@@ -17,6 +17,12 @@ inline constexpr int kLinearScale = 4095;
 
 enum class Floor : std::uint8_t { kField, kGreyPaper };
 
+/// When the rows of a picture are exposed, between the beginning (0) and the end (1) of its motion.
+struct RowTiming {
+  float begin_per_row = 0.0f;  // start of a row's exposure after that of the row above; 0: global shutter
+  float exposure = 1.0f;       // duration of each row's exposure
+};
+
 /// Renders the camera's view in linear light by distributed ray tracing (Cook, Porter and Carpenter 1984): 16 samples
 /// per pixel, each at another instant of the exposure, which gives anti-aliased edges and motion blur. Each sample has
 /// a square, a row and a column of its own (multi-jittered sampling, Chiu, Shirley and Wang 1994). Robots
@@ -27,9 +33,10 @@ class Renderer {
   Renderer(const ArenaParameters& parameters, std::uint16_t width_px, std::uint16_t height_px,
            Floor floor = Floor::kField);
 
-  /// Renders a frame. `begin`, `end`: the scene at the beginning and end of the exposure. Returns R, G, B of each
-  /// pixel, 0 to kLinearScale, valid until the next call. Does not allocate.
-  std::span<const std::uint16_t> render(const Snapshot& begin, const Snapshot& end);
+  /// Renders a frame. `begin`, `end`: the scene at the beginning of the first row's exposure and at the end of the last
+  /// row's; objects move straight and turn evenly between them. Returns R, G, B of each pixel, 0 to kLinearScale, valid
+  /// until the next call. Does not allocate.
+  std::span<const std::uint16_t> render(const Snapshot& begin, const Snapshot& end, const RowTiming& rows = {});
   /// The floor without objects.
   [[nodiscard]] std::span<const std::uint16_t> render_floor() const { return floor_; }
   /// The view when all lamps are off.
@@ -39,6 +46,7 @@ class Renderer {
 
  private:
   static constexpr int kSamples = 16;
+  static constexpr std::size_t kNoRow = ~std::size_t{0};
 
   // Direction of a viewing ray, scaled to descend by 1: (x, y, -1).
   struct Ray {
@@ -56,9 +64,12 @@ class Renderer {
   struct PlanarPose {
     float x = 0.0f, y = 0.0f, cos = 1.0f, sin = 0.0f;
   };
-  // A robot, or the ball if `appearance` is null, with its pose at the time of each sample.
+  // A robot, or the ball if `appearance` is null, with its pose at the time of each sample of one row.
   struct Object {
     const Appearance* appearance = nullptr;
+    Placement begin, end;
+    double turn_rad = 0.0;
+    std::size_t row = kNoRow;
     std::array<PlanarPose, kSamples> at{};
   };
   struct Hit {
@@ -70,6 +81,7 @@ class Renderer {
   [[nodiscard]] LinearRgb floor_color(float x_m, float y_m, Floor floor) const;
   void add_object(const Appearance* appearance, const Placement& begin, const Placement& end, float radius_m,
                   float height_m);
+  void move_to_row(Object& object, std::size_t row) const;
   void render_pixel(std::size_t index, std::uint32_t mask);
   void intersect_robot(const Object& object, int sample, Ray ray, float top_light, Hit& hit) const;
   void intersect_ball(const Object& object, int sample, Ray ray, Hit& hit) const;
@@ -89,6 +101,7 @@ class Renderer {
   std::vector<std::uint32_t> object_mask_;     // per pixel; bit i: object i may be visible
   std::vector<std::uint32_t> covered_pixels_;  // indices of the pixels with a mask other than 0
   FixedVector<Object, kMaxRobots + 1> objects_;
+  RowTiming rows_;
   std::vector<Lighting::Beam> ball_beams_;
 };
 

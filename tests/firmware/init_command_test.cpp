@@ -83,7 +83,7 @@ TEST(SuggestedSettings, ACameraWithoutAUsableFormatHasNone) {
   const auto range =
       devices::suggested_settings(camera("/dev/video0", "", {offer("yuyv", {{32, 32, 2592, 1944, {}}})}));
   ASSERT_TRUE(range);
-  EXPECT_EQ(range->width_px, 640);
+  EXPECT_EQ(range->width_px, 1280);
   EXPECT_EQ(range->device, "/dev/video0");
 }
 

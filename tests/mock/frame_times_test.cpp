@@ -137,6 +137,34 @@ TEST_F(FrameTimes, ExposureLongerThanThePeriodReducesTheRate) {
   EXPECT_NEAR(frames, 3.0 / 0.031, 3.0);
 }
 
+TEST_F(FrameTimes, ARollingShutterKeepsTheRateWhileItsReadoutsOverlapExposures) {
+  settings.rate_hz = 60.0;
+  parameters.sensor.exposure_s = 0.010;
+  parameters.sensor.readout_s = 0.014;
+  parameters.sensor.transfer_s = 0.003;
+  start();
+  for (int i = 0; i < 60; ++i) {
+    const auto lease = wait();
+    ASSERT_TRUE(lease.ok());
+    const Frame& frame = lease.value().frame();
+    EXPECT_EQ(frame.sequence, static_cast<std::uint32_t>(i));
+    // Stamped in the middle of the first row's exposure; the last row ends a readout later.
+    const double age_s = seconds(arena->now() - frame.capture_time);
+    EXPECT_GE(age_s, 0.005 + 0.014 + 0.003 - 1e-9);
+    EXPECT_LE(age_s, 0.005 + 0.014 + 0.003 + 0.003);
+  }
+}
+
+TEST_F(FrameTimes, AReadoutLongerThanThePeriodReducesTheRate) {
+  settings.rate_hz = 100.0;
+  parameters.sensor.exposure_s = 0.004;
+  parameters.sensor.readout_s = 0.03;
+  start();
+  int frames = 0;
+  while (now_s() < 3.0) frames += wait().ok() ? 1 : 0;
+  EXPECT_NEAR(frames, 3.0 / 0.031, 3.0);
+}
+
 TEST_F(FrameTimes, FramesWithoutFreeBufferAreLostAndLeaveAGap) {
   settings.buffers = 4;
   start();

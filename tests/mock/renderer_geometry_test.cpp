@@ -146,6 +146,35 @@ TEST(Motion, RotationTakesTheShorterDirection) {
   EXPECT_NEAR(std::hypot(moments.u - u, moments.v - v), 0.0, 0.2);
 }
 
+// A white square that moves to the right leans: each row shows it where it is at the time of that row.
+TEST(Motion, ARollingShutterShowsEachRowAtItsOwnTime) {
+  ArenaParameters parameters = black_field();
+  parameters.robot_side_m = 0.4;
+  parameters.patch[0] = {PatchShape::kSquare, 0.0, 0.0, 0.4, 0.4};
+  Renderer renderer(parameters, kWidth, kHeight);
+  const Placement begin{-0.1, 0.0, 0.0}, end{0.1, 0.0, 0.0};
+  const RowTiming rows{0.9f / (kHeight - 1), 0.1f};
+  const auto column_of_row = [](std::span<const std::uint16_t> picture, std::size_t row) {
+    double sum = 0.0, moment = 0.0;
+    for (std::size_t column = 0; column < kWidth; ++column) {
+      const double value = picture[3 * (row * kWidth + column) + kRed];
+      sum += value;
+      moment += value * static_cast<double>(column);
+    }
+    return moment / sum;
+  };
+  constexpr std::array kRows{std::size_t{200}, std::size_t{240}, std::size_t{280}};
+  std::array<double, kRows.size()> rolling{};
+  const auto picture = renderer.render(stationary(begin), stationary(end), rows);
+  for (std::size_t i = 0; i < kRows.size(); ++i) rolling[i] = column_of_row(picture, kRows[i]);
+  EXPECT_GT(rolling[2] - rolling[0], 5.0) << "it leans";
+  for (std::size_t i = 0; i < kRows.size(); ++i) {
+    const double time = 0.9 * static_cast<double>(kRows[i]) / (kHeight - 1) + 0.05;  // middle of the row's exposure
+    const Placement then{begin.x_m + time * (end.x_m - begin.x_m), 0.0, 0.0};
+    EXPECT_NEAR(rolling[i], column_of_row(renderer.render(stationary(then), stationary(then)), kRows[i]), 0.05);
+  }
+}
+
 TEST(Picture, OfOddSizeShowsTheSamePart) {
   ArenaParameters parameters = black_field();
   parameters.camera.center_u_px = 8.0;

@@ -4,8 +4,8 @@
 #include <cstdarg>
 #include <cstdio>
 
-#include "hal/linux/system_error.h"
 #include "firmware/device_list/device_list.h"
+#include "hal/linux/system_error.h"
 
 namespace touchline::devices {
 namespace {

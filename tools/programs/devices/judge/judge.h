@@ -1,0 +1,59 @@
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "hal/camera.h"
+#include "hal/clock.h"
+#include "hal/device_parameters.h"
+#include "hal/result.h"
+#include "tools/programs/devices/judge/frame_timing.h"
+#include "tools/programs/devices/judge/still_picture.h"
+
+namespace touchline::devices {
+
+/// What the camera does at one exposure time.
+struct ExposureStep {
+  int exposure_us = 0;
+  double brightness = 0.0;  // median, 0 to 255
+  double rate_hz = 0.0;
+  std::string differs;  // what the driver did instead; "": nothing
+};
+
+/// Time from the exposure of the first row to that of the last row.
+struct ShutterReport {
+  bool measured = false;
+  double readout_s = 0.0, sigma_s = 0.0;
+};
+
+struct JudgeReport {
+  hal::CameraSettings requested;
+  hal::CameraInfo info;
+  TimingReport timing;
+  StillReport still;
+  std::vector<ExposureStep> exposures;  // shortest first; empty: it cannot be changed while streaming
+  std::string exposure_refusal;         // why; "": it can
+  ShutterReport shutter;
+  bool motion_wanted = true;
+};
+
+struct JudgeOptions {
+  double still_s = 10.0;
+  double motion_s = 60.0;  // at most; 0: no measurement of the rolling shutter
+};
+
+/// Called while the camera is judged. `step`: the work has come to this step; then `done` from 0 to 1 and a remark.
+struct JudgeProgress {
+  std::function<void(int step, const std::string& what)> begin = [](int, const std::string&) {};
+  std::function<void(double done, const std::string& remark)> update = [](double, const std::string&) {};
+};
+inline constexpr int kJudgeSteps = 3;
+
+/// Measures a camera that is closed, and closes it again. `move`: called before each frame of the last step; moves an
+/// object in a simulation. The exposure is that of `settings` at the end. Errors are those of the camera.
+Result<JudgeReport> judge(hal::Camera& camera, hal::Clock& clock, const hal::CameraSettings& settings,
+                          const JudgeOptions& options, const JudgeProgress& progress,
+                          const std::function<void()>& move = {});
+
+}  // namespace touchline::devices

@@ -82,7 +82,7 @@ async function startToPlay(page) {
   }
 }
 
-/** Takes hold of the arena's ball with the crosshair, and puts it down 40 pixels above. */
+/** Takes hold of the arena's ball with the crosshair, and puts it down 30 pixels above and on the left, off the lines. */
 async function moveTheBallByKeyboard(page) {
   const cross = async () => (await page.getAttribute('canvas[data-picture]', 'data-cross')).split(' ').map(Number);
   const place = () => page.evaluate(() => {
@@ -114,14 +114,14 @@ async function moveTheBallByKeyboard(page) {
   await go(from);
   await page.keyboard.press('Enter');
   await page.waitForSelector('canvas[data-moving="true"]');
-  await go([from[0], from[1] - 40]);
+  await go([from[0] - 30, from[1] - 30]);
   await page.keyboard.press('Enter');
   await page.waitForSelector('canvas[data-moving=""]');
   await page.keyboard.press('Escape');
   for (let attempt = 0; ; attempt += 1) {
     await page.waitForTimeout(200);
     const to = await place();
-    if (Math.abs(to[1] - from[1] + 40) < 8) break;
+    if (Math.hypot(to[0] - from[0] + 30, to[1] - from[1] + 30) < 10) break;
     assert.ok(attempt < 50, `the ball is at ${to}, it was at ${from}`);
   }
   await page.click('[data-move-objects]');
@@ -200,6 +200,10 @@ test('from an arena without calibration to a scored goal', () =>
     await exposure.fill(/expose at most (\d+) us/.exec(advice)[1]);
     await exposure.press('Tab');
     await page.waitForSelector('[data-step="camera"] [data-quality="ok"]');
+    // As bright as before, as docs/console.md says: in a dark picture orange and brown are close to each other.
+    const gain = page.locator('.key:has(label:has-text("Gain")) input[type="number"]:not([disabled])');
+    await gain.fill('220');
+    await gain.press('Tab');
     await act(page, 'camera');
     await next(page, 'field');
     await page.selectOption('[data-preset]:not([disabled])', 'mirosot-middle');
@@ -224,7 +228,7 @@ test('from an arena without calibration to a scored goal', () =>
     await moveTheBallByKeyboard(page);
     await act(page, 'colors'); // without a click
     await page.waitForSelector('[data-color-chip="orange"]:not(.missing)');
-    await page.waitForSelector('[data-step="colors"] [data-quality="ok"]:has-text("10 of 10")');
+    assert.match(await page.innerText('[data-step="colors"]'), /good: 10 of 10 robots recognized/);
     await page.click('[data-noise]:not([disabled])');
     await page.waitForSelector('[data-noise-result]');
     await next(page, 'radio');

@@ -5,10 +5,10 @@
 
 #include "tools/programs/calibrate/field/field_overlay.h"
 #include "tools/programs/calibrate/field/fit_consistency.h"
+#include "tools/programs/calibrate/field/painted_lines.h"
 #include "tools/programs/calibrate/field/paper_fit.h"
 #include "tools/programs/calibrate/field/residual_map.h"
 #include "tools/programs/calibrate/field/vanishing_points.h"
-#include "tools/programs/calibrate/field/painted_lines.h"
 #include "tools/programs/calibrate/imaging/channel_image.h"
 #include "tools/programs/command_line/formatted.h"
 #include "tools/programs/command_line/progress.h"

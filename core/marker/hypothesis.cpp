@@ -348,13 +348,11 @@ DistanceWindow window_of(const MarkerLayout& layout, std::size_t slot) {
   return {std::min(k1, 0.5f * expected), std::max(layout.robot_side_m, 1.4f * expected)};
 }
 
-bool add_hypotheses(const std::array<TeamMarking, 2>& teams, const PatchLists& patches, std::size_t index, int& work,
-                    Hypotheses& out) {
-  // Team patches without many neighbors leave their share to the others.
-  const int share = work / static_cast<int>(patches.team.size() - index);
-  Search search(teams, patches, index, share);
+bool add_hypotheses(const std::array<TeamMarking, 2>& teams, const PatchLists& patches, std::size_t index,
+                    WorkBudget<int>& work, Hypotheses& out) {
+  Search search(teams, patches, index, work.take());
   const bool complete = search.run(out);
-  work -= share - search.work_left();
+  work.give_back(search.work_left());
   return complete;
 }
 

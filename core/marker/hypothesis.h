@@ -6,6 +6,7 @@
 #include "core/marker/marker_layout.h"
 #include "core/marker/patch_finder.h"
 #include "core/marker/rigid_fit.h"
+#include "core/marker/work_budget.h"
 #include "core/types.h"
 
 namespace touchline {
@@ -52,15 +53,10 @@ struct DistanceWindow {
 };
 DistanceWindow window_of(const MarkerLayout& layout, std::size_t slot);
 
-/// Work for the hypotheses of all team patches of a frame, in units of a test whether a patch belongs to a slot. A
-/// crowd of 22 robots with six patches, 5 pixels wide, needs 240,000; five paper robots per team need 3,000.
-constexpr int kHypothesisWork = 400000;
-
-/// Appends the hypotheses of team patch `index`; to be called for 0, 1, ... Each has an equal share of the work that is
-/// left, from which `work` is reduced. Complete sets of known robots are searched first. False if the search reached
-/// its bound.
-bool add_hypotheses(const std::array<TeamMarking, 2>& teams, const PatchLists& patches, std::size_t index, int& work,
-                    Hypotheses& out);
+/// Appends the hypotheses of team patch `index`. Each team patch is a claimant of `work`, in tests of a neighbor.
+/// Complete sets of known robots are searched first. False if the search reached its bound.
+bool add_hypotheses(const std::array<TeamMarking, 2>& teams, const PatchLists& patches, std::size_t index,
+                    WorkBudget<int>& work, Hypotheses& out);
 
 // --- Error model; the selection and the tests use it too -------------------------------------------------------------
 

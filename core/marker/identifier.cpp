@@ -11,6 +11,7 @@
 #include "core/marker/border_color.h"
 #include "core/marker/clipping_level.h"
 #include "core/marker/identifier_scene.h"
+#include "core/marker/work_budget.h"
 
 namespace touchline {
 namespace {
@@ -34,8 +35,13 @@ constexpr float kFieldSigma = 0.12f, kFieldTintSigma = 0.06f;
 constexpr float kSampledRadius = 0.5f;
 // The border of a saturated patch is looked for from this part of its inner circle to beyond its blurred corners.
 constexpr float kBorderFrom = 0.4f, kBorderBlur_px = 3.0f;
-// Borders looked at in a frame: two patches of 22 robots, and some poses that turn out to be wrong.
-constexpr int kMaxBorders = 64;
+
+// Robots of a team that are looked at.
+std::size_t robots_of(const Sightings& seen, std::size_t team) {
+  const auto robots = std::count_if(seen.robots.begin(), seen.robots.end(),
+                                    [&](const RobotSighting& robot) { return index_of(robot.team) == team; });
+  return std::min(static_cast<std::size_t>(robots), kMaxRobotsPerTeam);
+}
 
 float inner_radius_m(const PatchPlace& place) {
   const float half = 0.5f * std::min(place.length_m, place.width_m);
@@ -369,22 +375,30 @@ IdEvidence Identifier::evidence_of(const Scene& now, const Candidate& candidate)
   return out;
 }
 
-// Looks at all robots of a team, and names them together.
+// Looks at all robots of a team, and names them together. They share `now.borders_left`.
 void Identifier::name_team(const Scene& now, AssignedIds& assigned) {
+  WorkBudget<int> borders(now.borders_left, robots_of(now.seen, now.team));
   candidates_.clear();
   for (std::size_t i = 0; i < now.seen.robots.size(); ++i) {
     if (index_of(now.seen.robots[i].team) != now.team || candidates_.full()) continue;
     candidates_.resize(candidates_.size() + 1);
     Candidate& candidate = candidates_.back();
     candidate.robot = i;
+    now.borders_left = borders.take();
     collect_poses(now, candidate);
     candidate.has_evidence = evaluate(now, candidate);
+    borders.give_back(now.borders_left);
   }
+  WorkBudget<int> rest(borders.left(), candidates_.size());
   for (Candidate& candidate : candidates_) {
-    if (!has_only_claimed_regions(candidate)) continue;
-    search_poses(now, candidate);
-    candidate.has_evidence = evaluate(now, candidate);
+    now.borders_left = rest.take();
+    if (has_only_claimed_regions(candidate)) {
+      search_poses(now, candidate);
+      candidate.has_evidence = evaluate(now, candidate);
+    }
+    rest.give_back(now.borders_left);
   }
+  now.borders_left = rest.left();
   share_patches(now);
   IdEvidences evidence;
   for (const Candidate& candidate : candidates_) evidence.push_back(evidence_of(now, candidate));
@@ -404,11 +418,14 @@ bool Identifier::has_doubt(const AssignedIds& assigned) const {
 void Identifier::identify(const Frame& frame, const ExpectedGain& light, const PatchLists& patches,
                           std::span<const Hypothesis> hypotheses, std::span<const BoxSighting> boxes, bool is_clutter,
                           std::span<bool> used, Sightings& out) {
-  int borders_left = kMaxBorders;
+  std::size_t robots = 0;
+  for (std::size_t t = 0; t < teams_.size(); ++t) robots += team_colors_[t].usable ? robots_of(out, t) : 0;
+  WorkBudget<int> borders(kMaxBorders, robots);
   ExpectedColors expected;
   int clipped_from = 0;  // 0: not looked at
   for (std::size_t t = 0; t < teams_.size(); ++t) {
     if (!team_colors_[t].usable) continue;
+    int borders_left = borders.take(robots_of(out, t));
     Scene now{frame, light, patches, hypotheses, boxes, out, t, borders_left, expected};
     AssignedIds assigned;
     name_team(now, assigned);
@@ -422,6 +439,7 @@ void Identifier::identify(const Frame& frame, const ExpectedGain& light, const P
     for (std::size_t k = 0; k < candidates_.size(); ++k) {
       if (candidates_[k].has_evidence) apply(now, k, assigned, used, out);
     }
+    borders.give_back(borders_left);
   }
 }
 

@@ -27,7 +27,7 @@ struct Identifier::Scene {
   std::span<const BoxSighting> boxes;
   const Sightings& seen;
   std::size_t team;
-  int& borders_left;  // saturated patches whose border may still be looked at in this frame
+  int& borders_left;  // of saturated patches: the share of the robot, or of the robots, that are looked at now
   ExpectedColors& expected;
   int saturated_from = kSaturatedValue;
 

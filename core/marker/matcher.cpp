@@ -20,9 +20,6 @@ constexpr std::size_t kSurplusPlaces = 2;
 constexpr float kMarginOfPairs = 3.0f;
 // For each color, so that one with a single region of four patches, the largest that is split, can have enough.
 constexpr float kLeastPairsOfColor = 4.0f;
-// As if all patches of 22 robots touched another one. The time of a step allows no more; teams of more than 44 patches
-// have a smaller margin.
-constexpr float kMostPairs = static_cast<float>(kMaxRobots * kMaxPatches) / 2;
 
 // Confidence of what the boxes found, if no pixels are known. Otherwise identifier_ replaces that of an id, and
 // confidence_without_id() the others.
@@ -67,8 +64,8 @@ Status Matcher::collect_kinds() {
     }
   }
   const auto colors = static_cast<float>(std::count(wanted_.begin(), wanted_.end(), true));
-  touching_pairs_ =
-      std::min(kMostPairs, std::max(kLeastPairsOfColor * colors, kMarginOfPairs * static_cast<float>(patches) / 2));
+  touching_pairs_ = std::min(kMaxTouchingPairs,
+                             std::max(kLeastPairsOfColor * colors, kMarginOfPairs * static_cast<float>(patches) / 2));
   const ColorId own = parameters_.teams[0].team_color, other = parameters_.teams[1].team_color;
   const BallParameters& ball = parameters_.ball;
   if (ball.color > kMaxColors || (ball.color != kBackground && !is_positive(ball.radius_m))) {
@@ -163,11 +160,11 @@ bool Matcher::find_patches(const Runs& runs, const Regions& regions, Sightings& 
   identification_.clear();
   ball_patches_.clear();
   const auto is_present = [this](std::size_t color) { return wanted_[color] && !numbers_[color].empty(); };
-  std::size_t colors_left = 0;
+  std::size_t colors = 0;
   for (std::size_t color = 1; color <= kMaxColors; ++color) {
-    colors_left += static_cast<std::size_t>(is_present(color) && color != parameters_.ball.color);
+    colors += static_cast<std::size_t>(is_present(color) && color != parameters_.ball.color);
   }
-  float pairs_left = touching_pairs_;
+  WorkBudget<float> pairs(touching_pairs_, colors);
   bool complete = true;
   for (std::size_t color = 1; color <= kMaxColors; ++color) {
     if (!is_present(color)) continue;
@@ -177,10 +174,9 @@ bool Matcher::find_patches(const Runs& runs, const Regions& regions, Sightings& 
       finder_.find(kinds_[color], runs, regions, candidates, out, none, ball_patches_);
       continue;
     }
-    const float share = pairs_left / static_cast<float>(colors_left--);
-    SplitBudget budget{share};
+    SplitBudget budget{pairs.take()};
     finder_.find(kinds_[color], runs, regions, candidates, out, budget, of_color_);
-    pairs_left -= share - budget.pairs;
+    pairs.give_back(budget.pairs);
     complete = complete && !budget.exceeded;
     if (identifies_[color]) {
       for (const PatchCandidate& patch : of_color_) {
@@ -375,7 +371,7 @@ void Matcher::match(const Frame* frame, const ExpectedGain& light, const Expecte
   hypotheses_.clear();
   const PatchLists lists{{team_patches_.data(), team_patches_.size()},
                          {identification_.data(), identification_.size()}};
-  int work = kHypothesisWork;
+  WorkBudget<int> work(kMaxNeighborTests, team_patches_.size());
   for (std::size_t i = 0; i < team_patches_.size(); ++i) {
     if (!add_hypotheses(parameters_.teams, lists, i, work, hypotheses_)) complete = false;
   }

@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "core/marker/identifier_scene.h"
+#include "core/marker/work_budget.h"
 
 namespace touchline {
 
@@ -55,15 +56,30 @@ void Identifier::compare_robots(const Scene& now, const IdEvidences& evidence, A
   // Margins to alternatives in which only one of two robots has the other one's name.
   std::array<float, kMaxRobotsPerTeam> limit{};
   limit.fill(std::numeric_limits<float>::max());
+  // By how much more likely robot i has its name than that of robot j.
+  const auto margin = [&](std::size_t i, std::size_t j) {
+    return evidence[i].value[static_cast<std::size_t>(assigned[i].robot)] -
+           evidence[i].value[static_cast<std::size_t>(assigned[j].robot)];
+  };
+  const auto may_be_exchanged = [&](std::size_t i, std::size_t j) {
+    return assigned[i].robot != kNoRobot && assigned[j].robot != kNoRobot && candidates_[i].has_evidence &&
+           candidates_[j].has_evidence && margin(i, j) + margin(j, i) < kDoubtfulMargin;
+  };
+  std::size_t pairs = 0;
+  for (std::size_t i = 0; i < assigned.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) pairs += may_be_exchanged(i, j) ? 1u : 0u;
+  }
+  if (pairs == 0) return;
+  WorkBudget<int> borders(now.borders_left, pairs);
   bool any = false;
   for (std::size_t i = 0; i < assigned.size(); ++i) {
     for (std::size_t j = 0; j < i; ++j) {
-      if (assigned[i].robot == kNoRobot || assigned[j].robot == kNoRobot) continue;
+      if (!may_be_exchanged(i, j)) continue;
       const auto a = static_cast<std::size_t>(assigned[i].robot), b = static_cast<std::size_t>(assigned[j].robot);
-      const float only_i = evidence[i].value[a] - evidence[i].value[b];
-      const float only_j = evidence[j].value[b] - evidence[j].value[a];
-      if (!candidates_[i].has_evidence || !candidates_[j].has_evidence || only_i + only_j >= kDoubtfulMargin) continue;
+      const float only_i = margin(i, j), only_j = margin(j, i);
+      now.borders_left = borders.take();
       const float gain = evidence_of_order(now, {candidates_[i], a}, {candidates_[j], b});
+      borders.give_back(now.borders_left);
       if (gain <= 0.0f) continue;
       // The robot that loses its name has none, or one that is free.
       const auto loss = [&](std::size_t robot, std::size_t name, std::size_t other) {
@@ -80,6 +96,7 @@ void Identifier::compare_robots(const Scene& now, const IdEvidences& evidence, A
       any = true;
     }
   }
+  now.borders_left = borders.left();
   if (!any) return;
   assign_ids(compared, known, kClearMargin, assigned);
   for (std::size_t k = 0; k < assigned.size(); ++k) assigned[k].margin = std::min(assigned[k].margin, limit[k]);

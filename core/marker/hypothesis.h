@@ -61,7 +61,7 @@ bool add_hypotheses(const std::array<TeamMarking, 2>& teams, const PatchLists& p
 // --- Error model; the selection and the tests use it too -------------------------------------------------------------
 
 /// Two explanations with a smaller difference of log likelihoods (20 to 1) count as equally likely.
-constexpr float kDoubtfulMargin = 3.0f;
+constexpr float kMinIdMargin = 3.0f;
 /// Largest RMS distance from the layout for a robot, and for a robot whose id is reported.
 constexpr float residual_gate_m(float scale_px_per_m) { return 0.010f + 0.5f / scale_px_per_m; }
 constexpr float precise_gate_m(float scale_px_per_m) { return 0.005f + 0.5f / scale_px_per_m; }

@@ -153,7 +153,7 @@ void Selector::choose_within(const Group& group, Nodes& share, Selection& out) {
   const bool exact = nodes_left_ > 0;
   complete_ = complete_ && exact;
   const std::array<std::uint16_t, kMaxTeamPatches> chosen = best_;
-  const float floor = best_value_ - kDoubtfulMargin;
+  const float floor = best_value_ - kMinIdMargin;
   alternative_nodes_left_ = share.alternatives;
   for (std::size_t d = 0; d < group.size(); ++d) {
     if (chosen[d] == kNone) continue;

@@ -27,8 +27,8 @@ bool Identifier::border_of(const Scene& now, const Candidate& candidate, const P
          look_at_border(now, center, surface, slot + 1, scale, &pose, out.border);
 }
 
-// Log likelihood by which two robots have these names rather than each other's, beyond their evidence: their saturated
-// patches are compared with each other.
+// Log likelihood ratio of two assignments: two robots have these names, or the exchanged ones. Their saturated patches
+// are compared with each other, and what their single evidence already says is subtracted.
 float Identifier::evidence_of_order(const Scene& now, const NamedCandidate& a, const NamedCandidate& b) const {
   const TeamMarking& team = teams_[now.team];
   const ColorSpace space = color_space(now.frame.format);
@@ -49,21 +49,21 @@ float Identifier::evidence_of_order(const Scene& now, const NamedCandidate& a, c
   return gain;
 }
 
-// Two robots whose names would be in doubt only because they may be exchanged are compared with each other.
+// Compares pairs of robots whose names are uncertain only because the two robots may be exchanged.
 void Identifier::compare_robots(const Scene& now, const IdEvidences& evidence, AssignedIds& assigned) const {
   const std::size_t known = teams_[now.team].robots.size();
   IdEvidences compared = evidence;
   // Margins to alternatives in which only one of two robots has the other one's name.
   std::array<float, kMaxRobotsPerTeam> limit{};
   limit.fill(std::numeric_limits<float>::max());
-  // By how much more likely robot i has its name than that of robot j.
+  // Log likelihood ratio: robot i has its own name, or the name of robot j.
   const auto margin = [&](std::size_t i, std::size_t j) {
     return evidence[i].value[static_cast<std::size_t>(assigned[i].robot)] -
            evidence[i].value[static_cast<std::size_t>(assigned[j].robot)];
   };
   const auto may_be_exchanged = [&](std::size_t i, std::size_t j) {
     return assigned[i].robot != kNoRobot && assigned[j].robot != kNoRobot && candidates_[i].has_evidence &&
-           candidates_[j].has_evidence && margin(i, j) + margin(j, i) < kDoubtfulMargin;
+           candidates_[j].has_evidence && margin(i, j) + margin(j, i) < kMinIdMargin;
   };
   std::size_t pairs = 0;
   for (std::size_t i = 0; i < assigned.size(); ++i) {

@@ -32,8 +32,8 @@ class WorkBudget {
   std::size_t waiting_;
 };
 
-// The work of a frame. Each search has its own units, because a pool for all of them would let one search take what
-// another one needs later in the frame.
+// The work of a frame. Each search has its own units, because a common pool would let a search of exponential cost
+// take all units that others leave: the slowest pictures would become slower.
 //
 // search                           unit                          claimants
 // splitting touching patches       pair of touching patches      colors in the picture

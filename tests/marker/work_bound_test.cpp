@@ -113,6 +113,17 @@ TEST(WorkBound, EveryColorMayHaveARegionOfFourPatches) {
   EXPECT_EQ(field.regions().size(), 5u);
 }
 
+TEST(WorkBound, EveryClaimantHasAnEqualShareOfWhatIsLeft) {
+  WorkBudget<int> budget(12, 4);
+  EXPECT_EQ(budget.take(), 3);
+  EXPECT_EQ(budget.take(2), 6);  // two claimants at once
+  budget.give_back(5);
+  EXPECT_EQ(budget.take(), 8);
+  budget.give_back(-1);  // used more than its share
+  EXPECT_EQ(budget.left(), -1);
+  EXPECT_EQ(budget.take(), 0);  // a claimant that was not announced
+}
+
 TEST(WorkBound, WorkThatIsNotNeededIsLeftToOthers) {
   const MarkerParameters parameters = paper_teams();
   std::array<TeamPatch, 4> patches{};

@@ -17,12 +17,12 @@ using Rgb = BallColor::Rgb;
 
 // Radius of the largest disk in samples. The seed is somewhere on the ball, and the ring is around it: both fit into
 // the square of samples.
-constexpr float kMostSamples = 6.0f;
+constexpr float kMaxRadiusInSamples = 6.0f;
 // The ring leaves out the pixels that ball and floor share (blur, shared chroma).
 constexpr float kRingGap_px = 1.2f, kRingWidth = 0.35f, kMinRingWidth = 1.5f;
 // The patches of a robot are within this radius around another one of its patches.
 constexpr float kSurroundings = 2.4f;
-// Part of the disk's radius that its color is from.
+// The color is measured within this part of the disk's radius.
 constexpr float kCore = 0.6f;
 // Radius around the disk's center in which the shape is measured.
 constexpr float kShapeSampleRadius = 1.5f;
@@ -43,9 +43,9 @@ constexpr std::array<std::array<float, 2>, 8> kFloorDirections{{{1, 0},
                                                                 {kDiagonal, -kDiagonal}}};
 
 // From this radius in samples on, no ball is between the coarse samples.
-constexpr float kLeastCoarseRadius = 4.0f;
-// A disk of which less than this share has the ball's color and is visible is none.
-constexpr float kLeastShare = 0.09f;
+constexpr float kMinCoarseRadius = 4.0f;
+// A disk is rejected if the visible pixels of the ball's color cover less than this share of it.
+constexpr float kMinBallShare = 0.09f;
 
 bool is_in(const Frame& frame, int u, int v) { return u >= 0 && v >= 0 && u < frame.width_px && v < frame.height_px; }
 
@@ -134,7 +134,7 @@ bool look_at_ball(const Frame& frame, PixelPoint seed, float radius_px, const st
   const BallColor color(rgb, floor);
   if (!color.differs_from_floor()) return false;
 
-  const int step = static_cast<int>(std::ceil(radius_px / kMostSamples));
+  const int step = static_cast<int>(std::ceil(radius_px / kMaxRadiusInSamples));
   const float radius = radius_px / static_cast<float>(step);
   const float inner = radius + std::max(1.0f, kRingGap_px / static_cast<float>(step));
   const float outer = std::max(kSurroundings * radius, inner + kMinRingWidth);
@@ -148,9 +148,10 @@ bool look_at_ball(const Frame& frame, PixelPoint seed, float radius_px, const st
   SampledPixels pixels(frame, seed_u, seed_v, step);
   BallSamples samples(frame, pixels, {tops.data(), tops.size()}, std::min(kSampleReach, search + surroundings.reach),
                       dense);
-  const bool is_coarse_enough = radius >= kLeastCoarseRadius;
+  const bool is_coarse_enough = radius >= kMinCoarseRadius;
   const int found = samples.read_coarse(color);
-  if (is_coarse_enough && 4.0f * static_cast<float>(found) < kLeastShare * static_cast<float>(disk.count)) return false;
+  if (is_coarse_enough && 4.0f * static_cast<float>(found) < kMinBallShare * static_cast<float>(disk.count))
+    return false;
   samples.read_dense(color, !is_coarse_enough);
   const Samples& ball = samples.ball;
 

@@ -11,14 +11,14 @@ namespace touchline {
 
 /// What the pixels around a possible ball show. Areas are shares from 0 to 1.
 struct BallAppearance {
-  PixelPoint center;   // of the ball in the disk that fits best; if it is partly hidden, that of the disk
+  PixelPoint center;   // of the ball in the best disk; of the disk itself if the ball is partly hidden
   float radius = 0;    // of the disk in pixels, less where pixels share chroma and the outline is less sharp
   float area_px = 0;   // of the ball's color in the disk
   float visible = 0;   // share of the disk that is in the picture and on no robot
   float filled = 0;    // share of the visible disk that has the ball's color
   float overflow = 0;  // share of a ring around the disk that has it
   float colorful = 0;  // share of the wider surroundings with another strong color, as the patches of a robot
-  // Angular moments of what has the ball's color, up to half a radius beyond the disk: 0 for a disk, at most 1.
+  // Angular moments of the pixels of the ball's color, up to half a radius beyond the disk: 0 for a disk, at most 1.
   float elongation = 0;        // second moment: 0.38 for a rectangle of 3 : 2
   float squareness = 0;        // fourth moment: 0.43 for a square
   std::array<float, 3> rgb{};  // mean of the ball's color in the middle of the disk

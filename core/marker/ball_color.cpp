@@ -9,17 +9,18 @@ namespace {
 
 using Rgb = BallColor::Rgb;
 
-// Largest deviation of the hue: 20 degrees (orange and yellow are 35 apart); more towards the next primary color: up to
-// 8 degrees beyond it, but not more than 25 degrees. For a color without a hue, a relative deviation.
-constexpr float kHueTolerance_rad = 0.35f, kPastPrimary_rad = 0.14f, kMostMore_rad = 0.44f, kColorTolerance = 0.36f;
+// Largest deviation of the hue: 20 degrees (orange and yellow are 35 degrees apart). Towards the next primary color,
+// the limit reaches 8 degrees beyond the primary, but at most kMaxHueExcess_rad = 25 degrees. A color without a hue has
+// a relative deviation instead.
+constexpr float kHueTolerance_rad = 0.35f, kPastPrimary_rad = 0.14f, kMaxHueExcess_rad = 0.44f, kColorTolerance = 0.36f;
 constexpr float kPixelNoise_levels = 5.0f;
-// A pixel with less of the ball's saturation, or less than this way from floor to ball, is not the ball.
+// A pixel of the ball has at least this part of the ball's saturation, and of the difference between floor and ball.
 constexpr float kMinSaturation = 0.3f, kMinContrast = 0.3f;
 // Below this distance between ball and floor in levels, noise decides.
 constexpr float kMinFloorDistance = 15.0f;
 // Relative saturation below which a color has no hue: white, grey, black.
 constexpr float kNoHue = 0.12f;
-// Saturation of a robot's patch, relative to that of the ball.
+// Saturation of a robot's patch, relative to the ball's saturation.
 constexpr float kColorful = 0.5f;
 
 // Axes of the plane of colors without their white part: towards red, and perpendicular to it.
@@ -52,14 +53,15 @@ BallColor::BallColor(const Rgb& ball, const Rgb& floor) : ball_(ball), floor_(fl
   float saturation = std::sqrt(dot(chroma, chroma)), tolerance = kColorTolerance;
   const bool has_hue = saturation > kNoHue * std::sqrt(dot(ball, ball));
   if (!has_hue) {
-    // The color itself takes the place of the hue.
+    // The color itself is used instead of the hue.
     saturation = std::sqrt(dot(ball, ball));
     for (std::size_t c = 0; c < 3; ++c) axis[c] = ball[c] / saturation;
   } else {
     // Cameras that increase contrast clip weak channels of the dark side to zero, which moves its hue to a primary.
     const float hue = std::atan2(dot(chroma, kGreenToBlue), dot(chroma, kRed));
     const float beyond_primary = std::remainder(hue, 2.0f * std::numbers::pi_v<float> / 3.0f);
-    const float more = std::clamp(std::abs(beyond_primary) + kPastPrimary_rad - kHueTolerance_rad, 0.0f, kMostMore_rad);
+    const float more =
+        std::clamp(std::abs(beyond_primary) + kPastPrimary_rad - kHueTolerance_rad, 0.0f, kMaxHueExcess_rad);
     const float middle = hue - std::copysign(0.5f * more, beyond_primary);
     for (std::size_t c = 0; c < 3; ++c) axis[c] = std::cos(middle) * kRed[c] + std::sin(middle) * kGreenToBlue[c];
     tolerance = std::tan(kHueTolerance_rad + 0.5f * more);

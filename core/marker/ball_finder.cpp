@@ -24,44 +24,46 @@ constexpr float kBestRegion = 0.98f, kSmallestRegion = 0.9f;
 // balls and to painted distractors of other shapes and colors in every second real picture.
 // A region in the ball's boxes, before its pixels are examined; a place where only the track expects it.
 constexpr float kRegionOdds = 0.5f, kExpectedOdds = -1.0f;
-// Of a disk that is filled completely; the share that says nothing; the least and the largest value.
-constexpr float kFilledOdds = 10.0f, kNeutralFilled = 0.6f, kLeastFilledOdds = -4.0f, kMostFilledOdds = 3.5f;
-// Of a ring that is full of the ball's color, above a share that a ball reaches; the largest share that counts.
-constexpr float kOverflowOdds = -20.0f, kNeutralOverflow = 0.05f, kMostOverflow = 0.4f;
-// Of a square; the squareness that says nothing; the least and the largest value. Of a bar, above the elongation that a
-// ball reaches.
-constexpr float kSquareOdds = -29.0f, kNeutralSquareness = 0.14f, kLeastSquareOdds = -9.0f, kMostSquareOdds = 1.0f;
+// Log odds of a completely filled disk; the share at which the log odds are 0; their minimum and maximum.
+constexpr float kFilledOdds = 10.0f, kNeutralFilled = 0.6f, kMinFilledOdds = -4.0f, kMaxFilledOdds = 3.5f;
+// Log odds of a ring that is full of the ball's color. Shares below the first limit are normal for a ball; shares above
+// the maximum count no more.
+constexpr float kOverflowOdds = -20.0f, kNeutralOverflow = 0.05f, kMaxOverflow = 0.4f;
+// Log odds of a square; the squareness at which they are 0; their minimum and maximum. Log odds of a bar, and the
+// elongation up to which a ball is possible.
+constexpr float kSquareOdds = -29.0f, kNeutralSquareness = 0.14f, kMinSquareOdds = -9.0f, kMaxSquareOdds = 1.0f;
 constexpr float kElongatedOdds = -20.0f, kNeutralElongation = 0.25f;
-// Below the first radius the shape says nothing, from the second one on everything; likewise with the visible share.
+// The weight of the shape rises from 0 at the first radius to 1 at the second one, and likewise with the visible share.
 constexpr std::array<float, 2> kShapeRadius{2.5f, 5.5f}, kShapeVisible{0.6f, 1.0f};
-// Of a shape that says nothing: that most things of this color and size are the ball.
+// Log odds without a usable shape: most objects of this color and size are the ball.
 constexpr float kUnclearShapeOdds = 0.1f;
-// Of a ring that is full of other colors, above a share that a robot beside the ball reaches.
+// Log odds of surroundings full of other colors, and the share that a robot beside the ball explains.
 constexpr float kColorfulOdds = -8.0f, kNeutralColorful = 0.25f;
-// Of a patch of another color, whose robot was not found, against the ball: alone, and by the share of other colors.
-constexpr float kPatchOdds = -6.0f, kPatchBesideOdds = 80.0f, kMostPatchOdds = 2.0f;
+// Log odds that this is an undetected robot's patch: base value, and slope per share of other colors.
+constexpr float kPatchOdds = -6.0f, kPatchBesideOdds = 80.0f, kMaxPatchOdds = 2.0f;
 // Least visible share of the ball: anywhere, and where the track expects it. Robots can pin the ball against a wall for
 // many seconds and leave a crescent of it.
 constexpr float kMinVisible = 0.35f, kMinVisibleExpected = 0.15f;
-// Standard deviations of the color's logarithm: of its brightness, and of a channel against the others.
+// Standard deviations of the log color: brightness, and one channel relative to the others.
 constexpr float kBrightnessSigma = 0.5f, kChannelSigma = 0.22f;
-constexpr float kColorNoise_levels = 12.0f, kLeastColorOdds = -10.0f;
+constexpr float kColorNoise_levels = 12.0f, kMinColorOdds = -10.0f;
 // Weight of the color's log likelihood: its errors are correlated with those of the other evidence.
 constexpr float kColorWeight = 0.9f;
 // A seed whose color is less likely than this shows a reflection or the ball's rim.
 constexpr float kCredibleSeed = -3.0f;
-// Share of the seed's tint that is the lamp's. The rest is that of another color.
+// Share of the seed's tint that comes from the lamp. The rest comes from another color.
 constexpr float kTintShare = 0.5f;
 // A candidate on the top of a robot whose heading is unknown.
 constexpr float kOnRobotOdds = -5.0f;
-// The track's expectation: at its place, and far from it. Errors of the prediction beyond those that the track knows.
+// Log odds from the track: at the predicted position, and far from it. Then the model error of the prediction, added to
+// the covariance of the track.
 constexpr float kExpectedPlaceOdds = 1.5f, kOtherPlaceOdds = -1.0f, kPredictionSigma_m = 0.02f;
-// There is one ball. If a candidate at the expected place is the ball by itself, others are it only if the track
-// follows something else: one track in twenty, as of confidences of 0.95.
+// There is one ball. If the candidate at the predicted position passes for the ball, another candidate is the ball only
+// if the track is wrong: prior one in twenty, as for a confidence of 0.95.
 constexpr float kTrackIsRight = 0.95f;
-// A region of this part of the ball's size has a better center than the disk, which lies on whole pixels.
+// A region with this part of the ball's area has a more accurate center than the disk, which is centered on a pixel.
 constexpr float kWholeRegion = 0.5f, kSameCenter = 0.35f;
-// No detection is more certain: some errors are not in this model.
+// Upper limit of the confidence, because the model does not contain every error.
 constexpr float kMaxConfidence = 0.998f;
 
 constexpr float squared(float x) { return x * x; }
@@ -117,15 +119,15 @@ float ramp(float value, const std::array<float, 2>& limits) {
 }
 
 float appearance_log_odds(const BallAppearance& shown) {
-  const float filled = std::clamp(kFilledOdds * (shown.filled - kNeutralFilled), kLeastFilledOdds, kMostFilledOdds);
+  const float filled = std::clamp(kFilledOdds * (shown.filled - kNeutralFilled), kMinFilledOdds, kMaxFilledOdds);
   const float overflow =
-      kOverflowOdds * std::clamp(shown.overflow - kNeutralOverflow, 0.0f, kMostOverflow - kNeutralOverflow);
+      kOverflowOdds * std::clamp(shown.overflow - kNeutralOverflow, 0.0f, kMaxOverflow - kNeutralOverflow);
   const float square =
-      std::clamp(kSquareOdds * (shown.squareness - kNeutralSquareness), kLeastSquareOdds, kMostSquareOdds);
+      std::clamp(kSquareOdds * (shown.squareness - kNeutralSquareness), kMinSquareOdds, kMaxSquareOdds);
   const float shape = square + kElongatedOdds * std::max(0.0f, shown.elongation - kNeutralElongation);
   const float colorful = kColorfulOdds * std::max(0.0f, shown.colorful - kNeutralColorful);
   const float clarity = ramp(shown.radius, kShapeRadius) * ramp(shown.visible, kShapeVisible);
-  // What is hidden is no evidence.
+  // Hidden pixels are no evidence.
   return shown.visible * (filled + overflow + (1.0f - clarity) * kUnclearShapeOdds) + clarity * shape + colorful;
 }
 
@@ -192,13 +194,13 @@ float BallFinder::log_likelihood(const std::array<float, 3>& rgb, ColorId color,
   const float brightness = sum / weights;
   float distance = squared(brightness / kBrightnessSigma);
   for (std::size_t c = 0; c < 3; ++c) distance += weight[c] * squared(ratio[c] - brightness);
-  return std::max(-0.5f * distance, kLeastColorOdds);
+  return std::max(-0.5f * distance, kMinColorOdds);
 }
 
 float BallFinder::log_odds_of(const BallAppearance& shown, float prior, ColorSpace space) const {
   const float disk = prior + appearance_log_odds(shown);
   if (!colors_.knows(ball_.color)) return disk;
-  const float patch = std::min(kPatchOdds + kPatchBesideOdds * shown.colorful, kMostPatchOdds);
+  const float patch = std::min(kPatchOdds + kPatchBesideOdds * shown.colorful, kMaxPatchOdds);
   float others = 1.0f;
   for (std::size_t color = 1; color <= kMaxColors; ++color) {
     const auto other = static_cast<ColorId>(color);
@@ -216,7 +218,7 @@ float BallFinder::expectation_log_odds(const Scene& now, PixelPoint center) cons
   return std::max(kExpectedPlaceOdds - 0.5f * distance, kOtherPlaceOdds);
 }
 
-// Robots whose heading is unknown have no outline. Their position is that of the team patch.
+// Robots whose heading is unknown have no outline. Their position is the team patch's center.
 float BallFinder::place_log_odds(const Scene& now, PixelPoint center, const Sightings& seen) const {
   const auto has_heading = [](const RobotSighting& robot) { return robot.has_heading; };
   if (std::all_of(seen.robots.begin(), seen.robots.end(), has_heading)) return 0.0f;

@@ -73,7 +73,7 @@ class BallFinder {
   [[nodiscard]] float log_odds_of(const BallAppearance& shown, float prior, ColorSpace space) const;
   [[nodiscard]] float place_log_odds(const Scene& now, PixelPoint center, const Sightings& seen) const;
   [[nodiscard]] float expectation_log_odds(const Scene& now, PixelPoint center) const;
-  // Whether there is a candidate at the same place.
+  // Whether the list already has a candidate at this position.
   static bool is_listed(const Candidate& candidate, float radius_px, const Candidates& candidates);
   [[nodiscard]] bool shows_enough(const Scene& now, const BallAppearance& shown) const;
 

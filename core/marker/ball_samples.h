@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <cstring>
 
-// Bit masks of the samples around a point: disks, rings, and counts of what is in them.
+// Bit masks of the samples around a point: disks, rings, and counts of samples in them.
 namespace touchline {
 
 /// Half the size of the square of samples.

@@ -20,7 +20,7 @@ constexpr std::array<PixelPoint, kPairs> kRayDirections = {{{1.0f, 0.0f},
                                                             {-0.3827f, 0.9239f},
                                                             {-0.7071f, 0.7071f},
                                                             {-0.9239f, 0.3827f}}};
-static_assert(kLeastBorderRays == kPairs);
+static_assert(kMinBorderRays == kPairs);
 // Mixed pixels of a ray at most: the blur of an edge is narrower.
 constexpr std::size_t kMaxMixed = 12;
 // A patch that is hardly saturated has noise below the value at which it saturates.
@@ -36,7 +36,7 @@ using Rgb = std::array<float, 3>;
 
 float sum_of(const Rgb& rgb) { return rgb[0] + rgb[1] + rgb[2]; }
 
-// A pixel that is a mixture of the patch and what is behind its border.
+// A pixel that is a mixture of the patch and its surroundings.
 struct MixedPixel {
   Rgb excess{};  // linear light
   std::array<bool, 3> saturated{};
@@ -50,7 +50,8 @@ struct BorderRay {
   std::size_t pair = 0;
 };
 
-// Adds the mixed pixels of a ray, and the linear light behind them. False if it has none in front of dark surroundings.
+// Adds the mixed pixels of a ray, and the linear light of the surroundings. False if no border with dark surroundings
+// is found.
 bool follow_ray(const Frame& frame, const BorderRay& ray, const SurfaceColor& surface, MixedPixels& out,
                 Rgb& background) {
   const ColorSpace space = color_space(frame.format);

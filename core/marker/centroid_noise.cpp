@@ -8,11 +8,11 @@
 namespace touchline {
 namespace {
 
-// Standard deviations of a pose that a long team patch gives alone: half its width, and the error of its axis.
+// Standard deviations of a pose that follows from a long team patch alone: half its width, and the error of its axis.
 constexpr float kUprightPosition_m = 0.005f, kUprightHeading = 0.1f;
 // Error of a region's centroid, along each axis.
 constexpr float kCentroidSigmaPx = 0.2f;
-// Most of it is that of whole pixels on the region's border. It is another one half a pixel further.
+// Most of this error comes from rounding the region's border to whole pixels. It decorrelates within half a pixel.
 constexpr float kCentroidLastingShare = 0.9f, kCentroidLastsPx = 0.5f;
 // Error of a ball's centroid: light and shade move it by this part of the radius.
 constexpr float kBallShading = 0.15f;

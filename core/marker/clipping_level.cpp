@@ -14,10 +14,10 @@ namespace {
 constexpr std::size_t kRowStep = 8, kColumnStep = 2;
 // White, which is the brightest surface of most pictures, has nearly equal channels.
 constexpr int kColored_levels = 10;
-// Sampled pixels at the highest value: those of one patch are more.
-constexpr int kLeastClipped = 8;
-// Without clipping, values become rarer towards the highest one. Clipping collects all that would lie above it: more
-// than this many levels below it have together.
+// Smallest number of sampled pixels at the highest value. One patch has more.
+constexpr int kMinClipped = 8;
+// Without clipping, values become rarer towards the highest one. Clipping moves all brighter values to the highest one,
+// which then has more pixels than this many levels below it together.
 constexpr int kLevelsBelow = 3;
 
 using Bytes16 [[gnu::vector_size(16)]] = std::uint8_t;
@@ -114,7 +114,7 @@ int saturated_from(const Frame& frame) {
       ++(most == highest ? clipped : below);
     });
   }
-  if (clipped < kLeastClipped || clipped <= below) return kSaturatedValue;
+  if (clipped < kMinClipped || clipped <= below) return kSaturatedValue;
   // As far below the highest value as usual.
   return highest * kSaturatedValue / 255;
 }

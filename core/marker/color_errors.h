@@ -2,7 +2,7 @@
 
 namespace touchline {
 
-// Black level and stray light: added to both sides of a ratio, so that ratios of dark values mean less.
+// Black level and stray light. Added to numerator and denominator, so that ratios of dark values tend to 1.
 constexpr float kStrayLight_levels = 6.0f;
 constexpr float kNoise_levels = 5.0f;
 // Standard deviations of log ratios between the same two colors: per channel, under the lamps of calibration and under

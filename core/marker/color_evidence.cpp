@@ -15,30 +15,30 @@ constexpr float kTintEffect = 0.5f;
 constexpr float kWhite = 255.0f, kHaze = 0.01f, kHazeOfTeamPatch = 0.02f;
 // Glare on the team patch is measured in channels that are this dark in its color, relative to the brightest one. Less
 // glare than this is stray light and gloss.
-constexpr float kDarkInColor = 0.4f, kLeastGlare = 0.02f;
+constexpr float kDarkInColor = 0.4f, kMinGlare = 0.02f;
 // The light of a saturated channel may be brighter by this factor.
 constexpr float kSaturatedGain = 1.5f;
-// Of a channel's gain, if its value is saturated.
+// Standard deviation of the log gain of a saturated channel.
 constexpr float kSaturatedSigma = 0.5f;
 
 // A gain far from the expected one widens the prior as a Student distribution of these degrees of freedom does: a
 // robot may stand in a shadow that the field around it does not show.
 constexpr float kDegreesOfFreedom = 3.0f;
-// Of a patch's color from its border, beyond the error that its pixels show, and how often something else is beside it.
+// Model error of a border's color, added to the error that its pixels show, and the probability of an outlier: another
+// object beside the patch.
 constexpr float kBorderSigma = 0.06f, kForeignBorder = 0.05f;
 // kNoColor for the two ratios of channels alone.
 constexpr float kNoBorderColor = ColorEvidence::kNoColor * 2.0f / 3.0f;
-// Of a color whose channel is as dark as what surrounds the patch, relative to its linear light.
-constexpr float kLeastExcess = 0.3f;
+// Error of a channel in which the patch is as dark as its surroundings, relative to the color's linear light.
+constexpr float kMinExcess = 0.3f;
 
-// Variance of the logarithm of a channel's value (Gamma 2) if the patch mirrors some of the lamps' light, which is more
-// for dark values.
+// Variance of a channel's log value (gamma 2) if the patch mirrors a share of the lamps' light. Dark values vary more.
 float haze_variance(float value, float white, float share) {
   return square(0.5f * share * square(white) / square(value + kStrayLight_levels));
 }
 
-// Share of the lamps' light that a patch of this color mirrors: the least that its dark channels show, because a lamp
-// of another tint makes one of them brighter, but not all. In linear light, as a share of `white`.
+// Estimates the share of the lamps' light that a patch of this color mirrors: the minimum over its dark channels,
+// because a lamp of another tint brightens one of them, but not all. In linear light, as a share of `white`.
 float glare_on(const SurfaceColor& patch, const std::array<float, 3>& typical, const LightPrior& prior) {
   const float brightest = std::max({typical[0], typical[1], typical[2]});
   // The brighter channels tell how bright the light is, unless they are saturated.
@@ -54,10 +54,10 @@ float glare_on(const SurfaceColor& patch, const std::array<float, 3>& typical, c
     const float white = prior.gain[c] * kWhite, expected = gain * prior.gain[c] * typical[c];
     glare = std::min(glare, (square(patch.rgb[c]) - square(expected)) / square(white));
   }
-  return glare < 1.0f ? std::max(0.0f, glare - kLeastGlare) : 0.0f;
+  return glare < 1.0f ? std::max(0.0f, glare - kMinGlare) : 0.0f;
 }
 
-// Squares of the channels' errors in standard deviations, without what is common to all of them.
+// Sum of the channels' squared errors in standard deviations, after their common part is removed.
 struct RatioErrors {
   float squares = 0;
   float weights = 0;  // sum of the channels' inverse variances
@@ -160,8 +160,8 @@ ColorEvidence::BorderDeviation ColorEvidence::deviation_of(const BorderColor& bo
   BorderDeviation out;
   for (std::size_t c = 0; c < 3; ++c) {
     const float value = light.gain[c] * typical[c], linear = square(value + kStrayLight_levels);
-    // Of the logarithm of linear light: twice that of the value. A dark channel hardly differs from its surroundings.
-    const float excess = std::max(linear - border.background[c], kLeastExcess * linear);
+    // Error of log linear light: twice the error of the log value. A dark channel hardly differs from its surroundings.
+    const float excess = std::max(linear - border.background[c], kMinExcess * linear);
     out.slope[c] = linear / excess;
     out.value[c] = 0.5f * std::log(border.excess[c] / excess);
     out.variance[c] =

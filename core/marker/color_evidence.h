@@ -29,7 +29,7 @@ struct ExpectedColors4 {
   void set(std::size_t lane, const ExpectedColor& color);
 };
 
-/// What is known about the light on a robot before its team patch is looked at.
+/// Prior of the light on a robot, before its team patch is measured.
 struct LightPrior {
   std::array<float, 3> gain{1, 1, 1};
   // Standard deviations of the gain's logarithm: common to all channels, and of each channel.
@@ -49,8 +49,8 @@ class ColorEvidence {
  public:
   /// Log likelihood of a surface that has none of the venue's colors: a robot's top, the floor, a hand.
   static constexpr float kNoColor = -3.0f;
-  /// A color never gets less than this: even a robot's own patch may be covered or reflect a lamp. One such patch costs
-  /// more than another one of the right color gains, so a robot that is not in the team file gets no name.
+  /// Floor of a color's log likelihood, because a robot's own patch may be covered or reflect a lamp. One patch at the
+  /// floor costs more than a patch of the right color gains, so a robot that is not in the team file gets no name.
   static constexpr float kFloor = kNoColor - 8.0f;
 
   void configure(const TypicalColors& typical);
@@ -63,8 +63,8 @@ class ColorEvidence {
     return rgb_[static_cast<std::size_t>(space)][color];
   }
 
-  /// Light on a team patch of this color. A channel that says little (too dark, saturated) follows the others and what
-  /// is known before. A channel that is dark in this color shows whether the patch mirrors a lamp.
+  /// Estimates the light on a team patch of this color. An uninformative channel (too dark, saturated) follows the
+  /// other channels and the prior. A channel that is dark in this color shows whether the patch mirrors a lamp.
   [[nodiscard]] LocalLight light_on(const SurfaceColor& seen_patch, ColorId team_color, ColorSpace space,
                                     const LightPrior& prior) const;
 
@@ -73,9 +73,9 @@ class ColorEvidence {
 
   [[nodiscard]] ExpectedColor expected_color(const LocalLight& light, ColorId color, ColorSpace space) const;
 
-  /// Log likelihoods of the surface's color, if it is each of these. `glare`: of LocalLight. `in_box`, -1 or 0: its
-  /// region has the color's class; then it may be whiter, because it mirrors a lamp. (Without that, any gray surface
-  /// might be a dark paint.) It may as well if the robot's team patch mirrors one.
+  /// Log likelihood of the surface under each of four colors. `glare`: of LocalLight. `in_box`: -1 if the surface's
+  /// region has the color's class, else 0. A surface may be whiter than its color, because it mirrors a lamp, only if
+  /// it is in the box or the team patch mirrors a lamp, too: otherwise any gray surface might be a dark paint.
   [[nodiscard]] static Simd4<float> log_likelihoods(const SurfaceColor& surface, const ExpectedColors4& expected,
                                                     float glare, Simd4<std::int32_t> in_box);
 
@@ -84,9 +84,9 @@ class ColorEvidence {
   [[nodiscard]] float log_likelihood_of_border(const BorderColor& border, const LocalLight& light, ColorId color,
                                                ColorSpace space) const;
 
-  /// Log likelihood ratio of the borders of two robots' patches: `a` and `b` have these colors, or each has the other
-  /// one's. What acts alike on saturated patches of one picture has no effect: a tint that saturated team patches do
-  /// not show, and the contrast of borders, which clipping before demosaicing reduces and clipping after it increases.
+  /// Log likelihood ratio of the borders of two robots' patches: `a` and `b` have these colors, or the exchanged ones.
+  /// Common errors of all saturated patches in a picture cancel: a tint that saturated team patches do not show, and
+  /// the contrast of borders, which clipping before demosaicing reduces and clipping after demosaicing increases.
   [[nodiscard]] float log_likelihood_of_order(const BorderOfRobot& a, ColorId color_of_a, const BorderOfRobot& b,
                                               ColorId color_of_b, ColorSpace space) const;
 

@@ -13,7 +13,8 @@ namespace {
 using Floats = Simd4<float>;
 using Lanes = Simd4<std::int32_t>;  // -1: true, 0: false
 
-// One patch in five mirrors a lamp, a tenth of its light on average (exponential distribution). As log likelihood.
+// Prior of glare: one patch in five mirrors a lamp, on average a tenth of its light (exponential distribution). As log
+// likelihood.
 constexpr float kGlareIsRare = 1.6f, kMeanGlare = 0.1f;
 // Between two places of the floor, per channel.
 constexpr float kFloorSigma = 0.12f;
@@ -96,7 +97,7 @@ Simd4<float> ColorEvidence::log_likelihoods(const SurfaceColor& surface, const E
   Floats density = log_densities(surface, expected) - glare / kMeanGlare;
   const Lanes may_be_whiter = is_glossy ? Lanes{} - 1 : in_box;
   if (any(may_be_whiter)) {
-    // A share of the lamps' light that brings the patch nearest to what is seen (least squares in linear light).
+    // Least-squares share of the lamps' light, in linear light: the patch plus this share is nearest to the seen color.
     std::array<Floats, 3> variance;
     _Pragma("GCC unroll 3") for (std::size_t c = 0; c < 3; ++c) {
       const Floats middle = square(0.5f * (surface.rgb[c] + expected.rgb[c]) + kStrayLight_levels);

@@ -23,8 +23,8 @@ constexpr float kPartlyVisibleReward = 0.5f;
 // If the team patch is partly visible, a single identification patch must be complete, because its center gives the
 // position.
 constexpr float kCompletePatch = 0.6f;
-// In bad light, a sixth of an identification patch may have its color. This is accepted if no other color has half that
-// area at the same place.
+// In bad light, only a sixth of an identification patch may be in its box. It is accepted as a dull patch unless a
+// region of another color at this position has half its area.
 constexpr float kMinDullRatio = 0.16f, kRivalArea = 0.5f;
 // Error of a long team patch's axis: standard deviation 5 degrees if it is complete. Beyond 40 degrees the patch
 // belongs to another robot.
@@ -108,7 +108,7 @@ class Search {
     }
   }
 
-  // With three or more patches, the others determine the place of a dull one.
+  // A layout of three or more patches predicts the position of a dull patch from the others.
   bool helps_partly_visible(const PatchCandidate& patch) const {
     return slots_ > 1 && !patch_.is_partly_visible && patch.ratio >= kMinDullRatio;
   }
@@ -198,9 +198,10 @@ class Search {
     if (h.value > 0.0f) keep(h);
   }
 
-  // No set with more spread can fit well enough, or be among the best ones. The difference of two distances is at most
-  // that of the two points' errors in the fit, and the squared differences of all pairs of n errors have the sum n
-  // times that of their squares. So the residual is at least sqrt(spread) / n.
+  // Limits the spread: a set with more of it cannot pass the gate or be among the best ones. Two points' distances in
+  // the picture and in the layout differ by at most the difference of their errors in the fit. The squared differences
+  // of all pairs of n errors add up to n times the sum of the squared errors. So the residual is at least
+  // sqrt(spread) / n.
   void limit_spread() {
     most_spread_m2_ = std::numeric_limits<float>::max();
     if (patch_.is_partly_visible) return;
@@ -223,7 +224,7 @@ class Search {
     if (found_.full()) limit_spread();
   }
 
-  // True if another color has nearly the same area at the place of a dull patch.
+  // True if a region of another color, at least half as large, lies at the position of a dull patch.
   bool is_contradicted(const RobotFrame& to_robot) const {
     for (std::size_t s = 0; s < slots_; ++s) {
       if (set_[s] == kMissing || !patches_.identification[set_[s]].is_partly_visible) continue;
@@ -240,9 +241,9 @@ class Search {
     return false;
   }
 
-  // Evaluates a complete set of identification patches beside a partly visible team patch. The set gives the pose. A
-  // single identification patch gives it only with the direction to the visible part, whose place within the team patch
-  // is unknown.
+  // Evaluates a complete set of identification patches beside a partly visible team patch. Two or more identification
+  // patches give the pose. A single one needs the direction to the visible part of the team patch. The position of this
+  // part within the team patch is unknown, so the heading is not reported.
   void evaluate_partly_visible(Hypothesis& h, std::span<const Correspondence> identification) {
     if (!is_unique_to_team() || has_other_team_patch()) return;
     const PatchPlace& place = layout_.patches[0];
@@ -322,14 +323,14 @@ class Search {
   FixedVector<Neighbor, kMaxNeighbors> neighbors_;
   FixedVector<FieldPoint, kMaxTeamPatches> rivals_;
   std::array<std::uint16_t, kMaxPatches - 1> set_{};
-  std::array<std::uint8_t, kMaxPatches - 1> of_slot_{};  // the same patches as neighbors
-  // The team patch and the patches of the set, and the number of partly visible ones among them.
+  std::array<std::uint8_t, kMaxPatches - 1> of_slot_{};  // the patches of set_, as neighbors
+  // The team patch and the patches of the set. dull_: the number of partly visible ones.
   FixedVector<Correspondence, kMaxPatches> points_;
   int dull_ = 0;
   NeighborSet used_ = 0;
   std::int8_t robot_ = -1;
   std::size_t missing_ = 0, missing_left_ = 0;  // empty slots: in the whole set, and from the next slot on
-  // By slot: squared differences of distances between the patches of the slots before it and in the layout, summed.
+  // By slot: sum of squared errors of the distances between the patches of the slots before it.
   std::array<float, kMaxPatches> spread_m2_{};
   float most_spread_m2_ = 0;
   int work_left_ = 0;
@@ -348,13 +349,11 @@ DistanceWindow window_of(const MarkerLayout& layout, std::size_t slot) {
   return {std::min(k1, 0.5f * expected), std::max(layout.robot_side_m, 1.4f * expected)};
 }
 
-bool add_hypotheses(const std::array<TeamMarking, 2>& teams, const PatchLists& patches, std::size_t index, int& work,
-                    Hypotheses& out) {
-  // Team patches without many neighbors leave their share to the others.
-  const int share = work / static_cast<int>(patches.team.size() - index);
-  Search search(teams, patches, index, share);
+bool add_hypotheses(const std::array<TeamMarking, 2>& teams, const PatchLists& patches, std::size_t index,
+                    WorkBudget<int>& work, Hypotheses& out) {
+  Search search(teams, patches, index, work.take());
   const bool complete = search.run(out);
-  work -= share - search.work_left();
+  work.give_back(search.work_left());
   return complete;
 }
 

@@ -6,6 +6,7 @@
 #include "core/marker/marker_layout.h"
 #include "core/marker/patch_finder.h"
 #include "core/marker/rigid_fit.h"
+#include "core/marker/work_budget.h"
 #include "core/types.h"
 
 namespace touchline {
@@ -52,20 +53,15 @@ struct DistanceWindow {
 };
 DistanceWindow window_of(const MarkerLayout& layout, std::size_t slot);
 
-/// Work for the hypotheses of all team patches of a frame, in units of a test whether a patch belongs to a slot. A
-/// crowd of 22 robots with six patches, 5 pixels wide, needs 240,000; five paper robots per team need 3,000.
-constexpr int kHypothesisWork = 400000;
-
-/// Appends the hypotheses of team patch `index`; to be called for 0, 1, ... Each has an equal share of the work that is
-/// left, from which `work` is reduced. Complete sets of known robots are searched first. False if the search reached
-/// its bound.
-bool add_hypotheses(const std::array<TeamMarking, 2>& teams, const PatchLists& patches, std::size_t index, int& work,
-                    Hypotheses& out);
+/// Appends the hypotheses of team patch `index`. Each team patch is a claimant of `work`, in tests of a neighbor.
+/// Complete sets of known robots are searched first. False if the search reached its bound.
+bool add_hypotheses(const std::array<TeamMarking, 2>& teams, const PatchLists& patches, std::size_t index,
+                    WorkBudget<int>& work, Hypotheses& out);
 
 // --- Error model; the selection and the tests use it too -------------------------------------------------------------
 
 /// Two explanations with a smaller difference of log likelihoods (20 to 1) count as equally likely.
-constexpr float kDoubtfulMargin = 3.0f;
+constexpr float kMinIdMargin = 3.0f;
 /// Largest RMS distance from the layout for a robot, and for a robot whose id is reported.
 constexpr float residual_gate_m(float scale_px_per_m) { return 0.010f + 0.5f / scale_px_per_m; }
 constexpr float precise_gate_m(float scale_px_per_m) { return 0.005f + 0.5f / scale_px_per_m; }

@@ -10,9 +10,6 @@ namespace touchline {
 namespace {
 
 constexpr std::uint16_t kNone = 0xffff;
-// Nodes of a frame: for the best sets of all groups, and for alternatives to them. 22 robots with six patches in a
-// crowd need 400 and 500. Each group has an equal share of what the groups before it left.
-constexpr int kNodesForBest = 2000, kNodesForAlternatives = 3000;
 // Smaller differences of pose do not matter to the controller.
 constexpr float kNegligibleDistance_m = 0.01f, kNegligibleTurn_rad = 0.2f;
 
@@ -156,7 +153,7 @@ void Selector::choose_within(const Group& group, Nodes& share, Selection& out) {
   const bool exact = nodes_left_ > 0;
   complete_ = complete_ && exact;
   const std::array<std::uint16_t, kMaxTeamPatches> chosen = best_;
-  const float floor = best_value_ - kDoubtfulMargin;
+  const float floor = best_value_ - kMinIdMargin;
   alternative_nodes_left_ = share.alternatives;
   for (std::size_t d = 0; d < group.size(); ++d) {
     if (chosen[d] == kNone) continue;
@@ -193,20 +190,18 @@ bool Selector::select(std::span<const Hypothesis> hypotheses, std::size_t team_p
   for (std::size_t p = 0; p < team_patches; ++p) {
     if (options_[p].begin < options_[p].end) has_options[group_of_[p]] = true;
   }
-  auto groups_left = static_cast<int>(std::count(has_options.begin(), has_options.end(), true));
-  Nodes left{kNodesForBest, kNodesForAlternatives};
+  const auto groups = static_cast<std::size_t>(std::count(has_options.begin(), has_options.end(), true));
+  WorkBudget<int> best(kMaxNodesForBest, groups), alternatives(kMaxNodesForAlternatives, groups);
   for (std::size_t label = 0; label < team_patches; ++label) {
     if (!has_options[label]) continue;
     Group group;
     for (std::size_t p = 0; p < team_patches; ++p) {
       if (group_of_[p] == label && options_[p].begin < options_[p].end) group.push_back(static_cast<std::uint16_t>(p));
     }
-    const Nodes share{left.best / groups_left, left.alternatives / groups_left};
-    --groups_left;
-    Nodes rest = share;
-    choose_within(group, rest, out);
-    left.best -= share.best - rest.best;
-    left.alternatives -= share.alternatives - rest.alternatives;
+    Nodes share{best.take(), alternatives.take()};
+    choose_within(group, share, out);
+    best.give_back(share.best);
+    alternatives.give_back(share.alternatives);
   }
   return complete_;
 }

@@ -69,8 +69,8 @@ class HypothesisSet {
 ///
 /// Hypotheses that conflict form groups; each group is solved exactly by branch and bound. A pair without conflicts
 /// (the only entry in its row and column of the paper's table) is a group of its own. If the paper's row, column and
-/// left-over rules give pairs for all robots of a group, no other set has as many pairs, and the result is the same.
-/// The search is bounded; if it reaches the bound, no result of the group is certain.
+/// left-over rules give pairs for all robots of a group, no other set has as many pairs, so the search finds them, too.
+/// The search is bounded (work_budget.h). If it reaches the bound, no result of the group is certain.
 class Selector {
  public:
   /// `robot_side_m` is indexed by Team. Hypotheses of one team patch, at most 63, must be adjacent. False if the search
@@ -85,7 +85,7 @@ class Selector {
   };
   using Group = FixedVector<std::uint16_t, kMaxTeamPatches>;  // team patches
 
-  // The field is divided into strips along both axes; strips this many apart have the same sets.
+  // The field is divided into strips along both axes. Their numbers are modulo kStrips.
   static constexpr std::size_t kStrips = 32;
   using Strips = std::array<Set, kStrips>;
 
@@ -97,7 +97,7 @@ class Selector {
     int best = 0, alternatives = 0;
   };
 
-  // Reduces `share` to what it leaves.
+  // `share`: in: nodes that may be visited; out: nodes that are left.
   void choose_within(const Group& group, Nodes& share, Selection& out);
   void search(const Group& group, std::size_t depth, const Set& excluded, float value);
   bool alternative(const Group& group, const Set& excluded, float value);

@@ -11,31 +11,37 @@
 #include "core/marker/border_color.h"
 #include "core/marker/clipping_level.h"
 #include "core/marker/identifier_scene.h"
+#include "core/marker/work_budget.h"
 
 namespace touchline {
 namespace {
 
-// Log likelihood that a patch region has the color of its box: 2 is 7 to 1. (The same pixels count a second time as
-// evidence, therefore not more.) White pixels are in several boxes, of which only the first one is known.
-// The edge of something else may have pixels of any color.
+// Log odds that a patch region has the color of its box: 2 is 7 to 1. More would be too much, because the pixels of the
+// region also count as evidence. It applies only to surfaces whose spread is below kUneven_levels: the edge of another
+// surface may have pixels of any color. White pixels are in several boxes, of which only the first one is known.
 constexpr float kBoxVote = 2.0f, kUneven_levels = 25.0f;
 // Margins are divided by this value before they become a probability, because the errors of a robot's patches are not
 // independent.
 constexpr float kTemperature = 1.5f;
-// Log likelihood that a small region of a team color is no robot's team patch.
+// Prior log odds that a small region of a team color is not a robot's team patch.
 constexpr float kTentativeDoubt = 3.0f;
-// The same that what is at the place of a patch has the color of the team: stripes of a thing, not a robot.
+// Log-odds penalty for stripes: the positions of all identification patches show the team color.
 constexpr float kTeamColorDoubt = 3.0f;
 constexpr float kSimilarPlace = 0.02f, kSimilarHeading = 0.5f;
-// Standard deviations of the logarithm of a robot's light from that of the field around it: robots are higher than the
-// floor, and their gloss differs from that of calibration.
+// The light on a robot differs from the light of the field around it: robots are higher than the floor, and their gloss
+// is not that of the calibration. Standard deviations of the log ratio, common to all channels and per channel.
 constexpr float kFieldSigma = 0.12f, kFieldTintSigma = 0.06f;
 // Samples of a patch are taken within this part of its inner circle.
 constexpr float kSampledRadius = 0.5f;
 // The border of a saturated patch is looked for from this part of its inner circle to beyond its blurred corners.
 constexpr float kBorderFrom = 0.4f, kBorderBlur_px = 3.0f;
-// Borders looked at in a frame: two patches of 22 robots, and some poses that turn out to be wrong.
-constexpr int kMaxBorders = 64;
+
+// Robots of a team that are looked at.
+std::size_t robots_of(const Sightings& seen, std::size_t team) {
+  const auto robots = std::count_if(seen.robots.begin(), seen.robots.end(),
+                                    [&](const RobotSighting& robot) { return index_of(robot.team) == team; });
+  return std::min(static_cast<std::size_t>(robots), kMaxRobotsPerTeam);
+}
 
 float inner_radius_m(const PatchPlace& place) {
   const float half = 0.5f * std::min(place.length_m, place.width_m);
@@ -46,7 +52,7 @@ float inner_radius_m(const PatchPlace& place) {
 }
 
 // Whether another color, or none, is nearly as likely as the likeliest one.
-bool is_doubtful(std::span<const float> likelihood) {
+bool is_uncertain(std::span<const float> likelihood) {
   float best = ColorEvidence::kFloor, second = ColorEvidence::kNoColor;
   for (const float value : likelihood) {
     second = std::max(second, std::min(best, value));
@@ -55,7 +61,7 @@ bool is_doubtful(std::span<const float> likelihood) {
   return best - second < kClearMargin;
 }
 
-// Not an alternative to each other: the difference is an error of the region's centroid or axis.
+// Whether two poses differ by no more than the error of a region's centroid or axis. They are not alternatives then.
 bool similar(const Pose& a, const Pose& b) {
   return distance_m(a.position, b.position) < kSimilarPlace &&
          std::abs(wrap_angle(a.theta_rad - b.theta_rad)) < kSimilarHeading;
@@ -96,8 +102,8 @@ int Identifier::step_px(const TeamColors& colors, std::size_t patch, float scale
   return std::max(1, static_cast<int>(kSampledRadius * colors.radius_m[patch] * scale_px_per_m));
 }
 
-// Looks at the border of a patch with a saturated channel. With a pose, two of its sides are enough if they are
-// visible.
+// Samples the border of a patch with a saturated channel. False if it is not visible enough. If a pose is given, two
+// visible sides are enough.
 bool Identifier::look_at_border(const Scene& now, PixelPoint center, const SurfaceColor& surface, std::size_t patch,
                                 float scale_px_per_m, const PoseEvidence* pose, BorderColor& out) const {
   if (surface.saturated_channels() == 0 || now.borders_left == 0) return false;
@@ -106,7 +112,7 @@ bool Identifier::look_at_border(const Scene& now, PixelPoint center, const Surfa
   const float inner_px = kBorderFrom * team_colors_[now.team].radius_m[patch] * scale_px_per_m;
   const float reach_px = 0.5f * std::hypot(place.length_m, place.width_m) * scale_px_per_m + kBorderBlur_px;
   if (!sample_border(now.frame, center, surface, inner_px, reach_px, out, kRaysOfTwoSides)) return false;
-  return out.rays >= kLeastBorderRays || (pose != nullptr && (pose->is_merged || has_visible_corner(now, *pose)));
+  return out.rays >= kMinBorderRays || (pose != nullptr && (pose->is_merged || has_visible_corner(now, *pose)));
 }
 
 LightPrior Identifier::prior_light(const Scene& now, PixelPoint at) {
@@ -128,8 +134,9 @@ void Identifier::look_at_light(const Scene& now, Candidate& candidate) const {
   now.expected.light = nullptr;
 }
 
-// Log likelihoods of the colors of a slot and of that of the team. `box`: class of the surface's region, or
-// kBackground. `on_robot`: a candidate's light. (Looking at its team patch forgets the expected colors.)
+// Log likelihoods of the colors of a slot, followed by the team color. `box`: class of the surface's region, or
+// kBackground. `on_robot`: the candidate's light. The expected colors are cached until the light of another team patch
+// is measured.
 Identifier::SlotLikelihoods Identifier::likelihoods(const Scene& now, const LocalLight& on_robot, std::size_t slot,
                                                     const SurfaceColor& surface, ColorId box) const {
   const auto& colors = team_colors_[now.team].slots[slot].colors;
@@ -172,8 +179,8 @@ float Identifier::best_likelihood(const Scene& now, const Candidate& candidate, 
   return *std::max_element(of_color.begin(), of_color.begin() + static_cast<std::ptrdiff_t>(colors));
 }
 
-// Whether every pose of a robot is through an identification region that another robot may have. Its own patch may have
-// fallen into no box.
+// Whether every pose of a robot uses an identification region that another robot may own. The robot's own patch may
+// have fallen into no box.
 bool Identifier::has_only_claimed_regions(const Candidate& candidate) const {
   const auto is_claimed = [&](std::uint16_t number) {
     return number != kMissing && std::any_of(candidates_.begin(), candidates_.end(), [&](const Candidate& other) {
@@ -216,12 +223,12 @@ Identifier::SlotEvidence Identifier::evidence_in_slot(const Scene& now, const Ca
     const bool in_box = region != nullptr && region->color == slot.colors[i];
     if (in_box && surface.saturated_channels() < 3 && surface.spread < kUneven_levels) out.likelihood[i] += kBoxVote;
   }
-  // Light that saturates two channels makes other colors look like that of the team, and a robot may have it twice.
+  // If two channels are saturated, other colors look like the team color. The layout may also use the team color twice.
   const bool may_show_team_color = surface.saturated_channels() < 2 &&
                                    std::find(slot.colors.begin(), slot.colors.end(), team_color) == slot.colors.end();
   out.of_team = may_show_team_color ? out.likelihood[slot.colors.size()] : ColorEvidence::kNoColor;
   BorderColor border;
-  if ((pose.partner != kMissing || is_doubtful({out.likelihood.data(), slot.colors.size()})) &&
+  if ((pose.partner != kMissing || is_uncertain({out.likelihood.data(), slot.colors.size()})) &&
       look_at_border(now, center, surface, s + 1, scale, &pose, border)) {
     for (std::size_t i = 0; i < slot.colors.size(); ++i) {
       out.likelihood[i] += colors_.log_likelihood_of_border(border, candidate.light, slot.colors[i], space);
@@ -230,7 +237,7 @@ Identifier::SlotEvidence Identifier::evidence_in_slot(const Scene& now, const Ca
       out.of_team += colors_.log_likelihood_of_border(border, candidate.light, team_color, space);
     }
   }
-  out.depends_on_pose = border.rays >= kRaysOfTwoSides && border.rays < kLeastBorderRays;
+  out.depends_on_pose = border.rays >= kRaysOfTwoSides && border.rays < kMinBorderRays;
   if (candidate.has_floor) {
     out.floor = ColorEvidence::log_likelihood_of_same(surface, candidate.floor) - ColorEvidence::kNoColor;
   }
@@ -264,7 +271,7 @@ bool Identifier::evaluate(const Scene& now, Candidate& candidate) const {
       }
     }
   }
-  // In the right pose, the least of what should be patches looks like floor.
+  // The right pose has the fewest patch positions that look like floor.
   float least_floor = std::numeric_limits<float>::max(), best_prior = -least_floor, of_team = -least_floor;
   for (const PoseEvidence& pose : candidate.poses) least_floor = std::min(least_floor, pose.floor);
   for (PoseEvidence& pose : candidate.poses) {
@@ -300,7 +307,7 @@ float Identifier::other_explanation(const Scene& now, std::size_t number, const 
   return best;
 }
 
-// Whether both poses are through the same identification patch, of which only a part is visible.
+// Whether both poses use the same identification regions, at least one of them.
 bool Identifier::has_same_part(const PoseEvidence& a, const PoseEvidence& b) {
   return a.identification == b.identification && std::any_of(a.identification.begin(), a.identification.end(),
                                                              [](std::uint16_t number) { return number != kMissing; });
@@ -315,7 +322,7 @@ void Identifier::apply(const Scene& now, std::size_t number, const AssignedIds& 
   robot.id = kUnknownId;
   const RobotMarking* const name =
       assigned.robot == kNoRobot ? nullptr : &team.robots[static_cast<std::size_t>(assigned.robot)];
-  // Directions were tried for a team patch without identification patches, too.
+  // kNoIdentification remains: poses were also searched around a team patch without identification patches.
   if (robot.doubt != IdDoubt::kNoIdentification) robot.doubt = IdDoubt::kSeveralPoses;
   const auto value = [&](const PoseEvidence& pose) {
     return name == nullptr ? pose.best : pose.value[static_cast<std::size_t>(assigned.robot)];
@@ -324,10 +331,10 @@ void Identifier::apply(const Scene& now, std::size_t number, const AssignedIds& 
       *std::max_element(candidate.poses.begin(), candidate.poses.end(),
                         [&](const PoseEvidence& a, const PoseEvidence& b) { return value(a) < value(b); });
   if (!candidate.pose_is_sure) {
-    if (value(best) < other_explanation(now, number, best, all) + kDoubtfulMargin) return;
-    // Several poses through the same part of a patch leave only the heading open.
+    if (value(best) < other_explanation(now, number, best, all) + kMinIdMargin) return;
+    // If several poses use one visible part of a patch, only the heading is ambiguous.
     robot.has_heading = std::all_of(candidate.poses.begin(), candidate.poses.end(), [&](const PoseEvidence& other) {
-      return similar(other.pose, best.pose) || value(best) >= value(other) + kDoubtfulMargin;
+      return similar(other.pose, best.pose) || value(best) >= value(other) + kMinIdMargin;
     });
     robot.pose = best.pose;
     robot.residual_m = best.residual_m;
@@ -344,7 +351,7 @@ void Identifier::apply(const Scene& now, std::size_t number, const AssignedIds& 
     robot.patches.push_back({PatchRole::kIdentification, static_cast<std::uint8_t>(s + 1), patch.color, patch.center});
   }
   robot.doubt = name == nullptr ? IdDoubt::kUnknownColors : IdDoubt::kSeveralIds;
-  if (name == nullptr || assigned.margin < kDoubtfulMargin) return;
+  if (name == nullptr || assigned.margin < kMinIdMargin) return;
   robot.doubt = IdDoubt::kNone;
   robot.id = name->id;
   robot.confidence = 1.0f / (1.0f + std::exp(-assigned.margin / kTemperature));
@@ -355,7 +362,7 @@ IdEvidence Identifier::evidence_of(const Scene& now, const Candidate& candidate)
   const TeamMarking& team = teams_[now.team];
   IdEvidence out;
   if (!candidate.has_evidence) {
-    // It keeps its name, which no other robot may get.
+    // The robot keeps its name, and no other robot may get it.
     for (std::size_t r = 0; r < team.robots.size(); ++r) {
       if (team.robots[r].id == now.seen.robots[candidate.robot].id) out.value[r] = 2.0f * kClearMargin;
     }
@@ -369,22 +376,30 @@ IdEvidence Identifier::evidence_of(const Scene& now, const Candidate& candidate)
   return out;
 }
 
-// Looks at all robots of a team, and names them together.
+// Looks at all robots of a team, and names them together. They share `now.borders_left`.
 void Identifier::name_team(const Scene& now, AssignedIds& assigned) {
+  WorkBudget<int> borders(now.borders_left, robots_of(now.seen, now.team));
   candidates_.clear();
   for (std::size_t i = 0; i < now.seen.robots.size(); ++i) {
     if (index_of(now.seen.robots[i].team) != now.team || candidates_.full()) continue;
     candidates_.resize(candidates_.size() + 1);
     Candidate& candidate = candidates_.back();
     candidate.robot = i;
+    now.borders_left = borders.take();
     collect_poses(now, candidate);
     candidate.has_evidence = evaluate(now, candidate);
+    borders.give_back(now.borders_left);
   }
+  WorkBudget<int> rest(borders.left(), candidates_.size());
   for (Candidate& candidate : candidates_) {
-    if (!has_only_claimed_regions(candidate)) continue;
-    search_poses(now, candidate);
-    candidate.has_evidence = evaluate(now, candidate);
+    now.borders_left = rest.take();
+    if (has_only_claimed_regions(candidate)) {
+      search_poses(now, candidate);
+      candidate.has_evidence = evaluate(now, candidate);
+    }
+    rest.give_back(now.borders_left);
   }
+  now.borders_left = rest.left();
   share_patches(now);
   IdEvidences evidence;
   for (const Candidate& candidate : candidates_) evidence.push_back(evidence_of(now, candidate));
@@ -394,7 +409,7 @@ void Identifier::name_team(const Scene& now, AssignedIds& assigned) {
 
 bool Identifier::has_doubt(const AssignedIds& assigned) const {
   for (std::size_t k = 0; k < candidates_.size(); ++k) {
-    if (candidates_[k].has_evidence && (assigned[k].robot == kNoRobot || assigned[k].margin < kDoubtfulMargin)) {
+    if (candidates_[k].has_evidence && (assigned[k].robot == kNoRobot || assigned[k].margin < kMinIdMargin)) {
       return true;
     }
   }
@@ -404,11 +419,14 @@ bool Identifier::has_doubt(const AssignedIds& assigned) const {
 void Identifier::identify(const Frame& frame, const ExpectedGain& light, const PatchLists& patches,
                           std::span<const Hypothesis> hypotheses, std::span<const BoxSighting> boxes, bool is_clutter,
                           std::span<bool> used, Sightings& out) {
-  int borders_left = kMaxBorders;
+  std::size_t robots = 0;
+  for (std::size_t t = 0; t < teams_.size(); ++t) robots += team_colors_[t].usable ? robots_of(out, t) : 0;
+  WorkBudget<int> borders(kMaxBorders, robots);
   ExpectedColors expected;
   int clipped_from = 0;  // 0: not looked at
   for (std::size_t t = 0; t < teams_.size(); ++t) {
     if (!team_colors_[t].usable) continue;
+    int borders_left = borders.take(robots_of(out, t));
     Scene now{frame, light, patches, hypotheses, boxes, out, t, borders_left, expected};
     AssignedIds assigned;
     name_team(now, assigned);
@@ -422,6 +440,7 @@ void Identifier::identify(const Frame& frame, const ExpectedGain& light, const P
     for (std::size_t k = 0; k < candidates_.size(); ++k) {
       if (candidates_[k].has_evidence) apply(now, k, assigned, used, out);
     }
+    borders.give_back(borders_left);
   }
 }
 

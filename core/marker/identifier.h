@@ -32,7 +32,7 @@ using BoxSightings = FixedVector<BoxSighting, kMaxRobots>;
 ///
 /// A team keeps the result of the boxes if the typical value of one of its colors was not measured. The work is
 /// bounded: nine pixels per patch, the borders of 64 saturated ones, at most kMaxPoses poses per robot, four
-/// assignments of at most 11 robots per team.
+/// assignments of at most 11 robots per team. The borders are shared among the robots (work_budget.h).
 class Identifier {
  public:
   void configure(const CameraModel& camera) { camera_ = camera; }
@@ -59,10 +59,10 @@ class Identifier {
     float prior = 0;                                              // log likelihood of its patches' places
     std::array<float, kMaxRobotsPerTeam> value{};                 // by index in TeamMarking::robots
     float best = 0;                                               // of all values
-    float costs = 0;                                              // log likelihood that it takes from another robot
-    float of_team = 0;       // log likelihood that its patches have the color of the team
-    float floor = 0;         // log likelihood ratio that its missing patches are floor
-    float search_doubt = 0;  // contained in prior: it is one of many directions in which patches were looked for
+    float costs = 0;                                              // log likelihood that another robot would lose
+    float of_team = 0;                                            // log likelihood that its patches have the team color
+    float floor = 0;                                              // log likelihood ratio: its missing patches are floor
+    float search_doubt = 0;            // part of `prior`: logarithm of the number of directions that were searched
     std::uint16_t partner = kMissing;  // team patch that is its saturated identification patch
     bool is_grown = false;             // an identification patch of the right size was grown from pixels
     bool is_merged = false;  // its identification patch is a part of a larger surface, but has two visible sides
@@ -86,7 +86,7 @@ class Identifier {
     bool has_floor = false;
     SurfaceColor floor;  // around the robot
     bool has_evidence = false;
-    float unknown = 0;  // log likelihood that it has none of the names
+    float unknown = 0;  // log likelihood that it is none of the team's robots
     FixedVector<PoseEvidence, kMaxPoses> poses;
 
     [[nodiscard]] bool has_axis() const {
@@ -103,15 +103,15 @@ class Identifier {
     std::array<SlotColors, kMaxPatches - 1> slots;
     std::array<float, kMaxPatches> radius_m{};  // of the circle inside each patch
   };
-  // Log likelihoods by index in SlotColors::colors; behind the last one is that of the team's color. In groups of four.
+  // Log likelihoods by index in SlotColors::colors, followed by the team color. In groups of four.
   static constexpr std::size_t kColorGroups = (kMaxRobotsPerTeam + 1 + 3) / 4;
   using SlotLikelihoods = std::array<float, 4 * kColorGroups>;
-  // Log likelihoods of what the pixels of a slot show.
+  // Log likelihoods of the surface that the pixels of a slot show.
   struct SlotEvidence {
     std::uint16_t region = kMissing;  // index in the list of patches
     SlotLikelihoods likelihood{};
-    float of_team = 0;             // that it has the color of the team
-    float floor = 0;               // ratio: that it is floor
+    float of_team = 0;             // log likelihood of the team color
+    float floor = 0;               // log likelihood ratio: floor
     bool depends_on_pose = false;  // not only on the region
   };
   struct ExpectedColors;

@@ -9,10 +9,10 @@
 
 namespace touchline {
 
-// A margin above this one needs no exact value: the probability of an error is below the rate of other errors.
+// Larger margins need no exact value: a wrong id is then less likely than other errors.
 constexpr float kClearMargin = 5.0f;
 
-// The colors of a slot and that of the team in one robot's light, four at a time.
+// A slot's colors and the team color in one robot's light, four at a time.
 struct Identifier::ExpectedColors {
   const LocalLight* light = nullptr;  // null: none is known
   std::array<bool, kMaxPatches - 1> is_known{};
@@ -27,7 +27,7 @@ struct Identifier::Scene {
   std::span<const BoxSighting> boxes;
   const Sightings& seen;
   std::size_t team;
-  int& borders_left;  // saturated patches whose border may still be looked at in this frame
+  int& borders_left;  // of saturated patches: the share of the robot, or of the robots, that are looked at now
   ExpectedColors& expected;
   int saturated_from = kSaturatedValue;
 

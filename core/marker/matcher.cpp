@@ -14,23 +14,19 @@ namespace {
 constexpr float kMinUnpairedRatio = 0.5f;
 // Team patches beyond the number of robots of a team that are looked at, for each team.
 constexpr std::size_t kSurplusPlaces = 2;
-// Work for splitting regions of touching patches, relative to that for all patches of both teams if each touched
-// another one of its color. Regions of three or four patches take more than two pairs: ten robots without a gap between
-// them need 2.5, with 12 colors in the picture.
+// Factor on the work for splitting all patches of both teams into pairs. Regions of three or four patches take more
+// than two pairs: ten robots without a gap between them need a factor of 2.5, with 12 colors in the picture.
 constexpr float kMarginOfPairs = 3.0f;
-// For each color, so that one with a single region of four patches, the largest that is split, can have enough.
-constexpr float kLeastPairsOfColor = 4.0f;
-// As if all patches of 22 robots touched another one. The time of a step allows no more; teams of more than 44 patches
-// have a smaller margin.
-constexpr float kMostPairs = static_cast<float>(kMaxRobots * kMaxPatches) / 2;
+// Minimum per color: enough for one region of four patches, the largest that is split.
+constexpr float kMinPairsOfColor = 4.0f;
 
-// Confidence of what the boxes found, if no pixels are known. Otherwise identifier_ replaces that of an id, and
+// Confidence of robots from boxes alone. With a frame, identifier_ replaces the confidence of an id, and
 // confidence_without_id() the others.
 constexpr float kFound = 0.99f;
 
 constexpr std::array<Team, 2> kTeams{Team::kOwn, Team::kOpponent};
 
-// Without an identification patch, not a robot unless pixels give it a name.
+// A team patch that is too small for a robot, unless it has an identification patch or pixels give it an id.
 bool is_too_small(const PatchCandidate& patch) { return patch.is_partly_visible || patch.ratio < kMinUnpairedRatio; }
 
 }  // namespace
@@ -67,8 +63,8 @@ Status Matcher::collect_kinds() {
     }
   }
   const auto colors = static_cast<float>(std::count(wanted_.begin(), wanted_.end(), true));
-  touching_pairs_ =
-      std::min(kMostPairs, std::max(kLeastPairsOfColor * colors, kMarginOfPairs * static_cast<float>(patches) / 2));
+  touching_pairs_ = std::min(kMaxTouchingPairs,
+                             std::max(kMinPairsOfColor * colors, kMarginOfPairs * static_cast<float>(patches) / 2));
   const ColorId own = parameters_.teams[0].team_color, other = parameters_.teams[1].team_color;
   const BallParameters& ball = parameters_.ball;
   if (ball.color > kMaxColors || (ball.color != kBackground && !is_positive(ball.radius_m))) {
@@ -163,11 +159,11 @@ bool Matcher::find_patches(const Runs& runs, const Regions& regions, Sightings& 
   identification_.clear();
   ball_patches_.clear();
   const auto is_present = [this](std::size_t color) { return wanted_[color] && !numbers_[color].empty(); };
-  std::size_t colors_left = 0;
+  std::size_t colors = 0;
   for (std::size_t color = 1; color <= kMaxColors; ++color) {
-    colors_left += static_cast<std::size_t>(is_present(color) && color != parameters_.ball.color);
+    colors += static_cast<std::size_t>(is_present(color) && color != parameters_.ball.color);
   }
-  float pairs_left = touching_pairs_;
+  WorkBudget<float> pairs(touching_pairs_, colors);
   bool complete = true;
   for (std::size_t color = 1; color <= kMaxColors; ++color) {
     if (!is_present(color)) continue;
@@ -177,10 +173,9 @@ bool Matcher::find_patches(const Runs& runs, const Regions& regions, Sightings& 
       finder_.find(kinds_[color], runs, regions, candidates, out, none, ball_patches_);
       continue;
     }
-    const float share = pairs_left / static_cast<float>(colors_left--);
-    SplitBudget budget{share};
+    SplitBudget budget{pairs.take()};
     finder_.find(kinds_[color], runs, regions, candidates, out, budget, of_color_);
-    pairs_left -= share - budget.pairs;
+    pairs.give_back(budget.pairs);
     complete = complete && !budget.exceeded;
     if (identifies_[color]) {
       for (const PatchCandidate& patch : of_color_) {
@@ -301,11 +296,11 @@ void Matcher::drop_tentative(Sightings& out) {
   std::size_t kept = 0;
   for (std::size_t i = 0; i < out.robots.size(); ++i) {
     const BoxSighting& box = box_sightings_[i];
-    const bool is_unnamed = out.robots[i].id == kUnknownId;
+    const bool has_unknown_id = out.robots[i].id == kUnknownId;
     // A patch in the box of the team color may be the saturated identification patch of a robot that has its id now.
     const bool is_absorbed =
-        !out.robots[i].has_heading && is_unnamed && is_on_robot(team_patches_[box.team_patch], out);
-    if ((box.is_tentative && is_unnamed && is_too_small(team_patches_[box.team_patch].patch)) || is_absorbed) {
+        !out.robots[i].has_heading && has_unknown_id && is_on_robot(team_patches_[box.team_patch], out);
+    if ((box.is_tentative && has_unknown_id && is_too_small(team_patches_[box.team_patch].patch)) || is_absorbed) {
       reported_[box.team_patch] = false;
     } else {
       box_sightings_[kept] = box;
@@ -375,7 +370,7 @@ void Matcher::match(const Frame* frame, const ExpectedGain& light, const Expecte
   hypotheses_.clear();
   const PatchLists lists{{team_patches_.data(), team_patches_.size()},
                          {identification_.data(), identification_.size()}};
-  int work = kHypothesisWork;
+  WorkBudget<int> work(kMaxNeighborTests, team_patches_.size());
   for (std::size_t i = 0; i < team_patches_.size(); ++i) {
     if (!add_hypotheses(parameters_.teams, lists, i, work, hypotheses_)) complete = false;
   }
@@ -390,7 +385,7 @@ void Matcher::match(const Frame* frame, const ExpectedGain& light, const Expecte
                          {box_sightings_.data(), box_sightings_.size()}, !complete, used_, out);
     drop_tentative(out);
     doubt_cut_patches(frame, regions, out);
-    weigh_unnamed(*frame, out);
+    weigh_unknown_id(*frame, out);
     drop_surplus(out);
   } else {
     doubt_cut_patches(nullptr, regions, out);

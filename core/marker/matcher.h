@@ -28,10 +28,8 @@ struct MarkerParameters {
 /// build the table of pairs by eq. (2), where an entry is a robot's complete set of patches; solve the table for both
 /// teams together, so that no patch is used twice; compute poses by a rigid fit, which for two patches is eq. (3). A
 /// robot whose identification is missing, imprecise or ambiguous is reported without an id, and without a heading if
-/// that is ambiguous. The work is bounded for
-/// every picture: touching patches to split, sets of patches to try, and nodes of the search for the best ones. What is
-/// searched first keeps a share for the rest. The object is large (fixed memory); do not put it on the
-/// stack.
+/// the heading is ambiguous. The work is bounded for every picture (work_budget.h). The object is large (fixed memory);
+/// do not put it on the stack.
 class Matcher {
  public:
   /// Errors: those of validate(const TeamMarking&). Also kInconsistent: a team color or the ball's color has a second
@@ -72,7 +70,7 @@ class Matcher {
   void drop_surplus(Sightings& out);
   [[nodiscard]] bool is_cut(const RobotSighting& robot, const BoxSighting& box, const Regions& regions) const;
   void doubt_cut_patches(const Frame* frame, const Regions& regions, Sightings& out);
-  void weigh_unnamed(const Frame& frame, Sightings& out);
+  void weigh_unknown_id(const Frame& frame, Sightings& out);
   [[nodiscard]] bool is_on_robot(const TeamPatch& patch, const Sightings& out) const;
   [[nodiscard]] std::size_t free_places(Team team, const Sightings& out) const;
   void write_verdicts(Sightings& out);

@@ -24,8 +24,8 @@ struct Neighbor {
 using NeighborSet = std::uint16_t;
 static_assert(kMaxNeighbors <= 16);
 
-/// What the search for hypotheses asks again and again about the neighbors of a team patch: which slots each may fill,
-/// and how well the distances between them agree with the layout.
+/// Caches what the search for hypotheses needs of a team patch's neighbors: which slots each may fill, and how well the
+/// distances between them agree with the layout.
 class NeighborTable {
  public:
   /// In place of the neighbor of an empty slot.
@@ -45,10 +45,10 @@ class NeighborTable {
   /// robot if it is negative; then they must be completely visible, too.
   [[nodiscard]] NeighborSet candidates(std::size_t slot, int robot) const;
 
-  /// By neighbor: squared differences of its distances from other patches and those of the layout, summed.
+  /// By neighbor: sum of squared errors of its distances from other patches, relative to the layout.
   using Spreads = std::array<float, kMaxNeighbors>;
-  /// The neighbors of `candidates` of which no distance from a patch of the slots before, `set`, differs by more than
-  /// `gate_m` from that of the layout, and whose spread is at most `most_m2`.
+  /// Returns the neighbors of `candidates` that fit beside `set`, the patches of the slots before: each distance
+  /// differs from the layout's by at most `gate_m`, and the spread is at most `most_m2`.
   [[nodiscard]] NeighborSet fitting(std::size_t slot, NeighborSet candidates, std::span<const std::uint8_t> set,
                                     float gate_m, float most_m2, Spreads& spreads_m2) const;
 

@@ -32,8 +32,8 @@ constexpr float kReachMargin = 1.5f;
 // Ratio of variances at which noise on the border does not change the axis.
 constexpr float kElongated = 2.0f;
 
-// Runs of two touching patches, times two parts, relative to the length of a patch in pixels: they are at most two
-// patches high, and every other row has two runs.
+// Work of a pair: runs of two touching patches, times two parts, divided by the length of a patch in pixels. The pair
+// is at most two patches high, and every other row has two runs.
 constexpr float kPairWork = 6.0f;
 
 std::size_t runs_of(const Runs& runs, const Region& region) {
@@ -124,8 +124,8 @@ void PatchFinder::configure(const CameraModel& camera, const FieldParameters& fi
   field_ = field;
   least_scale_px_per_m_ = std::numeric_limits<float>::max();
   largest_scale_px_per_m_ = 0;
-  constexpr float kMost = std::numeric_limits<float>::max();
-  PixelPoint low{kMost, kMost}, high{-kMost, -kMost};
+  constexpr float kMaxFloat = std::numeric_limits<float>::max();
+  PixelPoint low{kMaxFloat, kMaxFloat}, high{-kMaxFloat, -kMaxFloat};
   const float half_length_m = 0.5f * field.length_m + field.goal_depth_m + field.margin_m;
   for (const float x : {-1.0f, 0.0f, 1.0f}) {
     for (const float y : {-1.0f, 0.0f, 1.0f}) {
@@ -281,7 +281,7 @@ bool PatchFinder::merge(const PatchKind& kind, const PatchCandidate& from, Patch
     into.at[team].x_m += (from.at[team].x_m - into.at[team].x_m) * share;
     into.at[team].y_m += (from.at[team].y_m - into.at[team].y_m) * share;
   }
-  // With a large fragment, the axis of the larger part is not that of the patch.
+  // If the fragment is large, the patch's axis differs from the axis of its larger part.
   if (from.area_px > 0.2f * area) into.has_axis = into.has_rough_axis = false;
   into.area_px = area;
   into.ratio = std::max(area / (kind.largest_area_m2 * square), std::min(1.0f, area / (kind.least_area_m2 * square)));

@@ -50,7 +50,7 @@ struct PatchCandidate {
 constexpr std::size_t kMaxPatchesPerColor = 64;
 using ColorPatches = FixedVector<PatchCandidate, kMaxPatchesPerColor>;
 
-/// Work for splitting touching patches, in pairs of them that take kUsualPasses.
+/// Work for splitting touching patches. The unit is a pair of patches that takes kUsualPasses.
 struct SplitBudget {
   float pairs = 0;        // that may still be split
   bool exceeded = false;  // a region was not split

@@ -33,7 +33,7 @@ class PixelRows {
         has_words_(info_.space == ColorSpace::kRgb && frame.height_px > 1),
         step_(info_.channel[0].step) {}
 
-  /// Column `i` is that of pixel u.
+  /// Assigns pixel column u to column `i`.
   void set_column(std::size_t i, std::size_t u) {
     if (has_words_) {
       offset_[0][i] = static_cast<std::uint32_t>(u * step_);
@@ -42,7 +42,7 @@ class PixelRows {
     for (std::size_t c = 0; c < 3; ++c) offset_[c][i] = static_cast<std::uint32_t>(info_.channel[c].byte(u));
   }
 
-  /// Pixel row v is read from now on.
+  /// Selects pixel row v for reading.
   void select(std::size_t v) {
     if (has_words_) {
       // Four bytes are read of each pixel. Of the picture's last pixel there may be only three and the one before it.
@@ -96,7 +96,7 @@ class PixelRows {
   std::size_t step_;
   std::array<int, 3> shift_{};
   std::array<const std::uint8_t*, 3> row_{};
-  // Bytes from the begin of a row to a column, by channel; of words in [0].
+  // Byte offset per column and channel; word reads use only [0].
   std::array<std::array<std::uint32_t, kColumns>, 3> offset_;
 };
 

@@ -31,7 +31,7 @@ struct Centers {
     }
   }
   Simd4<float> u = Simd4<float>{} + kFar_px, v{};
-  // The lines on which pixels are as near to one part as to another.
+  // The lines on which pixels are equally near to two parts.
   std::array<Simd4<float>, kMaxParts> border_at_0{}, border_by_v{};
 
  private:

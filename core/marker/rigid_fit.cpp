@@ -9,8 +9,8 @@ namespace touchline {
 
 namespace {
 
-// Error of residual_squares() as a part of the squares that it is the difference of: more than rounding does, also to
-// points several meters from the origin.
+// Relative rounding error of residual_squares(), which subtracts nearly equal squares. Larger than the real error, also
+// for points several meters from the origin.
 constexpr float kErrorOfSquares = 1e-4f;
 
 // What the pose depends on: the means of the points, and their deviations from them.
@@ -39,7 +39,7 @@ struct Moments {
     RigidFit fit;
     fit.pose.theta_rad = wrap_angle(std::atan2(across, along));
     const float length = std::sqrt(along * along + across * across);
-    // Points in one place have any direction.
+    // The direction of points in one place is undefined.
     const float c = length > 0.0f ? along / length : 1.0f, s = length > 0.0f ? across / length : 0.0f;
     fit.pose.position = {seen.x_m - (c * place.x_m - s * place.y_m), seen.y_m - (s * place.x_m + c * place.y_m)};
     float sum = 0;

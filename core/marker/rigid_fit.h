@@ -21,7 +21,7 @@ struct RigidFit {
 /// paper's two patches this is eq. (3): the middle of both, and the direction from one to the other.
 RigidFit fit_rigidly(std::span<const Correspondence> points);
 
-/// The same if the residual is at most `most_m`; otherwise false, mostly without finding the pose.
+/// Like fit_rigidly(), but returns false if the residual exceeds `most_m`, in most cases without computing the pose.
 bool fit_rigidly_within(float most_m, std::span<const Correspondence> points, RigidFit& fit);
 
 /// Covariance of a point's errors.

@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "core/marker/identifier_scene.h"
+#include "core/marker/work_budget.h"
 
 namespace touchline {
 
@@ -26,8 +27,8 @@ bool Identifier::border_of(const Scene& now, const Candidate& candidate, const P
          look_at_border(now, center, surface, slot + 1, scale, &pose, out.border);
 }
 
-// Log likelihood by which two robots have these names rather than each other's, beyond their evidence: their saturated
-// patches are compared with each other.
+// Log likelihood ratio of two assignments: two robots have these names, or the exchanged ones. Their saturated patches
+// are compared with each other, and what their single evidence already says is subtracted.
 float Identifier::evidence_of_order(const Scene& now, const NamedCandidate& a, const NamedCandidate& b) const {
   const TeamMarking& team = teams_[now.team];
   const ColorSpace space = color_space(now.frame.format);
@@ -48,22 +49,37 @@ float Identifier::evidence_of_order(const Scene& now, const NamedCandidate& a, c
   return gain;
 }
 
-// Two robots whose names would be in doubt only because they may be exchanged are compared with each other.
+// Compares pairs of robots whose names are uncertain only because the two robots may be exchanged.
 void Identifier::compare_robots(const Scene& now, const IdEvidences& evidence, AssignedIds& assigned) const {
   const std::size_t known = teams_[now.team].robots.size();
   IdEvidences compared = evidence;
   // Margins to alternatives in which only one of two robots has the other one's name.
   std::array<float, kMaxRobotsPerTeam> limit{};
   limit.fill(std::numeric_limits<float>::max());
+  // Log likelihood ratio: robot i has its own name, or the name of robot j.
+  const auto margin = [&](std::size_t i, std::size_t j) {
+    return evidence[i].value[static_cast<std::size_t>(assigned[i].robot)] -
+           evidence[i].value[static_cast<std::size_t>(assigned[j].robot)];
+  };
+  const auto may_be_exchanged = [&](std::size_t i, std::size_t j) {
+    return assigned[i].robot != kNoRobot && assigned[j].robot != kNoRobot && candidates_[i].has_evidence &&
+           candidates_[j].has_evidence && margin(i, j) + margin(j, i) < kMinIdMargin;
+  };
+  std::size_t pairs = 0;
+  for (std::size_t i = 0; i < assigned.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) pairs += may_be_exchanged(i, j) ? 1u : 0u;
+  }
+  if (pairs == 0) return;
+  WorkBudget<int> borders(now.borders_left, pairs);
   bool any = false;
   for (std::size_t i = 0; i < assigned.size(); ++i) {
     for (std::size_t j = 0; j < i; ++j) {
-      if (assigned[i].robot == kNoRobot || assigned[j].robot == kNoRobot) continue;
+      if (!may_be_exchanged(i, j)) continue;
       const auto a = static_cast<std::size_t>(assigned[i].robot), b = static_cast<std::size_t>(assigned[j].robot);
-      const float only_i = evidence[i].value[a] - evidence[i].value[b];
-      const float only_j = evidence[j].value[b] - evidence[j].value[a];
-      if (!candidates_[i].has_evidence || !candidates_[j].has_evidence || only_i + only_j >= kDoubtfulMargin) continue;
+      const float only_i = margin(i, j), only_j = margin(j, i);
+      now.borders_left = borders.take();
       const float gain = evidence_of_order(now, {candidates_[i], a}, {candidates_[j], b});
+      borders.give_back(now.borders_left);
       if (gain <= 0.0f) continue;
       // The robot that loses its name has none, or one that is free.
       const auto loss = [&](std::size_t robot, std::size_t name, std::size_t other) {
@@ -80,6 +96,7 @@ void Identifier::compare_robots(const Scene& now, const IdEvidences& evidence, A
       any = true;
     }
   }
+  now.borders_left = borders.left();
   if (!any) return;
   assign_ids(compared, known, kClearMargin, assigned);
   for (std::size_t k = 0; k < assigned.size(); ++k) assigned[k].margin = std::min(assigned[k].margin, limit[k]);

@@ -11,10 +11,10 @@
 namespace touchline {
 namespace {
 
-// Log likelihood that a region where a pose predicts a patch is that patch.
+// Log odds that a region at the predicted position of a patch is this patch.
 constexpr float kRegionReward = 3.0f;
-// Of a region that is too small for a whole patch, and the least part of a patch that counts. Motion blur or something
-// in front of it leaves the rest in no box; less than that may be a fringe of another color.
+// Log odds for a region that is smaller than a whole patch, and the smallest area ratio that counts. Motion blur or
+// occlusion moves the rest of the patch out of all boxes. Smaller regions may be the fringe of another color.
 constexpr float kPartReward = 0.5f * kRegionReward, kMinPart = 0.16f;
 // Error of the axis of a long team patch, which may be partly hidden or have only a part of its pixels in its box.
 constexpr float kRoughAxisSigma = 0.25f;
@@ -28,26 +28,27 @@ constexpr float kWindowMargin = 1.3f, kBlur_px = 2.0f;
 // Samples of the floor lie on a circle of this radius, relative to the robot's side, around its team patch.
 constexpr std::size_t kSamplesAround = 8;
 constexpr float kAroundRadius = 1.1f;
-// Directions in which patches are looked for around a team patch; adjacent ones overlap by most of a patch. Their
-// number, as log likelihood: any of them may show a known color by chance.
+// Directions that are searched around a team patch. Adjacent ones overlap by most of a patch. kManyDirections is the
+// logarithm of their number: each of them may show a known color by chance.
 constexpr std::size_t kDirections = 16;
 constexpr float kManyDirections = 2.8f;
-// The same for the four directions that the sides of a square team patch allow, and the error of these sides.
-constexpr float kFourDirections = 1.4f, kSideError = 0.2f, kLeastSquareness = 0.5f;
+// kFourDirections is the logarithm of the four directions that the sides of a square team patch allow. kSideError is
+// the error of these sides in radians.
+constexpr float kFourDirections = 1.4f, kSideError = 0.2f, kMinSquareness = 0.5f;
 // Ratio of variances of patches whose axis is visible: in the layout, and in the picture.
 constexpr float kLong = 2.0f, kVisiblyLong = 1.5f;
 // Smaller differences of pose show the same pixels.
 constexpr float kSamePlace = 0.006f, kSameHeading = 0.2f;
 
-// The sides of a square are looked for this far from its edge, and along a part of the side. What is beyond them is
-// darker, what is within them hardly.
+// The sides of a square are tested at this distance from its edge, and along a part of each side. Pixels outside must
+// be darker than kDarkTop of the patch, pixels inside at least as bright as kSameSurface of it.
 constexpr float kClearOfEdge_px = 2.5f, kClearOfSide = 0.5f, kDarkTop = 0.5f, kSameSurface = 0.8f;
 
 bool is_square(const PatchPlace& place) {
   return place.outline == PatchOutline::kSquare && std::abs(place.length_m - place.width_m) < 0.05f * place.length_m;
 }
 
-// Least RMS error of two points whose distance is seen, and known from the layout.
+// RMS residual of the best rigid fit of two points whose distance is `seen_m` instead of `expected_m`.
 float residual_of_distance_m(float seen_m, float expected_m) { return 0.5f * std::abs(seen_m - expected_m); }
 
 bool same_pose(const Pose& a, const Pose& b) {
@@ -76,8 +77,9 @@ bool Identifier::is_free(const Scene& now, std::size_t robot, const PoseEvidence
   return true;
 }
 
-// A region holds only the part of a patch that fell into its box. The whole patch has a better center and axis, unless
-// something of a similar color touches it. Therefore both count, but the first one tells the light.
+// Finds center and axis of the team patch. A region holds only the part of the patch that fell into its box, so pixels
+// that are grown from it give a better center and axis, unless another surface of a similar color touches the patch.
+// Therefore both views are kept. The first one gives the light.
 void Identifier::look_at_team_patch(const Scene& now, Candidate& candidate) const {
   const PatchCandidate& region = now.patches.team[now.boxes[candidate.robot].team_patch].patch;
   const TeamPatchView of_region{region.center, region.at[now.team], region.axis_rad, region.has_rough_axis};
@@ -105,7 +107,7 @@ void Identifier::look_at_team_patch(const Scene& now, Candidate& candidate) cons
     const FieldPoint b = field({patch.center.u_px - du, patch.center.v_px - dv});
     whole.axis_rad = std::atan2(a.y_m - b.y_m, a.x_m - b.x_m);
   }
-  if (is_square(place) && patch.squareness > kLeastSquareness) {
+  if (is_square(place) && patch.squareness > kMinSquareness) {
     const float du = reach_px * std::cos(patch.side_rad), dv = reach_px * std::sin(patch.side_rad);
     const FieldPoint a = field({patch.center.u_px + du, patch.center.v_px + dv});
     const FieldPoint b = field({patch.center.u_px - du, patch.center.v_px - dv});
@@ -221,8 +223,9 @@ bool Identifier::is_part(const Scene& now, const PatchCandidate& region) const {
          std::find(colors.begin(), colors.end(), region.color) != colors.end();
 }
 
-// Takes the largest part of the only identification patch where the pose predicts that patch. With more patches, the
-// complete ones tell the pose, and fringes of others would confirm wrong poses.
+// Assigns the largest visible part of the only identification patch to the pose, if the pose predicts the patch there.
+// Layouts with more patches do not need it: complete patches give the pose, and color fringes would confirm wrong
+// poses.
 void Identifier::claim_part(const Scene& now, PoseEvidence& pose) const {
   const MarkerLayout& layout = teams_[now.team].layout;
   pose.identification.fill(kMissing);
@@ -259,8 +262,8 @@ void Identifier::add_poses_through_parts(const Scene& now, Candidate& candidate)
   }
 }
 
-// Turns and moves the pose so that it agrees with the first identification patch as its pixels show it. False if there
-// is no such patch at the right distance.
+// Aligns the pose with the first identification patch, whose center is measured by growing it from its pixels. False if
+// no patch of the right size is at the right distance.
 bool Identifier::align(const Scene& now, const Candidate& candidate, PoseEvidence& pose) const {
   const MarkerLayout& layout = teams_[now.team].layout;
   const PatchPlace& place = layout.patches[1];
@@ -298,7 +301,7 @@ bool Identifier::place_through(const Scene& now, const Candidate& candidate, Fie
   return true;
 }
 
-// By how much the team patch looks less like the team color than like a color of the slot, as log likelihood.
+// Log likelihood ratio of the team patch's border: the likeliest color of the slot against the team color.
 float Identifier::doubt_of_team_patch(const Scene& now, const Candidate& candidate, std::size_t slot) const {
   const float scale = now.patches.team[now.boxes[candidate.robot].team_patch].patch.scale_px_per_m;
   SurfaceColor surface;
@@ -316,7 +319,8 @@ float Identifier::doubt_of_team_patch(const Scene& now, const Candidate& candida
   return best - team;
 }
 
-// Light that saturates an identification patch may move it into the box of the team color.
+// Adds poses in which another region of the team color is an identification patch: saturation can move an
+// identification patch into the team color's box.
 void Identifier::add_saturated_patches(const Scene& now, Candidate& candidate) const {
   if (!candidate.has_light) return;
   const MarkerLayout& layout = teams_[now.team].layout;
@@ -350,8 +354,8 @@ void Identifier::add_saturated_patches(const Scene& now, Candidate& candidate) c
   }
 }
 
-// Adds poses in the four directions that the sides of a square team patch allow: the identification patch may be merged
-// with something of its color, so that only a corner of it is visible.
+// Adds poses in the four directions that the sides of a square team patch allow. This helps if the identification patch
+// is merged with a surface of its color, so that only one corner of the patch is visible.
 void Identifier::add_poses_along_sides(const Scene& now, Candidate& candidate) const {
   const TeamPatchView& view = candidate.views[0];
   const PatchPlace& place = teams_[now.team].layout.patches[0];
@@ -407,8 +411,8 @@ bool Identifier::has_visible_corner(const Scene& now, const PoseEvidence& pose) 
   return (ends(1, 0) || ends(-1, 0)) && (ends(0, 1) || ends(0, -1));
 }
 
-// Looks for identification patches that fell into no box in all directions around the team patch. Adds the two
-// likeliest poses. The sides of a square team patch confirm a direction.
+// Searches all directions around the team patch for identification patches that fell into no box. Adds the two
+// likeliest poses. A direction along the sides of a square team patch has a higher prior.
 void Identifier::search_poses(const Scene& now, Candidate& candidate) const {
   const MarkerLayout& layout = teams_[now.team].layout;
   if (!candidate.has_light) return;
@@ -427,7 +431,7 @@ void Identifier::search_poses(const Scene& now, Candidate& candidate) const {
   for (int tried = 0; tried < 2; ++tried) {
     const auto best = static_cast<std::size_t>(std::max_element(value.begin(), value.end()) - value.begin());
     if (value[best] < least) return;
-    least = std::max(least, value[best] - 2.0f * kDoubtfulMargin);
+    least = std::max(least, value[best] - 2.0f * kMinIdMargin);
     PoseEvidence pose;
     pose.pose = poses[best];
     pose.identification.fill(kMissing);

@@ -142,7 +142,7 @@ class BallSamples {
     return count;
   }
 
-  // Reads all samples between those of the ball's color that are known, and those next to them; or simply all.
+  // Reads the samples between known ones of the ball's color, and their neighbors; or all samples.
   void read_dense(const BallColor& color, bool all) {
     std::uint64_t any = 0;
     int top = kSampleReach, bottom = -kSampleReach;

@@ -8,7 +8,7 @@
 namespace touchline {
 namespace {
 
-// Greatest difference in log likelihood of two poses of which one needs another robot's patch.
+// Two poses of a robot, one of which needs another robot's patch, are equally good up to this log likelihood ratio.
 constexpr float kNearlyAsWell = 1.0f;
 
 }  // namespace
@@ -59,9 +59,9 @@ class Identifier::PredictedPatches {
   FieldPoint low_, high_;  // of a box around all patches
 };
 
-// A patch belongs to a single robot. One without which a robot has no good explanation costs other poses of its team
-// that need it: those of a doubtful team patch; those of a robot that another pose explains as well without it; and
-// those of a robot that both robots together gain less by.
+// A patch belongs to a single robot. If a robot has no good explanation without it, poses of other robots in its team
+// that need the patch are penalized in three cases: their team patch is uncertain; another pose explains their robot
+// equally well without the patch; or the joint log likelihood of both robots is lower if they get the patch.
 void Identifier::share_patches(const Scene& now) {
   const std::span<const PatchPlace> places(teams_[now.team].layout.patches.begin() + 1,
                                            teams_[now.team].layout.patches.end());
@@ -79,14 +79,14 @@ void Identifier::share_patches(const Scene& now) {
     for (std::size_t s = 0; s < places.size(); ++s) {
       const FieldPoint at = predicted[k].center(best, s);
       const float loss = own.best - std::max(owner.unknown, predicted[k].best_without(owner, at));
-      if (loss < kDoubtfulMargin) continue;
+      if (loss < kMinIdMargin) continue;
       for (std::size_t i = 0; i < candidates_.size(); ++i) {
         Candidate& other = candidates_[i];
         if (i == k || !other.has_evidence || other.pose_is_sure) continue;
         if (now.boxes[other.robot].is_tentative) {
           const bool is_patch = distance_m(other.views[0].at, at) < radius_m[s];
           for (std::size_t p = 0; p < other.poses.size(); ++p) {
-            if (is_patch || predicted[i].needs(p, at)) other.poses[p].costs = kDoubtfulMargin;
+            if (is_patch || predicted[i].needs(p, at)) other.poses[p].costs = kMinIdMargin;
           }
           continue;
         }
@@ -97,8 +97,8 @@ void Identifier::share_patches(const Scene& now) {
           PoseEvidence& pose = other.poses[p];
           const float gain = pose.best - std::max(other.unknown, without);
           if (pose.best <= without + kNearlyAsWell) {
-            pose.costs = std::max(pose.costs, kDoubtfulMargin);
-          } else if (without > other.unknown && loss >= gain + kDoubtfulMargin) {
+            pose.costs = std::max(pose.costs, kMinIdMargin);
+          } else if (without > other.unknown && loss >= gain + kMinIdMargin) {
             pose.costs = std::max(pose.costs, loss);
             // It may be the other robot's patch nevertheless.
             owner.unknown = std::max(owner.unknown, own.best - loss + gain);

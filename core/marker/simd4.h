@@ -33,7 +33,7 @@ using Simd4 [[gnu::vector_size(16)]] = T;
 }
 
 /// Natural logarithm of positive normal numbers, to one unit in the last place (polynomial of the Cephes library,
-/// Moshier 1992). Other than that of the standard library, it is the same on every processor.
+/// Moshier 1992). Unlike std::log, it gives identical bits on every processor.
 [[gnu::always_inline]] inline Simd4<float> logarithm(Simd4<float> x) {
   constexpr std::array kCoefficients{7.0376836292e-2f,  -1.1514610310e-1f, 1.1676998740e-1f,
                                      -1.2420140846e-1f, 1.4249322787e-1f,  -1.6668057665e-1f,
@@ -56,7 +56,7 @@ using Simd4 [[gnu::vector_size(16)]] = T;
   return (f + rest) + kLog2High * exponent;
 }
 
-/// Square root, rounded as that of single numbers.
+/// Square root, with the rounding of std::sqrt.
 [[gnu::always_inline]] inline Simd4<float> square_root(Simd4<float> x) {
 #if defined(__SSE__)
   return __builtin_ia32_sqrtps(x);

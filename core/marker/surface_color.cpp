@@ -31,9 +31,9 @@ struct Samples {
 // Place of sample i in a grid.
 constexpr int in_grid(int i) { return i + kGridReach; }
 
-// Finds the samples whose color has at most this squared distance from that of the surface, and the one in the middle,
-// which may be noise. Beyond a row without a sample below such a one of the row before, none is connected with the
-// middle: no further row is looked at.
+// Finds the samples whose squared color distance from the surface is at most the limit. The middle sample always
+// counts, although it may be noise. Rows are read outwards until a row has no sample next to one of the row before: no
+// sample beyond is connected with the middle.
 Grid similar_samples(const Frame& frame, const Samples& columns, const Samples& rows, int step,
                      const SurfaceColor& surface, float allowed) {
   constexpr std::size_t kTogether = 4;

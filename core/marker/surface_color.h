@@ -40,7 +40,7 @@ struct GrownPatch {
   float area_px = 0;
   float major_px2 = 0, minor_px2 = 0;  // variances along the principal axes
   float axis_rad = 0;                  // direction of the major axis, from u towards v
-  float side_rad = 0;                  // direction of a square\'s sides, modulo pi / 2
+  float side_rad = 0;                  // direction of a square's sides, modulo pi / 2
   float squareness = 0;                // 1: a square; 0: a disk
 };
 

@@ -144,8 +144,8 @@ TEST_F(Selecting, IsExact) {
       const Choice other = best_of_all(
           hypotheses, [&](const Hypothesis& h) { return h.team_patch == mine.team_patch && h.robot == mine.robot; });
       const float margin = best.value - other.value;
-      if (std::abs(margin - kDoubtfulMargin) < 1e-3f) continue;
-      EXPECT_EQ(chosen.id_is_sure, mine.robot >= 0 && margin > kDoubtfulMargin) << n << ", margin " << margin;
+      if (std::abs(margin - kMinIdMargin) < 1e-3f) continue;
+      EXPECT_EQ(chosen.id_is_sure, mine.robot >= 0 && margin > kMinIdMargin) << n << ", margin " << margin;
     }
   }
 }

@@ -4,6 +4,7 @@
 #include <array>
 #include <memory>
 
+#include "tests/marker/ids_from_pixels.h"
 #include "tests/marker/real_layouts.h"
 #include "tests/marker/region_list.h"
 
@@ -112,16 +113,58 @@ TEST(WorkBound, EveryColorMayHaveARegionOfFourPatches) {
   EXPECT_EQ(field.regions().size(), 5u);
 }
 
+TEST(WorkBound, EveryClaimantHasAnEqualShareOfWhatIsLeft) {
+  WorkBudget<int> budget(12, 4);
+  EXPECT_EQ(budget.take(), 3);
+  EXPECT_EQ(budget.take(2), 6);  // two claimants at once
+  budget.give_back(5);
+  EXPECT_EQ(budget.take(), 8);
+  budget.give_back(-1);  // used more than its share
+  EXPECT_EQ(budget.left(), -1);
+  EXPECT_EQ(budget.take(), 0);  // a claimant that was not announced
+}
+
 TEST(WorkBound, WorkThatIsNotNeededIsLeftToOthers) {
   const MarkerParameters parameters = paper_teams();
   std::array<TeamPatch, 4> patches{};
   const PatchLists lists{patches, {}};
-  int work = 100;
+  WorkBudget<int> work(100, patches.size());
   const auto hypotheses = std::make_unique<Hypotheses>();
   for (std::size_t i = 0; i < patches.size(); ++i) {
     EXPECT_TRUE(add_hypotheses(parameters.teams, lists, i, work, *hypotheses));
   }
-  EXPECT_EQ(work, 100);
+  EXPECT_EQ(work.left(), 100);
+}
+
+// Eleven things of the own team's color, with four white dots each, come first in the order. All dots are saturated, so
+// that only their borders tell their colors.
+TEST_F(IdsFromPixels, AreKnownOfSaturatedPatchesBehindClutter) {
+  MarkerParameters teams = teams_with(disks_layout(), 6);
+  teams.teams[0].robots.resize(3);
+  for (TeamMarking& team : teams.teams) team.max_robots = kRobots;
+  use(teams);
+  repainted = {
+      {kYellow, {110, 95, 20}}, {kRed, {220, 130, 130}}, {kGreen, {130, 220, 130}}, {kMagenta, {130, 130, 220}}};
+  covered = {200, 200, 200};
+  is_blurred = true;
+  set_known_colors();
+  for (const std::size_t things : {std::size_t{0}, kRobots}) {
+    boxes->clear();
+    shown->clear();
+    for (std::size_t i = 0; i < things; ++i) {
+      const Placed thing{Team::kOwn, 0, {{0.25f * static_cast<float>(i % 6) - 0.7f, i < 6 ? 0.5f : 0.1f}, 0.0f}};
+      paint_without_regions(thing);
+      for (std::size_t k = 1; k <= 4; ++k) shown->paint_patch(thing, k, kGrey);
+    }
+    std::vector<Placed> robots;
+    for (std::size_t r = 0; r < 6; ++r) {
+      robots.push_back({Team::kOpponent, r, {{0.25f * static_cast<float>(r) - 0.7f, -0.4f}, static_cast<float>(r)}});
+    }
+    for (const Placed& robot : robots) paint(robot);
+    const Comparison result = compare(robots, look({2, 2, 2}), parameters);
+    EXPECT_EQ(result.right, robots.size()) << things;
+    EXPECT_EQ(result.wrong, 0u) << things;
+  }
 }
 
 }  // namespace

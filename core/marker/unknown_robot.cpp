@@ -1,4 +1,4 @@
-#include "core/marker/unnamed_robot.h"
+#include "core/marker/unknown_robot.h"
 
 #include <algorithm>
 #include <array>
@@ -15,10 +15,10 @@
 namespace touchline {
 namespace {
 
-// Log odds of a team patch whose outline and surroundings are as in the layout, and what each missing share takes from
-// them. Logistic regression over 965 sightings in rendered scenes of four fields, a fifth of them each as they are, at
-// 0.5, 0.7 and 1.6 times the light, and blurred: papers, shoes and robots of a third color beside robots, a quarter of
-// which have a covered identification patch.
+// Log odds of a robot if outline and surroundings of the team patch agree with the layout (bias), and the weights of
+// the missing shares. Logistic regression over 965 sightings in rendered scenes of four fields, a fifth of them each as
+// they are, at 0.5, 0.7 and 1.6 times the light, and blurred: papers, shoes and robots of a third color beside robots,
+// a quarter of which have a covered identification patch.
 constexpr float kComplete = 3.9f, kPerInside = 4.6f, kPerOutside = 8.2f, kPerPatches = 3.2f, kPerArea = 3.2f;
 constexpr float kPerPatchLikeTop = 2.3f, kPerPatchOutline = 1.9f;
 // An identification region at the right distance.
@@ -26,18 +26,19 @@ constexpr float kPerRegion = 2.4f;
 // Another region of the team's color within a robot's side: stripes of a shoe are more frequent than two robots without
 // an id that touch.
 constexpr float kStripes = 2.0f;
-constexpr float kMostUnnamed = 0.99f;
+constexpr float kMaxUnknownIdProbability = 0.99f;
 
-// Least shares for a name. A patch beside a saturated one of nearly its color has no outline on one of its four sides.
-constexpr float kLeastInside = 0.5f, kLeastOutside = 0.75f;
+// Smallest shares for an id. One of a patch's four sides has no outline if a saturated patch of a similar color is
+// there.
+constexpr float kMinInside = 0.5f, kMinOutside = 0.75f;
 
 constexpr std::size_t kHeadings = 16;
 // The floor is sampled on a circle of this radius around the team patch, relative to the robot's side.
 constexpr std::size_t kFloorSamples = 12;
 constexpr float kFloorCircle = 1.1f;
-// Points within a patch lie this far on the way from its center to its outline, points outside of it beyond the blur.
+// Inner points lie at this part of the way from a patch's center to its outline, outer points beyond the blurred edge.
 constexpr float kWithinTeam = 0.6f, kWithinOther = 0.5f, kBlurredEdge_px = 1.5f;
-// Least difference of two surfaces in a channel, relative to their mean; stray light is added to both.
+// Two surfaces differ if one channel differs by this part of the mean, after stray light was added to both.
 constexpr float kOtherSurface = 0.25f, kAmbient_levels = 6.0f;
 
 using Rgb = std::array<float, 3>;
@@ -192,10 +193,10 @@ FieldPoint team_patch_at(const RobotSighting& robot, const PatchPlace& patch) {
           robot.pose.position.y_m + s * patch.x_m + c * patch.y_m};
 }
 
-// What one direction of a robot shows: shares of the points at which the picture is as in the layout.
+// Shares of the points at which the picture agrees with the layout, for one direction.
 struct Shares {
   float inside = 1, outside = 1, patches = 1;
-  // Of the identification patches: those unlike what surrounds the team patch, and their outlines.
+  // Identification patches: share that differs from the top around the team patch; share of visible outlines.
   float unlike_top = 1, patch_outline = 1;
   [[nodiscard]] float doubt() const {
     return kPerInside * (1.0f - inside) + kPerOutside * (1.0f - outside) + kPerPatches * (1.0f - patches) +
@@ -227,7 +228,7 @@ class TopView {
   /// False at the border of the picture.
   [[nodiscard]] bool is_visible() const { return is_visible_; }
   [[nodiscard]] Shares along(float heading_rad) const { return along(heading_rad, std::numeric_limits<float>::max()); }
-  /// The doubt in the direction of least doubt of `count` directions.
+  /// Smallest doubt over `count` equally spaced directions.
   [[nodiscard]] float least_doubt(std::size_t count) const {
     float least = std::numeric_limits<float>::max();
     for (std::size_t i = 0; i < count; ++i) {
@@ -238,7 +239,7 @@ class TopView {
   }
 
  private:
-  // Stops when the doubt is no longer below `limit`: what was not looked at then agrees with the layout.
+  // Stops when the doubt reaches `limit`. Shares that were not measured yet are 1 then.
   [[nodiscard]] Shares along(float heading_rad, float limit) const {
     const Turn turn(heading_rad);
     const auto differs = [&](const Rgb4& seen) { return differ(seen, team_.rgb); };
@@ -250,7 +251,7 @@ class TopView {
       };
       return find_share(points, turn, is, may_be, share);
     };
-    // What tells most comes first, what takes most time last.
+    // The most informative share comes first, the slowest one last.
     if (measure(shares.outside, {&outside_, 1}, differs) &&
         measure(shares.patches, {patches_.data(), patches_.size()},
                 [&](const Rgb4& seen) { return differs(seen) & differ(seen, floor_); }) &&
@@ -279,8 +280,8 @@ class TopView {
     return true;
   }
 
-  // A thing that is larger than a robot's patches shows the same surface beside a stripe of the team's color and where
-  // a patch would be.
+  // Compares the positions of the identification patches with the top around the team patch. On a large object with a
+  // stripe of the team color, both are one surface.
   void weigh_patches(const Turn& turn, float limit, Shares& out) const {
     ChannelSamples<4> samples;
     Rgb4 around;
@@ -337,7 +338,7 @@ bool has_team_outline(const Frame& frame, const CameraModel& camera, const Marke
   const TopView view(frame, camera, layout, robot);
   if (!view.is_visible()) return true;
   const Shares shares = view.along(robot.pose.theta_rad);
-  return shares.inside >= kLeastInside && shares.outside >= kLeastOutside;
+  return shares.inside >= kMinInside && shares.outside >= kMinOutside;
 }
 
 bool has_all_outlines(const Frame& frame, const CameraModel& camera, const MarkerLayout& layout,
@@ -345,8 +346,8 @@ bool has_all_outlines(const Frame& frame, const CameraModel& camera, const Marke
   const TopView view(frame, camera, layout, robot);
   if (!view.is_visible()) return false;
   const Shares shares = view.along(robot.pose.theta_rad);
-  return shares.inside >= kLeastInside && shares.outside >= kLeastOutside && shares.unlike_top == 1.0f &&
-         shares.patch_outline >= kLeastOutside;
+  return shares.inside >= kMinInside && shares.outside >= kMinOutside && shares.unlike_top == 1.0f &&
+         shares.patch_outline >= kMinOutside;
 }
 
 float confidence_without_id(const Frame& frame, const CameraModel& camera, const MarkerLayout& layout,
@@ -361,7 +362,7 @@ float confidence_without_id(const Frame& frame, const CameraModel& camera, const
   const float regions = robot.patches.empty() ? 0.0f : static_cast<float>(robot.patches.size() - 1);
   if (has_stripes) doubt += kStripes;
   const float log_odds = kComplete - doubt - kPerArea * (1.0f - std::min(1.0f, area_ratio)) + kPerRegion * regions;
-  return std::min(kMostUnnamed, 1.0f / (1.0f + std::exp(-log_odds)));
+  return std::min(kMaxUnknownIdProbability, 1.0f / (1.0f + std::exp(-log_odds)));
 }
 
 }  // namespace touchline

@@ -4,17 +4,17 @@
 
 #include "core/marker/matcher.h"
 #include "core/marker/rigid_fit.h"
-#include "core/marker/unnamed_robot.h"
+#include "core/marker/unknown_robot.h"
 
 namespace touchline {
 namespace {
 
-// A thing that is a robot with less than this probability gets no id by its colors alone.
-constexpr float kLeastForId = 0.5f;
+// An id that rests on colors alone needs at least this probability that the object is a robot.
+constexpr float kMinConfidenceForId = 0.5f;
 
 }  // namespace
 
-// Whether an overload dropped runs of a region that the robot was found by.
+// Whether the robot was found by a region from which an overload dropped runs.
 bool Matcher::is_cut(const RobotSighting& robot, const BoxSighting& box, const Regions& regions) const {
   if (regions[team_patches_[box.team_patch].patch.region].is_cut) return true;
   return std::any_of(robot.patches.begin(), robot.patches.end(), [&](const PatchSighting& seen) {
@@ -25,7 +25,8 @@ bool Matcher::is_cut(const RobotSighting& robot, const BoxSighting& box, const R
   });
 }
 
-// What an overload left of larger things may look like patches. Pixels are complete: they have to show the robot.
+// Removes ids that rest on cut regions, unless the pixels show the robot. The rest of a larger region may look like a
+// patch, but pixels are complete.
 void Matcher::doubt_cut_patches(const Frame* frame, const Regions& regions, Sightings& out) {
   if (std::none_of(regions.begin(), regions.end(), [](const Region& region) { return region.is_cut; })) return;
   for (std::size_t i = 0; i < out.robots.size(); ++i) {
@@ -38,9 +39,10 @@ void Matcher::doubt_cut_patches(const Frame* frame, const Regions& regions, Sigh
   }
 }
 
-// Weighs the robots without an id, and drops those that hardly are robots. An id that only pixels gave needs an outline
-// if the team patch was cut from a larger region, and one without a heading the shape of a robot.
-void Matcher::weigh_unnamed(const Frame& frame, Sightings& out) {
+// Sets the confidence of robots without an id, and drops unlikely ones. Two kinds of ids are removed first unless the
+// pixels confirm them: an id that only pixels gave needs the outline of the team patch if the patch was split off a
+// larger region. An id without a heading needs the shape of a robot.
+void Matcher::weigh_unknown_id(const Frame& frame, Sightings& out) {
   std::array<bool, kMaxRobots> has_stripes{};
   for (std::size_t i = 0; i < out.robots.size(); ++i) {
     for (std::size_t j = 0; j < i; ++j) {
@@ -63,13 +65,13 @@ void Matcher::weigh_unnamed(const Frame& frame, Sightings& out) {
       robot.id = kUnknownId;
       robot.doubt = IdDoubt::kOtherOutline;
     }
-    // Without a heading, no pose of the layout explained the pixels: its colors name a robot, if it is one.
+    // Without a heading, no pose of the layout explained the pixels, and the id rests on colors alone.
     if (robot.id != kUnknownId && !robot.has_heading) {
       RobotSighting of_patch = robot;
       of_patch.pose.position = patch.at[index_of(robot.team)];
       const float is_robot = confidence_without_id(frame, camera, layout, of_patch, patch.ratio, has_stripes[i]);
       robot.confidence = std::min(robot.confidence, is_robot);
-      if (is_robot < kLeastForId) {
+      if (is_robot < kMinConfidenceForId) {
         robot.id = kUnknownId;
         robot.doubt = IdDoubt::kOtherOutline;
       }
@@ -77,7 +79,7 @@ void Matcher::weigh_unnamed(const Frame& frame, Sightings& out) {
     if (robot.id == kUnknownId) {
       robot.confidence = confidence_without_id(frame, camera, layout, robot, patch.ratio, has_stripes[i]);
     }
-    if (robot.confidence < kLeastUnnamed) {
+    if (robot.confidence < kMinUnknownIdProbability) {
       reported_[box.team_patch] = false;
       out.verdicts[patch.region] = Verdict::kNoPartner;
     } else {

@@ -36,8 +36,8 @@ constexpr int kNoChange = 3 * kStepsPerLevel / 2;
 
 // Cells on each side of the window's center. A robot covers 2 x 2 cells.
 constexpr std::size_t kWindow = 3;
-// Smallest share of the window's weight that makes a level its mode. The known level stays if it has the second share
-// of the mode's weight. A window needs at least kMinWindowWeight.
+// kFrequent_percent: smallest share of the window's weight that makes a level its mode. kKeep_percent: share of the
+// mode's weight with which the known level stays. Below kMinWindowWeight, a window has no mode.
 constexpr std::int32_t kFrequent_percent = 40, kKeep_percent = 97;
 constexpr std::int32_t kMinWindowWeight = 20;
 

@@ -8,9 +8,10 @@
 
 namespace touchline {
 
-// Needs of a realistic field, with a margin. 22 robots with 6 patches, each 13 of 480 rows high and split in two runs
+// What a realistic field needs, with a margin. 22 robots with 6 patches, each 13 of 480 rows high and split in two runs
 // in every other row, have 2,600 runs, even if all stand in one line. Other objects add two runs to each row. (In the
-// leagues, more robots are smaller: 22 have a tenth of that.) A taller picture shows the same patches in more rows.
+// leagues, robots in large teams are smaller: 22 of them have a tenth of these runs.) A taller picture shows the
+// patches in more rows.
 constexpr std::size_t kRunsPerRow = 2, kReservePerRow = 6, kMinReserve = 3072;
 static_assert((kReservePerRow + kRunsPerRow) * kMaxFrameHeight <= kMaxRuns, "a frame's budget must fit");
 

@@ -154,7 +154,7 @@ std::uint64_t RepeatDetector::look_up(const Frame& frame, Time now) {
 RepeatDetector::Time RepeatDetector::first_delivery(std::size_t strip, std::uint64_t hash, Time now) {
   const auto code = static_cast<std::uint32_t>(hash >> 32u);
   Content& content = contents_[strip][code % kSlots];
-  // A new content replaces the one in its slot.
+  // New content replaces the content in its slot.
   if (content.hash != code || code == 0) content = {code, now};
   return content.first;
 }

@@ -109,7 +109,7 @@ void Association::follow_ids(const RobotSightings& sightings, const TrackedRobot
   }
 }
 
-// Whether another sighting within the separation distance belongs to a track of the same team.
+// Whether another sighting within the separation distance belongs to a track of this team.
 bool Association::is_occupied(std::size_t sighting, const RobotSightings& sightings,
                               const TrackParameters& parameters) const {
   for (std::size_t k = 0; k < sightings.size(); ++k) {

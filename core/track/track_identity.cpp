@@ -48,7 +48,7 @@ void TrackIdentity::add(std::size_t slot, float confidence, Instant now) {
     if (k != slot) other += evidence_[k];
   }
   evidence_[slot] += gain * kMaxEvidence;
-  // The first sighting of an id counts by its own confidence, however short the interval is.
+  // The first sighting of an id counts fully, however short the interval is.
   evidence_[slot] = std::max(evidence_[slot], single - other - (slot == slot_ ? 0.0f : continuity_));
   last_confidence_ = confidence;
   if (slot != slot_) return;

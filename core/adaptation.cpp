@@ -9,16 +9,16 @@
 namespace touchline {
 namespace {
 
-// Upper bound of the time between frames, so that lost frames do not speed up learning.
+// Longest time step, so that lost frames do not speed up learning.
 constexpr float kMaxStep_s = 0.1f;
-// The boxes move more slowly than the light map, because they must not follow changes of the light.
+// Boxes move more slowly than the light map, so that they do not follow changes of the light.
 constexpr float kBoxSlowdown = 4.0f;
 // Largest distance of a certain sighting from its track.
 constexpr float kMaxDistance_m = 0.02f;
-// Least probability of a certain id, in this frame and over time: a track has it after half a second of sightings with
-// 0.99, and after two seconds with 0.97.
+// Smallest probabilities of a certain id: of the sighting, and of the track. A track has the second one after half a
+// second of sightings with 0.99, and after two seconds of sightings with 0.97.
 constexpr float kCertainSighting = 0.9f, kCertainTrack = 0.998f;
-// Largest range of values among 3 x 3 uniform pixels; a larger one is an edge, or an object on the patch.
+// Largest range of values among 3 x 3 uniform pixels. A larger range shows an edge, or an object on the patch.
 constexpr int kMaxRange_levels = 48;
 // Values from this one upwards count as saturated.
 constexpr std::uint8_t kSaturated = 250;
@@ -29,13 +29,13 @@ constexpr float kFullWeight_levels = 100.0f;
 constexpr int kTileRowsPerFrame = 8;
 constexpr std::uint32_t kTables = 3 * kLightLevels;
 constexpr std::uint32_t kTablesPerFrame = 2;
-// A step of the tint that moves a box this far is corrected in the same frame, with the light levels that the tiles
-// have, and this many more on each side. The other tables follow with time.
+// A step of the tint that moves a box by this much is corrected in the same frame, for the light levels of the tiles
+// and for kSpareLevels more on each side. The other tables follow over time.
 constexpr int kUrgentShift_levels = 3, kSpareLevels = 4;
 
-// True if the robot has been seen with this id for some time, agrees with its track, and shows its id now. An id that
-// was inferred, from the other robots' ids or from pixels that fell into no box, teaches nothing: the adaptation would
-// confirm its own mistakes.
+// Whether the robot has been seen with this id for some time, agrees with its track, and shows its id now. An inferred
+// id (from the other robots' ids, or from pixels in no box) teaches nothing: the adaptation would confirm its own
+// mistakes.
 bool is_certain(const RobotSighting& robot, const Tracks& tracks) {
   if (robot.id == kUnknownId || !robot.has_heading || robot.confidence < kCertainSighting) return false;
   if (std::none_of(robot.patches.begin(), robot.patches.end(),
@@ -55,8 +55,8 @@ bool is_certain(const BallSighting& ball, const BallTrack& track) {
          std::hypot(track.position.x_m - ball.position.x_m, track.position.y_m - ball.position.y_m) < kMaxDistance_m;
 }
 
-// By how much a color in YUV differs from its typical value, if R, G and B change by these levels and the change of
-// luma is corrected. A channel that is saturated changes less.
+// Returns the change of a typical color in YUV if R, G and B change by these levels and luma is corrected. A saturated
+// channel changes less.
 std::array<float, 3> effect_of_tint(const std::array<std::uint8_t, 3>& yuv, ColorSpace space,
                                     const std::array<float, 3>& levels) {
   const float luma = 0.299f * levels[0] + 0.587f * levels[1] + 0.114f * levels[2];
@@ -70,7 +70,7 @@ std::array<float, 3> effect_of_tint(const std::array<std::uint8_t, 3>& yuv, Colo
   return rgb_to_yuv(rgb, space);
 }
 
-// The largest distance between the sides of the same box.
+// Largest distance between corresponding sides of the boxes.
 int largest_shift(const ColorBoxes& a, const ColorBoxes& b) {
   int most = 0;
   for (std::size_t i = 0; i < a.size(); ++i) {
@@ -90,12 +90,11 @@ bool same(const ColorBoxes& a, const ColorBoxes& b) {
 }  // namespace
 
 Status Adaptation::configure(const AdaptationParameters& parameters, const ScanParameters& scan, ColorId ball_color) {
-  const float max_levels = kLevelsPerOctave * std::log2(static_cast<float>(parameters.most_light));
+  const float max_levels = kLevelsPerOctave * std::log2(static_cast<float>(parameters.max_light));
   if (Status s = field_.configure(parameters.reference, scan.format, scan.width_px, scan.height_px); !s.ok()) return s;
   if (Status s = light_.configure(scan.width_px, scan.height_px, max_levels); !s.ok()) return s;
-  const float most_shift =
-      std::min(static_cast<float>(parameters.most_shift), static_cast<float>(scan.box_shift_limit));
-  if (Status s = shift_.configure(scan.boxes, most_shift); !s.ok()) return s;
+  const float max_shift = std::min(static_cast<float>(parameters.max_shift), static_cast<float>(scan.box_shift_limit));
+  if (Status s = shift_.configure(scan.boxes, max_shift); !s.ok()) return s;
   mode_ = parameters.mode;
   space_ = color_space(scan.format);
   time_constant_s_ = static_cast<float>(parameters.time_constant_s);
@@ -129,7 +128,8 @@ void Adaptation::measure(const Frame& frame, RegionScanner& scanner) {
   if (is_yuv(space_)) follow_tint(scanner);
 }
 
-// Y, U and V of a tile have one level, which a tint does not change. What it does to each color is known.
+// In YUV, a tile has one level for all three channels, which a tint does not change. Instead, the boxes move by the
+// tint's effect on each color.
 void Adaptation::follow_tint(RegionScanner& scanner) {
   for (std::size_t color = 1; color <= kMaxColors; ++color) {
     if (!typical_.measured[color]) continue;

@@ -26,8 +26,8 @@ inline constexpr std::array<Choice<AdaptationMode>, 3> kAdaptationModes{
 struct AdaptationParameters {
   AdaptationMode mode = AdaptationMode::kFollow;
   double time_constant_s = 10.0;
-  double most_light = 2.0;
-  double most_shift = 10.0;
+  double max_light = 2.0;
+  double max_shift = 10.0;
   // Not a key of the venue file's section. The matcher uses them, too.
   TypicalColors typical;
   LightReference reference;  // light.reference; columns 0: none
@@ -40,12 +40,12 @@ struct AdaptationParameters {
                                         .range = {0.5, 3600.0},
                                         .unit = "s",
                                         .help = "Time constant of the light map; color boxes take four times as long"});
-    visit.number(self.most_light, {.name = "most_light",
-                                   .range = {1.01, 4.0},
-                                   .help = "Largest factor by which the light may become brighter or darker"});
-    visit.number(self.most_shift, {.name = "most_shift",
-                                   .range = {0.0, 40.0},
-                                   .help = "Largest shift of a color's boxes, in levels of each channel"});
+    visit.number(self.max_light, {.name = "max_light",
+                                  .range = {1.01, 4.0},
+                                  .help = "Largest factor by which the light may become brighter or darker"});
+    visit.number(self.max_shift, {.name = "max_shift",
+                                  .range = {0.0, 40.0},
+                                  .help = "Largest shift of a color's boxes, in levels of each channel"});
   }
 };
 

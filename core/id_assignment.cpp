@@ -8,12 +8,12 @@
 namespace touchline {
 namespace {
 
-// Every robot has a column of its own that means "no name".
+// Every robot has a column of its own that means "no id".
 constexpr std::size_t kMaxColumns = 2 * kMaxRobotsPerTeam;
 // Cost of a pair that is not allowed; above any sum of real costs, and small enough for the precision of float.
 constexpr float kForbidden = 1e5f;
 
-// Minimum-cost assignment of robots (rows) to names (columns).
+// Minimum-cost assignment of robots (rows) to ids (columns).
 class Assignment {
  public:
   Assignment(const IdEvidences& evidence, std::size_t known)
@@ -39,16 +39,16 @@ class Assignment {
     find_margins();
   }
 
-  // By how much the least cost grows if this row has another column.
+  // Growth of the minimum cost if this row must have another column.
   [[nodiscard]] float margin_of(std::size_t row) const { return way_[row][row]; }
   [[nodiscard]] std::size_t column_of(std::size_t row) const { return column_of_[row]; }
   [[nodiscard]] int robot_of(std::size_t column) const { return column < known_ ? static_cast<int>(column) : kNoRobot; }
 
  private:
-  // If a row takes the column of another row, that one takes a third row's, and so on until the column of the first row
-  // is taken, the cost grows by the sum of the reduced costs. The shortest of these cycles through each row is looked
-  // for in the graph of all rows (Floyd 1962, Warshall 1962). Columns without a row are those of one more row, to which
-  // all columns cost the same.
+  // Suppose that a row takes the column of a second row, the second row that of a third one, and so on, until the last
+  // row takes the first row's former column. The cost then grows by the sum of the reduced costs. The shortest such
+  // cycle through each row is searched for in the graph of all rows (Floyd 1962, Warshall 1962). One additional row, to
+  // which all columns cost the same, owns the columns without a row.
   void find_margins() {
     const std::size_t free = rows_;
     for (auto& from : way_) from.fill(std::numeric_limits<float>::max());
@@ -60,7 +60,7 @@ class Assignment {
         const float reduced = cost_[row][column] - row_potential_[row + 1] - column_potential_[column + 1];
         way_[row][owner] = std::min(way_[row][owner], std::max(0.0f, reduced));
       }
-      // The potential of a free column is 0, that of any other is not above 0.
+      // The potential of a free column is 0; other potentials are at most 0.
       if (!is_free) way_[free][owner] = -column_potential_[column + 1];
     }
     for (std::size_t by = 0; by <= rows_; ++by) {
@@ -82,7 +82,7 @@ class Assignment {
   std::array<std::array<float, kMaxRobotsPerTeam + 1>, kMaxRobotsPerTeam + 1> way_{};  // length, from row to row
 };
 
-// The best name of a robot by itself, and its margin to the next one.
+// The best id of a robot alone, and its margin to the next one.
 AssignedId best_of(const IdEvidence& evidence, std::size_t known) {
   AssignedId best{kNoRobot, std::numeric_limits<float>::max()};
   float value = evidence.unknown;
@@ -113,8 +113,8 @@ void assign_ids(const IdEvidences& evidence, std::size_t known, float clear_marg
     distinct = distinct && !is_taken;
     is_taken = true;
   }
-  // If every robot has the name that is best for itself, the assignment is the best one, and another name costs at
-  // least the robot's own margin.
+  // If every robot gets the id that is best for it alone, this assignment is optimal, and another id costs at least the
+  // robot's own margin.
   if (distinct && clear) return;
   Assignment assignment(evidence, known);
   assignment.solve();

@@ -11,23 +11,23 @@ constexpr int kNoRobot = -1;
 
 /// Log likelihoods of the robots of one team that a frame or a track shows.
 struct IdEvidence {
-  std::array<float, kMaxRobotsPerTeam> value{};  // by index in the list of names
-  float unknown = 0;                             // that it is none of them
+  std::array<float, kMaxRobotsPerTeam> value{};  // by index in the list of ids
+  float unknown = 0;                             // the robot is none of them
 };
 
-/// The name of a robot in the best assignment.
+/// The id of a robot in the best assignment.
 struct AssignedId {
-  int robot = kNoRobot;  // index in the list of names; kNoRobot: unknown
-  float margin = 0;      // log likelihood that the best assignment loses in which this robot has another name
+  int robot = kNoRobot;  // index in the list of ids; kNoRobot: unknown
+  float margin = 0;      // log likelihood that is lost if this robot gets another id
 };
 
 using IdEvidences = FixedVector<IdEvidence, kMaxRobotsPerTeam>;
 using AssignedIds = FixedVector<AssignedId, kMaxRobotsPerTeam>;
 
-/// Names all robots of a team together, so that the sum of log likelihoods is largest and no name occurs twice; any
-/// number of robots may have none (Hungarian method with potentials, Kuhn 1955, Munkres 1957). `known`: number of
-/// names. A margin of at least `clear_margin` may be reported smaller than it is, which saves most of the work. `out`
-/// has the order of `evidence`.
+/// Assigns ids to all robots of a team together, so that the sum of log likelihoods is largest and no id occurs twice;
+/// any number of robots may have none (Hungarian method with potentials, Kuhn 1955, Munkres 1957). `known`: number of
+/// ids. A margin of at least `clear_margin` may be understated, which saves most of the work. `out` has the order of
+/// `evidence`.
 void assign_ids(const IdEvidences& evidence, std::size_t known, float clear_margin, AssignedIds& out);
 
 }  // namespace touchline

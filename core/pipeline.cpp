@@ -122,7 +122,7 @@ void Pipeline::check_picture() {
   const Instant now = trace_.frame.capture_time;
   picture_check_.check(trace_, adaptation_.recognized_field(),
                        [&](RobotId id) { return tracker_.command_at(now, id); });
-  // Tracks of a false picture must not be continued.
+  // The tracks of an unusable picture must not be continued.
   if (was_unusable && !trace_.picture.is_unusable()) reset();
 }
 

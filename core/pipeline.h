@@ -26,7 +26,7 @@ struct PipelineParameters {
   TeamNumber team_number = kNoTeamNumber;  // in the packets
 };
 
-/// What a referee decides about the teams.
+/// The referee's assignment of colors and sides to the teams.
 struct TeamAssignment {
   bool colors_exchanged = false;    // each team has the team color of the other one
   bool sides_exchanged = false;     // the own team defends the half with positive x
@@ -55,7 +55,7 @@ class Pipeline {
 
   /// Limits of the checks whose results are in StepTrace::picture.
   void set_picture_check(const PictureCheckSettings& settings) { picture_check_.set(settings); }
-  /// A person has started the robots: the picture is believed again, as PictureCheck::acknowledge().
+  /// Trusts the picture again, because a person has started the robots (PictureCheck::acknowledge()).
   void acknowledge_picture() { picture_check_.acknowledge(); }
 
   /// Processes one frame. The trace is valid until the next call. For a frame of another format or size, the trace is
@@ -88,8 +88,8 @@ class Pipeline {
   /// Sets the commands of other programs, as Controller::set_external.
   void set_external(const ExternalCommands& commands, Instant now) { controller_.set_external(commands, now); }
   /// Changes team colors, sides and marker heights between two frames. New team colors reset tracks and game. Positions
-  /// remain in the venue's coordinates. kOutOfRange: a height; kInconsistent: the colors cannot be exchanged, because
-  /// one team has none, or it has another meaning. Nothing changes then.
+  /// remain in the venue's coordinates. kOutOfRange: a height. kInconsistent: the colors cannot be exchanged, because a
+  /// team has no color, or its color has another meaning. After an error nothing has changed.
   Status assign_teams(const TeamAssignment& assignment);
 
   /// Creates a packet that stops all robots, for times without a frame. It acts after the action delay, counted from

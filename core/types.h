@@ -59,8 +59,8 @@ struct PoseCovariance {
 
 // --- camera -> color ------------------------------------------------------------------------------------------------
 
-/// A picture that this structure does not own. Where pixels share a chroma sample and the size is odd, the last
-/// column and row use the sample of the pair or block that they begin.
+/// A picture that this structure does not own. If pixels share chroma samples and the size is odd, the last column
+/// and row use the chroma of their incomplete block.
 struct Frame {
   PixelFormat format = PixelFormat::kRgb24;
   std::uint16_t width_px = 0, height_px = 0;
@@ -149,7 +149,7 @@ struct PatchSighting {
   PixelPoint center;
 };
 
-// Confidence: the probability that a sighting or a track is right, 0 to 1. Of all with 0.9, nine in ten are right.
+// Confidence: the probability that a sighting or a track is right, 0 to 1. With 0.9, nine in ten are right.
 // - Robot with an id: this robot of this team is at this place.
 // - Robot without an id: a robot of this team is at this place, whichever it is.
 // - Ball: the ball is at this place.
@@ -177,8 +177,8 @@ struct RobotSighting {
   Pose pose;
   float residual_m = 0.0f;  // RMS distance of the patches from their layout
   PoseCovariance noise;     // of the pose, as far as this picture tells; without a heading only xx and yy
-  // Part of these variances that lasts while the robot stands: errors against the pixel grid, and of colors and shape.
-  // It becomes another one as the robot moves by `lasts_m`. The rest differs from picture to picture.
+  // Share of these variances that is a bias, from the pixel grid, colors and shape. It lasts while the robot stands and
+  // decorrelates when it moves by `lasts_m`. The rest is noise, which differs from picture to picture.
   float lasting_share = 0.0f, lasts_m = 0.0f;
   float confidence = 0.0f;  // see Confidence
   FixedVector<PatchSighting, kMaxPatches> patches;
@@ -234,8 +234,8 @@ struct RobotTrack {
   Twist twist;
   Pose pose_at_action;  // predicted for the time when the command acts
   Twist twist_at_action;
-  // Standard deviations of x (m), y (m), theta (rad) at capture time. If the heading was never seen, that of theta is
-  // 1.81 (uniform distribution), theta is the direction of motion, and position is that of the team patch.
+  // Standard deviations of x (m), y (m), theta (rad) at capture time. If the heading was never seen, theta is the
+  // direction of motion with a deviation of 1.81 (uniform distribution), and position is the team patch's.
   std::array<float, 3> sigma{};
   float xy_covariance_m2 = 0.0f;  // of x and y
   // Squared Mahalanobis distance of this frame's sighting from its prediction (chi-square with 3 degrees of freedom);

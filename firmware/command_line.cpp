@@ -171,9 +171,9 @@ std::optional<int> parse_command_line(int argc, char** argv, CommandLine& out) {
       ->type_name("FILE");
   add_examples(*keys,
                {{"touchline keys", "list all keys"},
-                {"touchline keys exposure", "list those about exposure"},
-                {"touchline keys camera gain", "list those of the camera about gain"},
-                {"touchline keys team.toml", "list those of the team file"}},
+                {"touchline keys exposure", "list the keys about exposure"},
+                {"touchline keys camera gain", "list the camera's keys about gain"},
+                {"touchline keys team.toml", "list the keys of the team file"}},
                "Exit codes: 0 success, 1 no key has all words, 64 the command line is wrong.");
 
   CLI::App* faults = app.add_subcommand("faults", "List all faults: what you see, what robots do, how it ends");

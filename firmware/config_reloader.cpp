@@ -87,7 +87,7 @@ Result<void> ConfigReloader::prepare(const config::Configuration& next, const co
   }
   const PipelineParameters& parameters = next.pipeline;
   const auto unusable = [&next](Status status) {
-    return failure(status.code(), "%s: it cannot be used: %s", next.venue_where.file().c_str(),
+    return failure(status.code(), "%s: the new values cannot be used: %s", next.venue_where.file().c_str(),
                    describe(status.code()));
   };
   if (const Status s = unused_->configure(parameters.scan); !s.ok()) return unusable(s);

@@ -306,7 +306,8 @@ int run_command(const CommandLine& command_line) {
   const bool paced = is_paced(command_line, connections.plan());
   const bool serves_console = is_served(console->plan(), board, paced);
   if (!session->is_calibrated() && !serves_console) {
-    output.print_error("without the console nothing can be set up: --pace real, or --console\n");
+    output.print_error(
+        "the board is not calibrated, and only the console can set it up: run with --pace real, or with --console\n");
     return kExitBadFile;
   }
   std::vector<std::string> refused = lock_memory(board.realtime);

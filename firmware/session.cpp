@@ -24,7 +24,7 @@ Result<void> Session::load_uncalibrated(const SessionOptions& options) {
 Result<void> Session::configure_pipeline() {
   if (const Status s = pipeline_->configure(configuration_->pipeline, stage_clock_); !s.ok()) {
     // The checks of the files have passed, so only the error code of the stage is known.
-    return failure(s.code(), "%s: together with %s it cannot be used: %s", configuration_->venue_where.file().c_str(),
+    return failure(s.code(), "%s and %s cannot be used together: %s", configuration_->venue_where.file().c_str(),
                    configuration_->team_where.file().c_str(), describe(s.code()));
   }
   return {};

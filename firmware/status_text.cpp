@@ -114,7 +114,7 @@ const char* describe_end(LoopEnd end) {
     case LoopEnd::kDeviceLost:
       return "a device was lost for too long";
     case LoopEnd::kRestart:
-      return "other files are used";
+      return "switched to other files";
     case LoopEnd::kFault:
       return "a fault that reopening the device cannot fix";
   }

@@ -29,8 +29,8 @@ enum Halt : std::uint32_t {
   kHaltRepeats = 1 << 10,     // the camera delivers pictures that it has delivered before, as a whole or in a part
   kHaltOverload = 1 << 11,    // pictures exceed what a step can process, frame after frame
   kHaltField = 1 << 12,       // the field is not recognizable: dark, covered, or something else is shown
-  kHaltMotion = 1 << 13,      // the motion that is seen contradicts the commands
-  kHaltRadio = 1 << 14,       // the radio is away, or was away for longer than faults.radio_outage_s
+  kHaltMotion = 1 << 13,      // robots do not move as commanded
+  kHaltRadio = 1 << 14,       // the radio is disconnected, or was for longer than faults.radio_outage_s
   kHaltDriver = 1 << 15,      // the driver of the console was silent
   kHaltSetupEnded = 1 << 16,  // explains kHaltConsole: nobody stopped the robots, the setup was saved or left
   kHaltEnd,                   // no reason: the highest bit plus 1. New bits stand above this line, in ascending order
@@ -56,12 +56,12 @@ inline constexpr std::array kHaltDescriptions{
                     "drive on with their last commands for faults.stop_after_s", "the next good frame"},
     HaltDescription{kHaltRepeats, "repeats", "the camera repeats its pictures",
                     "drive on for faults.stop_after_s (or what this camera usually repeats, if that is longer)",
-                    "pictures that are new everywhere; if a part of them was an older picture that went on, a start"},
-    HaltDescription{kHaltOverload, "overload", "pictures overload the step", "drive on for faults.unusable_frames",
-                    "as many frames without overload"},
+                    "pictures that are new everywhere; if a part of them showed delayed pictures, a start"},
+    HaltDescription{kHaltOverload, "overload", "too many colored regions in the picture",
+                    "drive on for faults.unusable_frames", "as many frames without overload"},
     HaltDescription{kHaltField, "field", "the field is not recognizable", "drive on for faults.unusable_frames",
                     "as many frames that show the field"},
-    HaltDescription{kHaltMotion, "motion", "seen motion contradicts the commands",
+    HaltDescription{kHaltMotion, "motion", "robots do not move as commanded",
                     "drive on for two frames if everything is seen elsewhere at once, else for about a second",
                     "a start (the start button, or Start of the page)"},
     HaltDescription{kHaltEmergency, "emergency", "emergency stop", "stop at once",
@@ -71,14 +71,15 @@ inline constexpr std::array kHaltDescriptions{
     HaltDescription{kHaltStart, "start", "waiting for the start button", "stand",
                     "a start (the start button, or Start of the page)"},
     HaltDescription{kHaltReferee, "referee", "the referee stopped the game", "stop at once", "the referee"},
-    HaltDescription{kHaltSilence, "silence", "no message of the referee", "drive on for faults.referee_timeout_s",
+    HaltDescription{kHaltSilence, "silence", "no message from the referee", "drive on for faults.referee_timeout_s",
                     "the next message of the referee"},
     HaltDescription{kHaltConsole, "console", "stopped from the console", "stop at once", "Start of the page"},
-    HaltDescription{kHaltRadio, "radio", "the radio is away or was away for too long",
+    HaltDescription{kHaltRadio, "radio", "the radio is disconnected, or was for too long",
                     "get no packets, and stop by their own time-out",
                     "the radio; after an outage longer than faults.radio_outage_s also a start"},
-    HaltDescription{kHaltDriver, "driver", "the driver's page was silent", "drive on for a second", "a start"},
-    HaltDescription{kHaltSetupEnded, "setup_ended", "the setup was saved or left, press Start on the page", "stand",
+    HaltDescription{kHaltDriver, "driver", "the page with control stopped answering", "drive on for a second",
+                    "a start"},
+    HaltDescription{kHaltSetupEnded, "setup_ended", "the setup has ended, press Start on the page", "stand",
                     "Start of the page"},
     HaltDescription{kHaltSetup, "setup", "the board is being set up (page Set up of the console)", "stop at once",
                     "saving or discarding the draft on the page Set up"},

@@ -9,8 +9,8 @@
 
 namespace touchline {
 
-/// Light at a place of the picture, relative to the light of the typical colors. It is known without any robot: the
-/// light map, plus the change that FieldLight measured. Refers to both and owns neither.
+/// Light at a place in the picture, relative to the light in which the typical colors were learned. It needs no robot:
+/// it is the light map plus the change that FieldLight measured. Refers to both and owns neither.
 class ExpectedGain {
  public:
   /// Unknown everywhere.

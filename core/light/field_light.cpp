@@ -15,18 +15,18 @@ constexpr int kStepsPerOctave = kStepsPerLevel * static_cast<int>(kLevelsPerOcta
 // Largest change of light: a factor of 4.
 constexpr int kMaxChange = 2 * kStepsPerOctave;
 
-// Least usable sums of four pixels, of the reference and of the present field. The digital steps of darker cells are
-// too coarse: more than 10 % of a pixel (reference) or of the sum (present field).
-constexpr std::uint16_t kLeastReference = 40, kLeastNow = 10;
+// Smallest usable sums of four pixels, in the reference and in the present frame. The quantization of darker cells is
+// too coarse: more than 10 % of a pixel (reference) or of the sum (present frame).
+constexpr std::uint16_t kMinReferenceSum = 40, kMinPresentSum = 10;
 
 // Largest difference between a cell's change and the known change that noise and the floor's texture cause.
 constexpr int kFit = 6 * kStepsPerLevel;
-// A step of the light is detected if the mean difference exceeds its usual value by kStep, or if fewer than this share
-// of the usual number of cells agree.
+// The light has changed if the mean difference exceeds its usual value by kStep, or if the number of cells that agree
+// falls below this share of its usual value. With fewer than kMinCells cells, no change is detected.
 constexpr int kStep = 5 * kStepsPerLevel / 2;
 constexpr std::int32_t kFewer_percent = 75;
-constexpr std::int32_t kLeastCells = 20;
-// Fixed point of Agreement: of its share of cells, and of its deviations in parts of a step.
+constexpr std::int32_t kMinCells = 20;
+// Fixed point of Agreement: unit of its share of cells, and parts of a step in its deviations.
 constexpr std::int32_t kWhole = 1024, kParts = 16;
 
 // Largest deviation of a cell's tint from the median tint. Lamps of different colors differ less.
@@ -34,11 +34,12 @@ constexpr int kMaxTint = 10 * kStepsPerLevel;
 // Changes up to this one count as none.
 constexpr int kNoChange = 3 * kStepsPerLevel / 2;
 
-// Cells on each side. A robot covers 2 x 2 cells.
+// Cells on each side of the window's center. A robot covers 2 x 2 cells.
 constexpr std::size_t kWindow = 3;
-// Least share of the window's weight in the mode. A known level with the second share of the mode's weight is kept.
+// kFrequent_percent: smallest share of the window's weight that makes a level its mode. kKeep_percent: share of the
+// mode's weight with which the known level stays. Below kMinWindowWeight, a window has no mode.
 constexpr std::int32_t kFrequent_percent = 40, kKeep_percent = 97;
-constexpr std::int32_t kLeastWeight = 20;
+constexpr std::int32_t kMinWindowWeight = 20;
 
 constexpr std::size_t kBins = 64;
 constexpr int kStepsPerBin = 2 * kMaxChange / static_cast<int>(kBins);
@@ -169,7 +170,7 @@ Status FieldLight::configure(const LightReference& reference, PixelFormat format
     for (std::size_t c = 0; c < 3; ++c) {
       const std::uint16_t sum = std::min<std::uint16_t>(reference.colors.sum[c][cell], kLog.size() - 1);
       whole += sum;
-      if (sum < kLeastReference) continue;
+      if (sum < kMinReferenceSum) continue;
       usable_[cell] = static_cast<std::uint8_t>(usable_[cell] | 1u << c);
       reference_[c][cell] = kLog[sum];
       ++usable_cells[c];
@@ -207,7 +208,7 @@ bool FieldLight::measure(const Frame& frame) {
     const Agreement now = agreement(next_);
     Agreement& usual = usual_[next_];
     if (!differs(now, usual)) {
-      if (now.cells >= kLeastCells) usual.approach(now);
+      if (now.cells >= kMinCells) usual.approach(now);
       if (next_ == 0) find_tint();
       for (std::size_t row = next_; row < grid_.rows; row += kRowStep) find_brightness(row);
       for (std::size_t row = next_; row < grid_.rows; row += kRowStep) changed = find_change(row) || changed;
@@ -241,7 +242,7 @@ void FieldLight::find_recognized(std::size_t first_row, std::size_t step) {
       fitting += fits ? 1 : 0;
     }
   }
-  if (cells >= kLeastCells) recognized_ = static_cast<float>(fitting) / static_cast<float>(cells);
+  if (cells >= kMinCells) recognized_ = static_cast<float>(fitting) / static_cast<float>(cells);
 }
 
 // Measures the ratio of a row of cells to the reference.
@@ -250,7 +251,7 @@ void FieldLight::compare(const Frame& frame, std::size_t row) {
   for (std::size_t cell = row * grid_.columns; cell < (row + 1) * grid_.columns; ++cell) {
     unsigned measured = 0;
     for (std::size_t c = 0; c < 3; ++c) {
-      if ((usable_[cell] >> c & 1u) == 0 || now_.sum[c][cell] < kLeastNow) continue;
+      if ((usable_[cell] >> c & 1u) == 0 || now_.sum[c][cell] < kMinPresentSum) continue;
       ratio_[c][cell] = static_cast<Steps>(kLog[now_.sum[c][cell]] - reference_[c][cell]);
       measured |= 1u << c;
     }
@@ -335,10 +336,10 @@ FieldLight::Agreement FieldLight::agreement(std::size_t first_row) const {
   return out;
 }
 
-// Whether the light of these rows has changed. Compares with the agreement after the last full measurement, because a
-// covered or crowded floor would disagree after the next one too.
+// Whether the light of these rows has changed. `usual` is the agreement after the last full measurement. A covered or
+// crowded floor disagrees after every measurement, so it causes no further one.
 bool FieldLight::differs(const Agreement& now, const Agreement& usual) {
-  if (now.cells < kLeastCells) return false;
+  if (now.cells < kMinCells) return false;
   if (100 * now.fitting < kFewer_percent * usual.fitting) return true;
   for (std::size_t c = 0; c < 3; ++c) {
     if (std::abs(now.deviation[c] - usual.deviation[c]) > kParts * kStep) return true;
@@ -356,13 +357,13 @@ bool FieldLight::find_change(std::size_t row) {
     if (column > kWindow) window.remove(column - kWindow - 1);
     const std::size_t cell = row * grid_.columns + column;
     std::size_t bin = bin_of(change_[base_channel_][cell]);
-    // The level of a majority needs no search.
+    // A level with the majority of the weight is the mode, without a search.
     if (2 * window.around(bin) <= window.whole()) {
       const std::size_t best = window.most_frequent();
       if (100 * window.around(bin) < kKeep_percent * window.around(best)) bin = best;
     }
     const std::int32_t weight = window.around(bin);
-    const bool is_known = window.whole() >= kLeastWeight && 100 * weight >= kFrequent_percent * window.whole();
+    const bool is_known = window.whole() >= kMinWindowWeight && 100 * weight >= kFrequent_percent * window.whole();
     bool differs = is_known != known_[cell];
     known_[cell] = is_known;
     if (is_known) {

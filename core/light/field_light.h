@@ -23,16 +23,16 @@ namespace touchline {
 /// (fixed memory).
 class FieldLight {
  public:
-  /// Starts without a change. A reference without columns turns it off. kOutOfRange: an empty or too large picture.
-  /// kInconsistent: the reference was made for another picture size. It is off then, too.
+  /// Starts without a change. A reference without columns turns the measurement off. kOutOfRange: an empty or too large
+  /// picture. kInconsistent: the reference was made for another picture size. Both errors turn it off, too.
   Status configure(const LightReference& reference, PixelFormat format, std::uint16_t width_px,
                    std::uint16_t height_px);
   /// Forgets the change.
   void reset();
   [[nodiscard]] bool active() const { return grid_.columns > 0; }
 
-  /// Measures. The frame must have the configured format and size and all planes. Returns true if at() has changed;
-  /// changed() tells where.
+  /// Measures the light of a frame, which must have the configured format and size and all planes. Returns true if at()
+  /// has changed; changed() tells where.
   bool measure(const Frame& frame);
   [[nodiscard]] bool changed(std::uint16_t tile_row) const {
     return active() && row_changed_[tile_row / grid_.tile_rows()];
@@ -44,8 +44,8 @@ class FieldLight {
   [[nodiscard]] std::array<float, 3> at(std::uint16_t tile_column, std::uint16_t tile_row) const;
   /// Returns the change of R, G or B, also in YUV.
   [[nodiscard]] float rgb_at(std::size_t channel, std::uint16_t tile_column, std::uint16_t tile_row) const;
-  /// Part of the reference's cells that show the floor in a plausible light, among those that the last frame was
-  /// compared with: an eighth of the rows, or all. Robots and people cover cells; in the dark none is recognizable.
+  /// Share of the reference's cells that show the floor in a plausible light, among the cells of the last frame that
+  /// were compared (an eighth of the rows, or all). Robots and people cover cells; in the dark no cell is recognizable.
   /// Negative: not measured.
   [[nodiscard]] float recognized() const { return recognized_; }
   /// Mean change over all cells and channels.
@@ -61,15 +61,15 @@ class FieldLight {
   static constexpr std::size_t kRowStep = 8;
   // How well the measured cells of some rows agree with the known change.
   struct Agreement {
-    std::int32_t cells = 0, fitting = 0;      // number; share that nearly agrees
-    std::array<std::int32_t, 3> deviation{};  // mean of the agreeing ones
+    std::int32_t cells = 0, fitting = 0;      // number of cells; share that nearly agrees
+    std::array<std::int32_t, 3> deviation{};  // mean of the cells that agree
 
     void approach(const Agreement& now) {
       fitting += (now.fitting - fitting) / 2;
       for (std::size_t c = 0; c < 3; ++c) deviation[c] += (now.deviation[c] - deviation[c]) / 2;
     }
   };
-  // Weight, and the sums of weight * ratio of each channel.
+  // Weight, and the weighted sum of each channel's ratio.
   using Sums [[gnu::vector_size(16)]] = std::int32_t;
   class Window;
 
@@ -88,11 +88,11 @@ class FieldLight {
   std::array<Plane, 3> reference_{};
   std::array<std::uint8_t, kMaxReferenceCells> usable_{}, weight_{};
   std::size_t base_channel_ = 1;  // the channel with the most usable cells
-  // The present field. Rows that this frame did not measure are older.
+  // The present field. Rows that this frame did not measure are from earlier frames.
   CellColors now_;
   std::array<Plane, 3> ratio_{};
   std::array<std::uint8_t, kMaxReferenceCells> measured_{};  // channels as bits
-  // By cell: bin of the base channel's brightness, which all measured channels determine, and weighted sums.
+  // By cell: bin of the base channel's brightness, estimated from all measured channels, and weighted sums.
   std::array<std::uint8_t, kMaxReferenceCells> bin_{};
   std::array<Sums, kMaxReferenceCells> sums_{};
   std::array<Steps, 3> tint_{};   // median of the cells, relative to the base channel

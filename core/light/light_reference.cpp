@@ -5,11 +5,11 @@
 namespace touchline {
 namespace {
 
-// Least saturated value of a channel. In YUV of limited range, its luma.
+// Smallest saturated value of a channel. In YUV of limited range, of luma.
 constexpr std::uint8_t kSaturated = 250, kSaturatedLimitedLuma = 231;
 constexpr int kPixels = 4;
 
-// For sums of kPixels samples.
+// Converts sums of kPixels samples.
 void to_rgb(std::array<int, 3>& sum, ColorSpace yuv) {
   for (std::size_t c = 0; c < 3; ++c) sum[c] -= black_value(yuv, c) * kPixels;
   const std::array<int, 3> rgb = yuv_to_rgb(yuv).of(sum[0], sum[1], sum[2]);
@@ -37,7 +37,7 @@ void sample_cells(const Frame& frame, const ReferenceGrid& grid, std::size_t row
   const PixelFormatInfo& info = info_of(frame.format);
   const std::uint8_t limit = info.space == ColorSpace::kYuv ? kSaturatedLimitedLuma : kSaturated;
   const std::size_t side = grid.side_px;
-  // Pixels of a cell that the picture's edge cuts off are read at the edge.
+  // If the picture's edge cuts off a cell, pixels beyond the edge are read at the edge.
   const auto place = [side](std::size_t cell, std::size_t i, std::size_t size_px) {
     return std::min(cell * side + side / 4 + i * side / 2, size_px - 1);
   };

@@ -12,8 +12,8 @@ namespace touchline {
 constexpr std::size_t kMaxReferenceCells = 2000;
 constexpr std::size_t kMaxReferenceRows = kMaxFrameHeight / (std::size_t{2} * kTileHeight) + 1;
 
-/// Cells of whole tiles (see shading.h), for pictures of any size at most kMaxReferenceCells. A cell is one tile wide
-/// and two tiles high (16 x 16 pixels), or a multiple of that. Cells at the right and lower edge may be cut off.
+/// Cells of whole tiles (see shading.h), at most kMaxReferenceCells for a picture of any size. A cell is one tile wide
+/// and two tiles high (16 x 16 pixels), or a multiple of this size. Cells at the right and lower edge may be cut off.
 struct ReferenceGrid {
   std::uint16_t columns = 0, rows = 0;
   std::uint16_t side_px = 0;
@@ -39,8 +39,8 @@ struct LightReference {
   CellColors colors;
 };
 
-/// Reads four pixels of each cell in a row of cells. YUV is converted to RGB (ITU-R BT.601). The grid is that of the
-/// frame's size.
+/// Reads four pixels of each cell in a row of cells. YUV is converted to RGB (ITU-R BT.601). `grid` must be the grid of
+/// the frame's size.
 void sample_cells(const Frame& frame, const ReferenceGrid& grid, std::size_t row, CellColors& out);
 
 }  // namespace touchline

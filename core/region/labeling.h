@@ -10,7 +10,7 @@
 namespace touchline {
 
 /// Joins the runs of a picture, row by row, to regions. It uses union-find instead of copying pixel lists as in the
-/// paper (section 4.1): the regions are the same, and the number of runs bounds the time.
+/// paper (section 4.1). The regions are those of the paper, and the number of runs bounds the time.
 ///
 /// While rows are added, Run::next holds a label of the run's component; finish() replaces it by the chain. A component
 /// gets its label at its first run, and a union keeps the lower label, so labels are in raster order of first pixels.
@@ -24,7 +24,7 @@ class Labeling {
 
   /// The first run of the row that was added last.
   [[nodiscard]] std::size_t last_row() const { return above_; }
-  /// The region of this run lost others that touched it.
+  /// Marks the run's region as cut: runs that touched this run were dropped.
   void mark_cut(std::size_t run) {
     cut_runs_[run / 64] |= std::uint64_t{1} << run % 64;
     has_cut_runs_ = true;
@@ -35,19 +35,19 @@ class Labeling {
   void finish(Runs& runs, Regions& regions);
 
  private:
-  // Bounds at the left, right, top and bottom. Left and top are mirrored, so that all bounds grow from 0.
+  // Bounding box: left, right, top and bottom. Left and top are mirrored, so that all bounds grow from 0.
   using Extent [[gnu::vector_size(8)]] = std::int16_t;
   static constexpr std::int16_t kMirror = 0x7fff;
   static constexpr Extent kMirrored = {kMirror, 0, kMirror, 0};
   static_assert(kMaxFrameWidth < kMirror && kMaxFrameHeight < kMirror);
 
-  // Sums over the runs of a component. After sum_up() the area of one with too few rows is 0.
+  // Sums over the runs of a component. After sum_up(), an area of 0 marks a component with too few rows.
   struct Sums {
     std::uint64_t u = 0, v = 0;
     Extent extent = {};
     std::uint32_t area_px = 0, color = kBackground;
   };
-  // The least area of reported components, and how many components with exactly this area are reported.
+  // Smallest area of reported components, and how many components of exactly this area are reported.
   struct Quota {
     std::uint32_t area_px = 0;
     std::size_t of_that_area = 0;
@@ -64,8 +64,8 @@ class Labeling {
   void mark_cut_regions(const Runs& runs, Regions& regions) const;
   void chain(Runs& runs, Regions& regions);
 
-  // Every label begins at a run, so there are at most as many labels as runs. Sums have one more entry, which is
-  // cleared before it is known whether there is another component.
+  // Every label begins at a run, so there are at most as many labels as runs. `sums_` has one more entry, because an
+  // entry is cleared before it is known whether another component follows.
   std::array<std::uint32_t, kMaxRuns> parent_{};  // a lower label of the same component, or the label itself
   std::array<Sums, kMaxRuns + 1> sums_{};
   std::array<std::uint16_t, kMaxRuns> region_of_{};

@@ -19,7 +19,7 @@ class PixelClassifier {
   /// Copies about 0.5 MB. Never allocates.
   void copy(const RowClassifier& classifier, const RegionOfInterest& region_of_interest);
 
-  /// Whether the scanner looks at the pixel. The pixel must be in the picture, here and below.
+  /// Whether the pixel is in the region of interest. Here and below, the pixel must be in the picture.
   [[nodiscard]] bool is_inside(std::uint16_t u, std::uint16_t v) const;
   /// Class of a pixel inside. `frame` has the format and size of the scanner's frames.
   [[nodiscard]] ColorId color_at(const Frame& frame, std::uint16_t u, std::uint16_t v) const {
@@ -29,7 +29,7 @@ class PixelClassifier {
   /// Tiles of the light map; 0: there is none.
   [[nodiscard]] std::uint16_t tile_columns() const { return columns_; }
   [[nodiscard]] std::uint16_t tile_rows() const { return rows_; }
-  /// Light level of each channel by which values of this tile are corrected (gain_of_level); neutral without a light
+  /// Light level of each channel, by which values of this tile are corrected (gain_of_level); neutral without a light
   /// map.
   [[nodiscard]] std::array<std::uint8_t, 3> levels_of_tile(std::size_t column, std::size_t row) const {
     return columns_ == 0 ? level_[0] : level_[row * columns_ + column];

@@ -22,8 +22,8 @@ struct ColumnSpan {
 struct CrossingSides {
   std::size_t first = 0, second = 0;
 };
-/// Finds sides that are no neighbors and meet. What lies inside of such a polygon depends on the rule of counting,
-/// which nobody means. Empty: the polygon is simple.
+/// Finds two sides that are no neighbors and meet. The inside of such a polygon depends on the fill rule, so it is
+/// surely a mistake. Empty: the polygon is simple.
 std::optional<CrossingSides> crossing_sides(const Polygon& polygon);
 
 /// A polygon in the picture as spans of columns for each row. A pixel belongs to it if its center is inside by the

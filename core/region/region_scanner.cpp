@@ -11,11 +11,11 @@ namespace {
 // How far ahead pixels are fetched. A row takes longer to classify than memory takes to answer.
 constexpr unsigned kRowsAhead = 2;
 
-// Fetches bytes begin <= i < end, so that they are in the cache when they are read. A processor does that by itself for
-// what follows in memory, but begins anew where a span ends.
+// Fetches bytes begin <= i < end into the cache before they are read. A processor prefetches consecutive bytes by
+// itself, but has to start again after the end of a span.
 void fetch(const std::uint8_t* bytes, std::size_t begin, std::size_t end) {
   constexpr std::size_t kLine = 64, kLinesAtOnce = 4;  // a cache line of x86 and ARM
-  asm volatile("");  // gcc takes functions that only fetch for ones without effect, and drops the calls
+  asm volatile("");                                    // without it, gcc drops calls of functions that only prefetch
   std::size_t i = begin;
   for (; i + kLinesAtOnce * kLine <= end; i += kLinesAtOnce * kLine) {
     __builtin_prefetch(bytes + i);
@@ -27,7 +27,7 @@ void fetch(const std::uint8_t* bytes, std::size_t begin, std::size_t end) {
   __builtin_prefetch(bytes + end - 1);
 }
 
-// Those of the words that contain a color. Kernels may add words without.
+// Returns the words of `among` that contain a color. Kernels may also list words without one.
 OccupiedWords colored_words(const ColorRow& row, OccupiedWords among) {
   OccupiedWords colored = 0;
   for (; among != 0; among &= among - 1) {
@@ -126,7 +126,7 @@ void RegionScanner::fetch_row(const Frame& frame, std::uint16_t v) const {
   }
 }
 
-// Makes row v background, without what remains of an earlier row.
+// Makes row v background and erases an earlier row's colors.
 void RegionScanner::clear(std::uint16_t v) { clear_words(std::exchange(occupied_[v % 3u], 0), colors_[v % 3u]); }
 
 void RegionScanner::classify(const Frame& frame, std::uint16_t v) {
@@ -137,12 +137,12 @@ void RegionScanner::classify(const Frame& frame, std::uint16_t v) {
   for (const ColumnSpan& span : tables_->region_of_interest_.row(v)) {
     occupied |= tables_->classifier_.classify(frame, v, span.begin, span.end, colors.pixels());
   }
-  // The exact words, so that classify_between() reads no more of the rows beside this one than it has to.
+  // The list is exact, so that classify_between() reads as little of the neighboring rows as possible.
   occupied_[v % 3u] = tables_->min_height_px_ > 1 ? colored_words(colors, occupied) : occupied;
 }
 
-// Classifies row v where the row above or below has a color within the same word, and from there on as long as
-// colors reach into the next word. What is left out belongs to regions of this row alone.
+// Classifies row v in the words in which the row above or below has a color, and further as long as colors reach into
+// the next word. Pixels that are left out could only form regions of one row.
 void RegionScanner::classify_between(const Frame& frame, std::uint16_t v) {
   clear(v);
   OccupiedWords added = occupied_[(v + 2u) % 3] | occupied_[(v + 1u) % 3], words = added;
@@ -152,7 +152,8 @@ void RegionScanner::classify_between(const Frame& frame, std::uint16_t v) {
   }
 }
 
-// Returns the words beside those at whose end is a color.
+// Classifies `words` of row v. Returns the neighboring words into which a color may continue: a pixel at the common
+// border has a color.
 OccupiedWords RegionScanner::classify_words(const Frame& frame, std::uint16_t v, OccupiedWords words) {
   constexpr std::uint32_t kPixels = kPixelsOfWord;
   ColorId* colors = colors_[v % 3u].pixels();

@@ -23,11 +23,11 @@ struct ScanParameters {
   ColorBoxes boxes;            // in the format's color space
   LightMap light;              // columns 0: none
   Polygon region_of_interest;  // pixel centers inside count; fewer than 3 points: the whole picture
-  // Regions with a smaller area or fewer rows are dropped with their runs. From a height of 2 on, rows between two
-  // others are read only beside a color in one of these.
+  // Regions with a smaller area or fewer rows are dropped with their runs. If the smallest height is 2 or more, a row
+  // between two others is read only beside colors in these two rows.
   std::uint32_t min_area_px = 1, min_height_px = 1;
   KernelChoice kernel = KernelChoice::kFastest;
-  std::uint8_t box_shift_limit = 0;  // levels by which boxes may move while it runs
+  std::uint8_t box_shift_limit = 0;  // levels by which boxes may move later
   TypicalBackground background;      // affects only the speed
 };
 
@@ -64,9 +64,9 @@ class RegionScanner {
   /// Configures the scanner's own tables (as ScanTables::configure) and uses them.
   Status configure(const ScanParameters& parameters);
 
-  /// Uses `tables` beginning with the next scan, and returns the previous ones. Call it between two scans. `tables`
-  /// must be configured for the same picture size and live while they are in use; the scanner's own live as long as it
-  /// does.
+  /// Uses `tables` from the next scan on, and returns the previous ones. Call it between two scans. `tables` must be
+  /// configured for the same picture size and stay valid while they are in use. The scanner's own tables live as long
+  /// as the scanner.
   ScanTables& exchange(ScanTables& tables) { return *std::exchange(tables_, &tables); }
 
   /// See RowClassifier. Call them between two scans, one part at a time.
@@ -76,7 +76,7 @@ class RegionScanner {
   void rebuild_tables(const ColorBoxes& boxes, std::size_t channel, std::uint8_t level) {
     tables_->classifier_.rebuild_tables(boxes, channel, level);
   }
-  /// Status of scan() for this frame before anything is scanned.
+  /// Status that scan() would return for this frame before it reads a pixel.
   [[nodiscard]] Status accepts(const Frame& frame) const {
     return tables_->configured_ ? tables_->classifier_.accepts(frame) : Status(ErrorCode::kUnsupported);
   }
@@ -89,13 +89,14 @@ class RegionScanner {
   /// kUnsupported: the format or size of the frame differs from the configured one. kShortFrame: a plane is missing or
   /// its stride is too small. Both leave `runs` and `regions` empty.
   ///
-  /// kFull: a capacity was exceeded, by one or both of
-  /// - rows with more runs than RunLimiter allows, which no realistic field has. Such a row lost its shortest runs, and
-  ///   the regions are those of the picture without these. A region without pixels in such a row is complete and exact.
-  ///   runs.overflow() counts the lost runs, and Region::is_cut tells which regions lost some. (If the least area is 2
-  ///   or more, pixels without a neighbor of their color are no runs; nor are those that are not read because the least
-  ///   height is 2 or more.)
-  /// - more regions than fit. The largest are reported, and regions.overflow() counts the others.
+  /// kFull: a capacity was exceeded, one or both of these:
+  /// - The runs that RunLimiter allows in a row. No realistic field has more. Such a row lost its shortest runs, and
+  /// the
+  ///   regions are those of the picture without the lost runs. A region without pixels in such a row is complete and
+  ///   exact. runs.overflow() counts the lost runs, and Region::is_cut tells which regions lost some. (Two kinds of
+  ///   pixels are no runs: those without a neighbor of their color if the smallest area is 2 or more, and those that
+  ///   are not read if the smallest height is 2 or more.)
+  /// - The number of regions. The largest are reported, and regions.overflow() counts the others.
   Status scan(const Frame& frame, Runs& runs, Regions& regions);
 
  private:

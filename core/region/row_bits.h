@@ -12,7 +12,8 @@ namespace touchline {
 // Functions may write a few entries after the last one; those are ignored.
 using Columns = std::array<std::uint16_t, kMaxRowWords * kPixelsOfWord + 8>;
 
-/// Two runs of neighboring rows with the same color that share a column, as their numbers in their rows (from 0).
+/// A contact of two runs of one color in neighboring rows: both contain a column. Runs are numbered in their rows, from
+/// 0.
 struct Contact {
   std::uint16_t above = 0, below = 0;
 };
@@ -23,9 +24,9 @@ using Contacts = std::array<Contact, kMaxRowWords * kPixelsOfWord + 8>;
 
 std::size_t count_bits(const PixelBits& bits, std::size_t words);
 
-/// A bit of `ending` is set if the run of the pixel ends less than n pixels to the right, with n >= `pixels`. (Bits
-/// outside of runs have no meaning.) Writes the same bits for n + `pixels` to `wider`; `pixels` is 1 to 63. Returns how
-/// many runs are longer.
+/// In `ending`, a bit is set if the pixel's run ends less than n pixels to the right, with n >= `pixels`. (Bits outside
+/// of runs have no meaning.) Writes the bits for n + `pixels` to `wider`; `pixels` is 1 to 63. Returns the number of
+/// longer runs.
 std::size_t widen(const PixelBits& ending, std::size_t pixels, const PixelBits& first, std::size_t words,
                   PixelBits& wider);
 

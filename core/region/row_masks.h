@@ -40,7 +40,7 @@ struct RowMasks {
   PixelBits first, last;       // pixels that are the first, or last, of a run
   PixelBits like_above;        // pixels of a run whose upper neighbor has their color
   OccupiedWords occupied = 0;  // words with runs; all others are zero
-  bool is_cut = false;         // runs were removed; `inside` has the pixels of the others
+  bool is_cut = false;         // runs were removed; `inside` has the pixels of the remaining runs
   PixelBits inside;
   PixelBits removed_like_above;  // if it is cut: removed pixels whose upper neighbor has their color
 };

@@ -22,17 +22,17 @@ class RunWriter {
 
   [[nodiscard]] std::size_t count(const RowMasks& masks) const { return count_bits(masks.first, words_); }
 
-  /// Removes the shortest runs of a row that has more than `limit`. It removes runs up to the least length of 2, 3, 4,
-  /// 6, 8, 12 ... 64 that is sufficient. If none is, it keeps the leftmost of the longer runs. Returns how many are
-  /// left. The masks then describe contacts of the remaining runs only.
+  /// Removes the shortest runs of a row with more than `limit` runs. It tries the lengths 2, 3, 4, 6, 8, 12 ... 64,
+  /// removes all runs up to the first length that suffices, or, if none does, keeps the leftmost of the longer runs.
+  /// Returns how many are left. The masks then describe contacts of the remaining runs only.
   std::size_t cut(RowMasks& masks, std::size_t limit);
 
   /// Writes the runs of a row from left to right and returns their number. `out` must have room for them.
   std::size_t write(const RowMasks& masks, const ColorRow& colors, std::uint16_t row, Run* out);
 
-  /// Finds the runs that lost a neighbor of their color, because it was removed from the row above or below. Call it
-  /// for each row before find_contacts(), if one of both rows is cut. Calls `lost_below(k)` for run k of the row above,
-  /// and `lost_above(k)` for run k of this row.
+  /// Finds the runs that lost a neighbor of their color in the row above or below, because it was removed. Call it for
+  /// each row before find_contacts(), if one of both rows is cut. Calls `lost_below(k)` for run k of the row above, and
+  /// `lost_above(k)` for run k of this row.
   template <class LostBelow, class LostAbove>
   void find_cut_runs(const RowMasks& above, const RowMasks& masks, std::span<const Run> runs_above,
                      std::span<const Run> runs, LostBelow lost_below, LostAbove lost_above) const {

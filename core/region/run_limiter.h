@@ -8,17 +8,19 @@
 
 namespace touchline {
 
-// Needs of a realistic field, with a margin. 22 robots with 6 patches, each 13 of 480 rows high and split in two runs
+// What a realistic field needs, with a margin. 22 robots with 6 patches, each 13 of 480 rows high and split in two runs
 // in every other row, have 2,600 runs, even if all stand in one line. Other objects add two runs to each row. (In the
-// leagues, more robots are smaller: 22 have a tenth of that.) A taller picture shows the same patches in more rows.
-constexpr std::size_t kRunsPerRow = 2, kReservePerRow = 6, kLeastReserve = 3072;
+// leagues, robots in large teams are smaller: 22 of them have a tenth of these runs.) A taller picture shows the
+// patches in more rows.
+constexpr std::size_t kRunsPerRow = 2, kReservePerRow = 6, kMinReserve = 3072;
 static_assert((kReservePerRow + kRunsPerRow) * kMaxFrameHeight <= kMaxRuns, "a frame's budget must fit");
 
-// No row of a realistic field has more: 44 patches with two runs each, and 40 isolated pixels on or beside them.
+// Largest number of runs in a row of a realistic field: 44 patches with two runs each, and 40 isolated pixels on or
+// beside them.
 constexpr std::size_t kRealisticRow = 128;
-// Most rows have no more than this: the patches of eight robots in one line.
+// Largest number of runs in most rows: the patches of eight robots in one line.
 constexpr std::size_t kUsualRow = 32;
-// Runs that a more crowded row keeps, as long as there is credit.
+// Runs that a row with more than kRealisticRow keeps, as long as there is credit.
 constexpr std::size_t kRunsOfCrowdedRow = kReservePerRow + kRunsPerRow;
 
 /// Limits the number of runs in each row with a token bucket, which bounds the time for any picture. Every row adds
@@ -31,7 +33,7 @@ constexpr std::size_t kRunsOfCrowdedRow = kReservePerRow + kRunsPerRow;
 class RunLimiter {
  public:
   static constexpr std::size_t reserve(std::size_t height_px) {
-    return std::max(kReservePerRow * height_px, kLeastReserve);
+    return std::max(kReservePerRow * height_px, kMinReserve);
   }
   static constexpr std::size_t held_back(std::size_t height_px) { return reserve(height_px) / 6; }
 

@@ -8,19 +8,20 @@ namespace touchline {
 namespace {
 
 constexpr float kCertainMotion = 0.9f;
-// A robot that was not seen for longer begins anew.
+// A robot that was unseen for longer is judged anew.
 constexpr double kLongestGap_s = 0.2;
-// Time constants: of the velocities, several frames and above the lag of wheels; of the powers, long enough that a
-// collision of a robot does not decide.
+// Time constants. Velocities: several frames, and more than the lag of the wheels. Powers: long enough that a single
+// collision does not decide.
 constexpr float kVelocity_s = 0.15f, kPower_s = 0.5f;
-// Commands below this say little about the motion: friction, and noise of the sightings. Of both velocities together,
-// and of one of them.
+// Smallest commanded speeds that are judged: of both velocities together, and of one of them. Below, friction and noise
+// of the sightings hide the motion.
 constexpr float kMinSpeed_mps = 0.1f, kMinPart_mps = 0.05f;
-// Parts of the commanded power: a robot that stands has less. Parts of the commanded and seen power together: the error
-// of one that moves independently of its commands has 1, of one that does the opposite 2, of one that follows 0.1.
+// kStanding and kMoving are shares of the commanded power: a robot with less does not move, or hardly. kContradicting
+// is a share of the commanded and seen power together. The error's share is 1 for a robot that moves independently of
+// its commands, 2 for one that does the opposite, 0.1 for one that follows.
 constexpr float kStanding = 0.04f, kMoving = 0.2f, kContradicting = 0.7f;
 constexpr int kMinRobots = 2;
-// Faster is no robot of the leagues: another one was taken for it.
+// No robot of the leagues is faster. A faster track has confused two robots.
 constexpr float kFastest_mps = 5.0f;
 constexpr double kContradicts_s = 0.3, kStands_s = 1.0;
 

@@ -7,28 +7,29 @@
 
 namespace touchline {
 
-/// Compares the motion of the own robots, as seen, with the commands that act on them. Both velocities pass the same
-/// low-pass filter, so that noise of the sightings averages out and the lag of the wheels matters little. Their
-/// powers, averaged over about half a second, tell how a robot moves.
+/// Compares the motion of the own robots, as seen, with the commands that act on them. Both velocities pass one
+/// low-pass filter, so that noise of the sightings averages out and the lag of the wheels matters little. Their powers,
+/// averaged over about half a second, tell how a robot moves.
 ///
-/// One robot that does not follow is blocked, pushed, carried or broken. If nearly all do not, what is seen is not what
-/// the commands do: the picture is not the present one, packets of another sender are obeyed, or motors are exchanged.
+/// A single robot that does not follow its commands is blocked, pushed, carried or broken. If nearly all robots do not,
+/// the picture and the commands do not belong together: the picture is old, the robots obey another sender, or motors
+/// are exchanged.
 class MotionCheck {
  public:
   /// `wheel_base_m`, `wheel_lag_s`: of the own robots.
   void configure(double wheel_base_m, double wheel_lag_s);
   void restart();
 
-  /// Of the robots that have been commanded to move for some time and were seen, and how they move.
+  /// Numbers of the robots that were seen and have been commanded to move for some time, and how they move.
   struct Counts {
     int commanded = 0, standing = 0, contradicting = 0;
   };
   struct Result {
     Counts counts;
-    bool contradicts = false;  // they move, but otherwise than commanded
-    bool stands = false;       // all stand
+    bool contradicts = false;  // they move, but not as commanded
+    bool stands = false;       // all of them stand
   };
-  /// `twist_of`: the commanded twist that acts on the robot with this id, RobotId -> Twist.
+  /// `twist_of`: returns the commanded twist that acts on the robot with this id, RobotId -> Twist.
   template <class TwistOf>
   Result check(const Sightings& sightings, Instant now, TwistOf twist_of) {
     for (const RobotSighting& robot : sightings.robots) {
@@ -38,8 +39,8 @@ class MotionCheck {
   }
 
  private:
-  // Linear velocity, and angular velocity times half the wheel base, in m/s: both are judged, each by itself, because
-  // one that is mostly forward says little about how a robot turns.
+  // Linear velocity, and angular velocity times half the wheel base, in m/s. Each is judged by itself: a robot that
+  // mostly drives ahead shows little of how it turns.
   using Velocity = std::array<float, 2>;
   struct Power {
     float seen = 0.0f, commanded = 0.0f, error = 0.0f;

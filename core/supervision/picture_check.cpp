@@ -6,15 +6,17 @@
 namespace touchline {
 namespace {
 
-// Part of the field that must be recognizable. Games in the arena have 0.88 and more, the worst photograph of a field
-// in another light 0.21, pictures of random blocks 0.06 at most.
+// Smallest share of the field that must be recognizable. Games in the arena have 0.88 and more, the worst photograph of
+// a field in another light 0.21, pictures of random blocks at most 0.06.
 constexpr float kMinField = 0.125f;
-// A repeated picture is old already when it is noticed, but a single one may be a hiccup of the driver.
+// Repeated pictures in a row that count. A repeated picture is already old when it is noticed, but a single one may be
+// a hiccup of the driver.
 constexpr int kRepeatedFrames = 2;
-// A robot alone may be held or blocked by something that stands. Two are seldom at the same time.
+// Smallest number of robots that must be commanded to move. A single robot may be held or blocked; two rarely are at
+// the same time.
 constexpr int kMinMoving = 2;
 
-// Changes with every change of a place in the picture.
+// Hash of the sightings, which changes with every motion in the picture.
 std::uint64_t hash_of(const Sightings& sightings) {
   std::uint64_t hash = 0;
   const auto add = [&](float value) {
@@ -77,7 +79,7 @@ void PictureCheck::finish(StepTrace& trace, const MotionCheck::Result& motion) {
   out.standing = static_cast<std::uint8_t>(motion.counts.standing);
   out.contradicting = static_cast<std::uint8_t>(motion.counts.contradicting);
   out.stands = motion.stands;
-  // What an unusable picture shows contradicts nothing, and robots that are not driven may be carried.
+  // An unusable picture contradicts nothing. Robots that are not driven may be carried.
   const bool is_usable = !is_repeated && !trace.overload && !is_hidden;
   if (!is_usable || trace.commands.stop) {
     jump_.restart();

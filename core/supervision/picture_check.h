@@ -12,8 +12,8 @@ struct PictureCheckSettings {
   int unusable_frames = 5;                           // see Persistence
 };
 
-/// A condition of single frames that must last. It begins when the frames in which it held exceed the others by
-/// `frames`, and ends after as many others, so that a picture that flickers neither stops robots nor lets them go.
+/// A condition of single frames that must last. It begins when frames with it exceed frames without it by `frames`, and
+/// ends after as many frames without it. A flickering picture therefore neither stops robots nor lets them go.
 class Persistence {
  public:
   bool update(bool holds, int frames) {
@@ -34,8 +34,8 @@ class Persistence {
   bool is_lasting_ = false;
 };
 
-/// Decides whether a picture can be the truth: it is not one of before, the step could process it, it shows the field,
-/// and the robots in it move as commanded. The object is large (fixed memory).
+/// Decides whether a picture can be the truth: it does not repeat an earlier one, the step could process it, it shows
+/// the field, and its robots move as commanded. The object is large (fixed memory).
 class PictureCheck {
  public:
   struct Geometry {
@@ -45,14 +45,15 @@ class PictureCheck {
   };
   void configure(const Geometry& geometry);
   void set(const PictureCheckSettings& settings) { settings_ = settings; }
-  /// A person has started the robots, and so says that the picture is right.
+  /// Trusts the picture again, because a person has started the robots.
   void acknowledge();
-  /// Tracks begin anew: what robots did before is forgotten.
+  /// Forgets what robots did before, because tracks begin anew.
   void restart();
 
-  /// Checks a frame after its sightings were found and before they are fused. `trace`: of this frame, with the tracks
-  /// and commands of the frame before; its member `picture` is written. `field_share`: part of the field that looks as
-  /// when the colors were learned, whatever the light; negative: not measured. `twist_of`: as MotionCheck::check().
+  /// Checks a frame after its sightings were found and before they are fused. `trace`: the trace of this frame, with
+  /// the tracks and commands of the previous frame; its member `picture` is written. `field_share`: share of the field
+  /// that looks as it did when the colors were learned, except for the light; negative: not measured. `twist_of`: as in
+  /// MotionCheck::check().
   template <class TwistOf>
   void check(StepTrace& trace, float field_share, TwistOf twist_of) {
     begin(trace, field_share);

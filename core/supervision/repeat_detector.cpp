@@ -8,18 +8,19 @@
 namespace touchline {
 namespace {
 
-// Part of the picture that must be old: an eighth. A robot between two tiles covers less.
+// Smallest number of old tiles that stops robots: an eighth of the picture. A robot between two tiles covers less.
 constexpr std::size_t kMinOldTiles = RepeatDetector::kTiles / 8;
 // A tile is judged after this many renewals, in 1 to 3 s.
 constexpr std::uint32_t kMinRenewals = 64;
-// A period of half a minute to a minute. A rare hiccup of the camera is forgotten after two.
+// Renewals in a period of half a minute to a minute. A rare hiccup of the camera is forgotten after two periods.
 constexpr std::uint32_t kPeriod = 2048;
-// A tile that repeats for longer than this in normal operation could be judged only when it is too late.
+// Longest usual repeat of a tile that is judged. If tiles usually repeat for longer, a frozen one would be noticed too
+// late.
 constexpr std::uint32_t kMaxUsualRepeat_ms = 1000;
 // From a command to a visible motion: delay of radio and camera, and the lag of the wheels.
 constexpr std::uint32_t kReaction_ms = 200;
 
-// Odd, with bits in no order (Knuth's golden ratio).
+// An odd factor with irregular bits (Knuth's golden ratio).
 constexpr std::uint64_t kMultiplier = 0x9E3779B97F4A7C15u;
 
 std::uint64_t load_word(const std::uint8_t* bytes) {
@@ -94,7 +95,7 @@ RepeatDetector::Result RepeatDetector::check(const Frame& frame, Duration limit,
   result.age = std::chrono::milliseconds(age);
   result.is_repeated = 2 * judged >= kTiles && old >= kMinOldTiles;
   result.is_replayed = result.is_repeated && 2 * changed > old;
-  // What a fault does is not usual.
+  // Ages during a fault are not usual ones.
   if (!result.is_repeated) {
     for (Tile& tile : tiles_) {
       for (Age& of : tile.ages) {
@@ -153,12 +154,12 @@ std::uint64_t RepeatDetector::look_up(const Frame& frame, Time now) {
 RepeatDetector::Time RepeatDetector::first_delivery(std::size_t strip, std::uint64_t hash, Time now) {
   const auto code = static_cast<std::uint32_t>(hash >> 32u);
   Content& content = contents_[strip][code % kSlots];
-  // A new content replaces the one in its slot.
+  // New content replaces the content in its slot.
   if (content.hash != code || code == 0) content = {code, now};
   return content.first;
 }
 
-// A picture without noise repeats whenever nothing moves, so only the time counts in which robots must move.
+// A picture without noise repeats whenever nothing moves. Only the time counts during which robots must move.
 void RepeatDetector::check_still(std::uint64_t hash, Time now, Time limit, bool is_moving, Result& result) {
   const bool was_still = still_.age > limit + kReaction_ms + still_usual_.largest();
   if (hash != still_.hash) {

@@ -8,38 +8,39 @@
 
 namespace touchline {
 
-/// Notices pictures that the camera has delivered before, as a whole or in a part: frozen, frozen in one half, torn, or
-/// old buffers in turn. Between two pictures of a camera, its noise changes at least one of many pixels.
+/// Detects pictures, or parts of them, that the camera has delivered before: frozen, frozen in one half, torn, or old
+/// buffers in turn. Between two pictures of a camera, noise changes at least one of many pixels.
 ///
-/// The picture is divided into tiles. A hash of some pixels of a tile is compared with that of the frame before, and
-/// the hash of the strip of four tiles that it belongs to is looked up among those of the last pictures, which tells
-/// when this content was delivered first: two ages of the tile. An age is judged only if this camera keeps it small:
-/// the tile must have been renewed often, and an age counts only beyond the largest one that this tile usually reaches,
-/// as in compressed video. Tiles of one value (black, or saturated) say nothing. Pictures without noise, in which most
-/// tiles stay the same, are not judged by tiles.
+/// The picture is divided into tiles, and each tile has two ages. For the first, a hash of some of its pixels is
+/// compared with the previous frame's. For the second, the hash of its strip of four tiles is looked up among those of
+/// recent pictures, which tells when this content was first delivered. An age is judged only if this camera keeps it
+/// small. The tile must have been renewed often, and only the time beyond its largest usual age counts, because
+/// compressed video repeats tiles. Tiles of one value (black, or saturated) are ignored. In pictures without noise most
+/// tiles repeat, so they are not judged by tiles.
 ///
 /// The work is bounded: kTiles * kWordsPerTile loads per frame. The object is large (fixed memory).
 class RepeatDetector {
  public:
   static constexpr std::size_t kColumns = 8, kRows = 6, kTiles = kColumns * kRows;
-  /// 256 bytes of a tile: if nine in ten of their values equal those of the frame before, all of them do once in 10^11.
+  /// A tile's hash covers 256 bytes. Even if each of them repeats with a probability of nine in ten, all of them do
+  /// only once in 10^11.
   static constexpr std::size_t kRowsPerTile = 8, kWordsPerRow = 4;
 
   /// Forgets everything. A picture that is too small for the tiles is not judged.
   void configure(PixelFormat format, std::uint16_t width_px, std::uint16_t height_px);
-  /// Forgets how old the picture is, not what is usual.
+  /// Forgets how old the picture is, but not the usual ages.
   void restart() { still_ = {}; }
 
   struct Result {
-    float share = 0.0f;        // part of the picture that was delivered before, for longer than is usual
-    Duration age{};            // the largest age in that part
-    bool is_repeated = false;  // the part is large enough to stop robots
-    bool is_replayed = false;  // the same, and what it repeats goes on: a delayed part, or old buffers in turn
-    bool is_still = false;     // the whole picture repeats while robots are driven; only they could change it
+    float share = 0.0f;        // share of the picture that repeats for longer than usual
+    Duration age{};            // the largest age in this share
+    bool is_repeated = false;  // the share is large enough to stop robots
+    bool is_replayed = false;  // is_repeated, and the repeated content moves on: a delayed part, or old buffers in turn
+    bool is_still = false;     // the whole picture, which has no noise, repeats although robots are driven
   };
-  /// `limit`: robots must stop if they are controlled by an older picture. `is_moving`: robots have been commanded to
-  /// move for so long that they do; pictures without noise change only then. The frame has the configured format and
-  /// size, and all planes. `seen`: a hash of what was recognized in it, which changes with every motion.
+  /// `limit`: age of a picture from which on robots must stop. `is_moving`: robots have been commanded to move for so
+  /// long that they do; pictures without noise change only then. The frame has the configured format and size, and all
+  /// planes. `seen`: a hash of the sightings, which changes with every motion.
   Result check(const Frame& frame, Duration limit, bool is_moving, std::uint64_t seen);
 
  private:
@@ -47,13 +48,13 @@ class RepeatDetector {
   using Time = std::uint32_t;
   // Pictures tear along rows, so strips find old parts, and need less memory than tiles.
   static constexpr std::size_t kStripTiles = 4, kStrips = kTiles / kStripTiles;
-  // At 60 Hz, eight in ten of the contents of half a second ago are still known.
+  // At 60 Hz, eight in ten contents of half a second ago are still in the table.
   static constexpr std::size_t kSlots = 128;
   struct Content {
     std::uint32_t hash = 0;
     Time first = 0;
   };
-  // What ages are usual: the largest ones of the present and the former period, which end after kPeriod renewals.
+  // Usual ages: the largest ones of the present and of the former period. A period ends after kPeriod renewals.
   struct Usual {
     Time now = 0, former = 0;
     std::uint32_t renewals_now = 0, renewals_former = 0;
@@ -69,9 +70,9 @@ class RepeatDetector {
   struct Tile {
     std::uint32_t hash = 0;
     Time changed = 0;
-    bool is_flat = false, is_changed = false;  // since the frame before
-    // Since the content last changed, and since that of the strip was delivered first. With little noise, a content
-    // comes back by chance, and then only the first one tells a picture that is frozen.
+    bool is_flat = false, is_changed = false;  // compared with the previous frame
+    // Time since the content last changed, and since the strip's content was first delivered. With little noise, a
+    // content recurs by chance. Then only the first age reveals a frozen picture.
     std::array<Age, 2> ages;
   };
   struct Still {

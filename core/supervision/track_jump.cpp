@@ -6,19 +6,19 @@ namespace touchline {
 namespace {
 
 constexpr int kMinFrames = 2;
-// Only what was seen with certainty a moment ago can be elsewhere.
+// A track is compared only if it was certain a moment ago.
 constexpr float kCertain = 0.9f;
 constexpr double kRecent_s = 0.25;
-// A robot whose place is wrong by a neighbor's size is nearer to its track, and also one that has driven at usual speed
-// while the picture was frozen for as long as no rule stops robots. A picture that is turned moves all but those within
-// half of it around its center.
+// A robot within this distance of its track has not jumped. The distance covers a confusion with a neighbor, and
+// driving at usual speed in a picture that was frozen for too short a time to stop robots. A picture that is turned
+// moves all robots except those within half this distance of its center.
 constexpr double kNear_m = 0.15;
-// In the time since a track was seen, its robot can have braked or been pushed.
+// Speed at which a robot may have left its track since it was last seen, by braking or a push.
 constexpr double kSpeed_mps = 1.5;
-// A collision changes the ball's velocity by this.
+// Speed at which the ball may have left its track since it was last seen, after a collision.
 constexpr double kBallSpeed_mps = 8.0;
-// The least number of tracks. Two robots whose ids are exchanged look the same as two that jump, hence three, or the
-// ball beside two robots.
+// Smallest number of tracks. An exchange of two robots' ids looks like a jump of two, hence three, or two robots and
+// the ball.
 constexpr int kMinTracks = 3;
 
 double distance_m(FieldPoint a, FieldPoint b) {
@@ -26,7 +26,7 @@ double distance_m(FieldPoint a, FieldPoint b) {
                     static_cast<double>(a.y_m) - static_cast<double>(b.y_m));
 }
 
-// The track's place now, and how far from it its robot may be.
+// The predicted position, and how far from it the robot may be.
 struct Expected {
   FieldPoint place;
   double radius_m = 0.0;

@@ -4,14 +4,14 @@
 
 namespace touchline {
 
-/// Notices that nearly all robots, and the ball, are seen elsewhere at once: the picture was turned, mirrored, or comes
-/// from another camera. Robots that are carried, or that are covered, vanish one after the other and before they are
-/// seen elsewhere.
+/// Detects that nearly all robots, and the ball, are suddenly seen elsewhere: the picture was turned, mirrored, or
+/// comes from another camera. Robots that are carried or covered vanish one after the other before they are seen
+/// elsewhere.
 class TrackJump {
  public:
   void restart() { frames_ = 0; }
-  /// `before`: tracks of the frame before; `sightings`: of this frame. Returns whether this frame and the one before
-  /// contradict the tracks. A single one can be a damaged picture, which the tracks survive.
+  /// `before`: tracks of the previous frame; `sightings`: of this frame. Returns whether two frames in a row contradict
+  /// the tracks. A single one can be a damaged picture, which the tracks survive.
   bool check(const Tracks& before, const Sightings& sightings, Instant now);
 
  private:

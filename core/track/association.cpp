@@ -9,9 +9,10 @@
 namespace touchline {
 namespace {
 
-// Variance of a robot's position along each axis, beyond that of its prediction: collisions (20 mm).
+// Variance of the position that collisions add to the prediction's, each axis (20 mm).
 constexpr double kCollision2_m2 = 0.02 * 0.02;
-// Log likelihood, twice, of the matcher showing a wrong id.
+// Cost of a sighting whose id differs from the track's: minus twice the log
+// likelihood that the matcher shows a wrong id.
 constexpr double kWrongIdCost = 4.0;
 
 // No field of any league is larger. A larger value is an error of the previous stage.
@@ -76,8 +77,8 @@ void Association::take_pairs() {
   }
 }
 
-// The sighting of the track with this id keeps it; without such a track, the more confident one, and then the one that
-// fits its marker better.
+// If two sightings show one id, the sighting of the track with this id keeps it. Without such a track, the more
+// confident sighting keeps it; if both are equally confident, the one with the smaller residual.
 void Association::resolve_duplicate_ids(const RobotSightings& sightings, const TrackedRobots& robots) {
   const auto has_better_claim = [&](std::size_t a, std::size_t b) {
     const auto is_confirmed = [&](std::size_t i) {
@@ -108,7 +109,7 @@ void Association::follow_ids(const RobotSightings& sightings, const TrackedRobot
   }
 }
 
-// True if another sighting at this place belongs to a track of the same team.
+// Whether another sighting within the separation distance belongs to a track of this team.
 bool Association::is_occupied(std::size_t sighting, const RobotSightings& sightings,
                               const TrackParameters& parameters) const {
   for (std::size_t k = 0; k < sightings.size(); ++k) {

@@ -9,23 +9,23 @@ namespace touchline {
 using RobotSightings = FixedVector<RobotSighting, kMaxRobots>;
 using TrackedRobots = FixedVector<TrackedRobot, kMaxRobots>;
 
-/// Which sighting belongs to which track. Positions decide; ids only where positions leave a choice:
-///  - A sighting near the predicted positions of tracks of its team belongs to the most likely one of them. Robots are
-///    farther apart than they move in a frame, so it is enough to take the most likely pairs first. A sighting that
-///    shows another id than the track must be nearer.
-///  - A sighting with an id that is near no free track belongs to the track with this id if that has no sighting: the
-///    robot was moved by hand.
+/// Assigns sightings to tracks by position. Ids decide only where positions leave a choice:
+///  - A sighting near the predicted positions of several tracks of its team belongs to the most likely one. Robots are
+///    farther apart than they move in a frame, so a greedy search suffices: the most likely pair comes first. A
+///    sighting with another id than the track must be nearer.
+///  - A sighting with an id, but near no free track, belongs to the track with this id if that track has no sighting:
+///    somebody moved the robot by hand.
 class Association {
  public:
   static constexpr std::size_t kNone = kMaxRobots;
 
   void associate(const RobotSightings& sightings, const TrackedRobots& robots, const TrackParameters& parameters);
 
-  /// By sighting: index of the track, or kNone.
+  /// Index of the sighting's track, or kNone.
   [[nodiscard]] std::size_t robot_of(std::size_t sighting) const { return robot_of_[sighting]; }
   /// True if only the id connects the sighting with its track.
   [[nodiscard]] bool is_jump(std::size_t sighting) const { return is_jump_[sighting]; }
-  /// Id of the sighting; kUnknownId if another sighting with the same id has the better claim.
+  /// Id of the sighting; kUnknownId if another sighting has a better claim to this id.
   [[nodiscard]] RobotId id_of(std::size_t sighting) const { return id_of_[sighting]; }
   /// False if no real field contains the sighting.
   [[nodiscard]] bool is_usable(std::size_t sighting) const { return is_usable_[sighting]; }

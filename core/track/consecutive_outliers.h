@@ -6,8 +6,8 @@
 
 namespace touchline {
 
-/// Consecutive sightings that a filter's gate rejected. A single one is an error of the vision. Several consistent ones
-/// mean that the object was moved (a collision, a hand), so the filter must be reset (paper, section 6.1).
+/// Consecutive sightings that a filter's gate rejected. A single outlier is an error of the vision. Several consistent
+/// outliers show that the object was moved (a collision, a hand), so the filter must be reset (paper, section 6.1).
 class ConsecutiveOutliers {
  public:
   struct Outlier {
@@ -17,7 +17,7 @@ class ConsecutiveOutliers {
   };
 
   void clear() { count_ = 0; }
-  /// `reach_m`: largest distance between simultaneous sightings of one object. `max_speed_mps`: of the object.
+  /// `reach_m`: largest distance between simultaneous sightings of one object. `max_speed_mps`: its largest speed.
   void add(const Outlier& outlier, double reach_m, double max_speed_mps) {
     const bool fits = count_ > 0 && within_reach(last_.pose.position, last_.when, outlier, reach_m, max_speed_mps);
     if (!fits) {

@@ -12,8 +12,8 @@ namespace touchline {
 
 namespace {
 
-// Slower than this to the side, the tires grip within a slide step.
-constexpr double kLeastSlide_mps = 0.02;
+// Below this velocity to the side, the tires grip within a slide step.
+constexpr double kMinSlide_mps = 0.02;
 
 Eigen::Matrix3d matrix_of(const PoseCovariance& noise) {
   Eigen::Matrix3f m;
@@ -30,7 +30,8 @@ Eigen::Vector2d position_innovation(FieldPoint sighted, const DriveFilter::State
   return {static_cast<double>(sighted.x_m) - x[0], static_cast<double>(sighted.y_m) - x[1]};
 }
 
-// Covariance of the difference between a sighted pose and its prediction. `with_lasting`: covariance of both's errors.
+// Covariance of the innovation of a sighted pose. `with_lasting`: covariance of the predicted pose with the lasting
+// error.
 Eigen::Matrix3d innovation_covariance(const Eigen::Matrix3d& state, const Eigen::Matrix3d& with_lasting,
                                       const PoseCovariance& noise, const PoseCovariance& lasting) {
   return state + with_lasting + with_lasting.transpose() + matrix_of(noise) + matrix_of(lasting);
@@ -88,7 +89,7 @@ DriveFilter DriveFilter::mixed(const DriveFilter& other, double weight) const {
   }
   for (std::size_t i = 0; i < with_lasting_.size(); ++i)
     out.with_lasting_[i] += weight * (other.with_lasting_[i] - with_lasting_[i]);
-  out.slides_ = out.slides_ || std::abs(out.x_[5]) > kLeastSlide_mps;
+  out.slides_ = out.slides_ || std::abs(out.x_[5]) > kMinSlide_mps;
   return out;
 }
 
@@ -163,7 +164,7 @@ double DriveFilter::update(const Pose& sighted, const PoseCovariance& noise, con
   p = left - left.leftCols<3>() * gain.transpose() + added + added.transpose();
   drive::symmetrize(p);
   with_lasting = rest - gain * matrix_of(lasting);
-  slides_ = slides_ || std::abs(x_[5]) > kLeastSlide_mps;
+  slides_ = slides_ || std::abs(x_[5]) > kMinSlide_mps;
   if (!slides_) wheel_mps_ = x_[3];
   return -0.5 * (innovation.dot(inverse * innovation) + std::log(s.determinant()));
 }

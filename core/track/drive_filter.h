@@ -9,53 +9,55 @@
 namespace touchline {
 
 /// Extended Kalman filter of one robot with a differential drive, Klancar eq. (4)-(9). The paper's state (x, y,
-/// heading) is extended by the linear and the angular velocity, which follow the commanded ones with the time constant
-/// of the wheels. With a time constant of zero it is the paper's filter. Without known commands, the velocities are
+/// heading) is extended by the linear and the angular velocity. Both follow the commanded velocities with the time
+/// constant of the wheels; a time constant of zero gives the paper's filter. Without known commands, the velocities are
 /// constant except for noise.
 ///
-/// A robot that turns faster than its tires can follow, or that was pushed, slides: friction of constant size acts
-/// against the motion of the tires over the floor until they grip. Only then is there a velocity to the side.
+/// A robot slides if it turns faster than its tires can follow, or if it was pushed. Friction of constant size then
+/// acts against the motion of the tires over the floor until they grip. Only a sliding robot has a velocity to the
+/// side.
 ///
-/// A sighting has two errors: noise, which is another one in every picture, and one that lasts while the robot stands.
-/// The second one is not estimated, but the covariances of the state with it are kept, so that the mean of many
-/// sightings of a standing robot has this error, and not a smaller one (Schmidt 1966, the "consider" filter).
+/// A sighting has two errors: white noise, and a bias that lasts while the robot stands (the lasting error). The filter
+/// does not estimate the bias, but keeps its covariance with the state ("consider" filter, Schmidt 1966). The mean of
+/// many sightings of a standing robot therefore keeps the bias in its stated error.
 class DriveFilter {
  public:
   // x (m), y (m), heading (rad, in (-pi, pi]), v (m/s), w (rad/s), velocity to the left (m/s; 0 while the tires grip).
   static constexpr std::size_t kStates = 6;
   using State = std::array<double, kStates>;
   using Covariance = std::array<double, kStates * kStates>;  // row-major
-  // Of the state's errors and the three lasting errors of a sighted pose; row-major.
+  // Covariance of the state's errors with the lasting errors of a sighted x, y and heading; row-major.
   using LastingCovariance = std::array<double, kStates * 3>;
 
   struct Velocity {
     double v_mps = 0.0, w_radps = 0.0, v_sigma_mps = 0.0, w_sigma_radps = 0.0;
   };
 
-  /// The first sighting. `noise` and `lasting`: covariances of its two errors.
+  /// Starts at the first sighting. `noise` and `lasting`: covariances of its two errors.
   void start(const Pose& pose, const Velocity& velocity, const PoseCovariance& noise, const PoseCovariance& lasting);
   void start(const Pose& pose, const Velocity& velocity, double position_sigma_m, double heading_sigma_rad);
-  /// The lasting error is now this part (0 to 1) of the former one, and the rest is new.
+  /// Keeps this part (0 to 1) of the lasting error. An independent new error replaces the rest.
   void renew_lasting_error(double position_part, double heading_part);
-  /// Eq. (5) with the model of eq. (8), linearized at the middle of the step, eq. (9). dt_s >= 0; long times are
-  /// divided into steps.
+  /// Predicts with eq. (5) and the model of eq. (8), linearized at the middle of the step, eq. (9). dt_s >= 0; long
+  /// times are divided into steps.
   void predict(double dt_s, const DriveInput& input, const RobotFilterParameters& parameters);
   /// Predicts only the state; the covariance is unchanged.
   void predict_state(double dt_s, const DriveInput& input, const RobotFilterParameters& parameters);
 
-  /// The same for a robot in contact with a wall or another robot: it moves on as before, in any direction, except for
-  /// noise.
+  /// Predicts a robot in contact with a wall or another robot: it keeps its velocity, which may have any direction,
+  /// except for noise.
   void predict_contact(double dt_s, const RobotFilterParameters& parameters);
   void predict_contact_state(double dt_s, const RobotFilterParameters& parameters);
 
-  /// Mean and covariance of this distribution and `other`, which has the probability `weight`.
+  /// Returns the mixture of this distribution and `other`, which has the probability `weight`, with its mean and
+  /// covariance.
   [[nodiscard]] DriveFilter mixed(const DriveFilter& other, double weight) const;
-  /// Only the mean, and only entry (i, k) of the covariance.
+  /// Return only the mixture's mean, and only entry (i, k) of its covariance.
   [[nodiscard]] State mixed_state(const DriveFilter& other, double weight) const;
   [[nodiscard]] double mixed_covariance(const DriveFilter& other, double weight, std::size_t i, std::size_t k) const;
 
-  /// Adds the uncertainty of an impact at an unknown instant during the last dt_s seconds, which changed the velocities
-  /// in any direction.
+  /// Adds the uncertainty of an impact at an unknown instant during the last dt_s seconds. The impact changed the
+  /// velocities in any direction.
   void disturb(double dt_s, const RobotFilterParameters& parameters);
 
   /// Multiplies the covariance by `factor` > 0.
@@ -74,18 +76,18 @@ class DriveFilter {
     double predicted_share = 0.0;       // part of the innovation's variances that is not the sighting's noise, 0 to 1
     double along = 0.0, heading = 0.0;  // of the position along the heading, and of the heading; in standard deviations
   };
-  /// Of the distribution of both filters, as of mixed().
+  /// Compares the sighted pose with the mixture that mixed() returns.
   [[nodiscard]] Innovation mixed_innovation(const DriveFilter& other, double weight, const Pose& sighted,
                                             const PoseCovariance& noise, const PoseCovariance& lasting) const;
-  /// Eq. (6); the heading's innovation is wrapped. Returns the logarithm of the probability density that the sighted
-  /// pose had, without the constant term.
+  /// Updates the state with eq. (6); the heading's innovation is wrapped. Returns the log likelihood of the sighted
+  /// pose, without the constant term.
   double update(const Pose& sighted, const PoseCovariance& noise, const PoseCovariance& lasting = {});
 
-  /// The same for the position of a team patch whose robot showed no heading (2 degrees of freedom).
+  /// Squared Mahalanobis distance of a team patch whose robot showed no heading (2 degrees of freedom).
   [[nodiscard]] double distance2(FieldPoint patch, const RobotFilterParameters& parameters) const;
-  /// The patch's offset from the robot's center is unknown but constant. It is not noise, so many such sightings
-  /// contain no more information than one. The position's variance therefore never falls below patch_sigma_m^2, and
-  /// nothing changes if it is already smaller.
+  /// Updates the state with the position of a team patch. Its offset from the robot's center is unknown but constant,
+  /// hence a bias: many sightings contain no more information than one. The position's variance therefore never falls
+  /// below patch_sigma_m^2, and nothing changes if it is already smaller.
   void update(FieldPoint patch, const RobotFilterParameters& parameters);
 
   [[nodiscard]] const State& state() const { return x_; }

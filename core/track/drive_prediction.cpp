@@ -11,10 +11,10 @@ namespace touchline {
 
 namespace {
 
-// One frame at 25 Hz. For longer times (lost frames) one midpoint of a fast turn is too inaccurate.
+// Longest step: one frame at 25 Hz. Over a longer time (lost frames), one midpoint of a fast turn is too inaccurate.
 constexpr double kMaxStep = 0.04;
 
-// Friction turns quickly when a sliding robot comes to a stop.
+// Longest step of a sliding robot. The direction of friction changes quickly when the robot comes to a stop.
 constexpr double kSlideStep = 0.0025;
 // Response of a velocity v to its input u over a step: mean = mean_now * v + mean_input * u. `half_*` is the mean over
 // the first half of the step, `end_*` the velocity at its end.
@@ -62,9 +62,9 @@ void add_motion_without_wheels(drive::MatrixMap p, double dt, const RobotFilterP
 }
 
 // Without known commands, the acceleration is white noise within a step, too (Bar-Shalom, Li, Kirubarajan 2001, section
-// 6.2.2). An acceleration that is constant over each step lacks this part of the variance of the way: then a way that
-// differs by d from the prediction would be a velocity that differs by 2 d / dt, and the filter would alternate around
-// the velocity of a restless robot.
+// 6.2.2). An acceleration that is constant over each step would lack this part of the position's variance. A
+// displacement that differs by d from the prediction would then change the velocity by 2 d / dt, and the filter would
+// alternate around the velocity of a restless robot.
 void add_changes_within_step(drive::Matrix& p, double dt, const DriveInput& input, const Eigen::Vector2d& ahead,
                              const RobotFilterParameters& parameters) {
   if (input.known) return;
@@ -129,8 +129,8 @@ bool DriveFilter::exceeds_grip(double dt, const DriveInput& input, const RobotFi
   return std::max(std::hypot(x_[3] * x_[4], along), std::hypot(v * w, along)) > parameters.tire_grip_mps2;
 }
 
-// Coulomb friction between tires and floor: its deceleration has a constant size and the direction from the robot's
-// velocity to that of its wheels, unless it can make both equal within the step.
+// Coulomb friction between tires and floor. Its deceleration has a constant size and points from the robot's velocity
+// to the velocity of the wheels. If both can become equal within the step, they do.
 void DriveFilter::slide(double dt, const DriveInput& input, const Sliding& sliding,
                         const RobotFilterParameters& parameters, Extent extent) {
   // Friction stops an absurd velocity, from a wrong sighting, too slowly.
@@ -161,7 +161,7 @@ void DriveFilter::slide(double dt, const DriveInput& input, const Sliding& slidi
   if (extent == Extent::kAll) {
     const double middle = theta + 0.5 * turned, by_w = dt * r.mean_now;
     const double ahead_x = dt * std::cos(middle), ahead_y = dt * std::sin(middle);
-    // The turn, then friction, which changes its direction with the velocity.
+    // Linearizes the turn and then the friction, whose direction changes with the velocity.
     Eigen::Matrix<double, 2, 3> by_velocity;  // of v and u by v, u and w
     by_velocity << c, s, by_w * u, -s, c, -by_w * v;
     if (slides_ && share > 0.0) {
@@ -243,11 +243,11 @@ void DriveFilter::step(double dt, const DriveInput& input, const RobotFilterPara
   wheel_mps_ = x_[3];
 }
 
-// A velocity that changes by d at a time that is distributed uniformly over the step moves the state by d dt / 2 on
-// average; its variances are those of white noise acceleration with the density d^2 / dt. Its covariances would be half
-// larger than here: an unexpected way would be a change of the velocity that exceeds it by half, and a robot that
-// stopped at the beginning of the step would seem to drive back. So the way itself is the velocity, and the variances
-// leave open how much it changed in addition.
+// A velocity that changes by d at a uniformly distributed time in the step moves the state by d dt / 2 on average. Its
+// variances are those of white noise acceleration with the density d^2 / dt. Its covariance of position and velocity
+// would be half larger than the one used here. An unexpected displacement would then change the velocity by half too
+// much, and a robot that stopped at the beginning of the step would seem to drive back. The displacement is therefore
+// taken as the change of velocity itself, and the variances leave open how much the velocity changed in addition.
 void DriveFilter::disturb(double dt, const RobotFilterParameters& parameters) {
   const double push = parameters.impact_mps * parameters.impact_mps;
   const double turn = parameters.impact_radps * parameters.impact_radps;

@@ -12,7 +12,7 @@ void PointFilter::start(FieldPoint position, const Velocity& velocity, double po
   p_ = position_sigma_m * position_sigma_m + lasting_;
   c_ = 0.0;
   q_ = velocity.sigma_mps * velocity.sigma_mps;
-  // The errors are those of the truth minus the estimate.
+  // Errors are the truth minus the estimate.
   p_lasting_ = -lasting_;
   q_lasting_ = 0.0;
 }
@@ -43,8 +43,8 @@ void PointFilter::predict(double dt_s, const Noise& noise) {
   q_ += density * dt_s;
 }
 
-// The change happens at a time that is distributed uniformly over the step. A ball bounces, so its velocity may change
-// by more than the way since the last sighting tells.
+// The change happens at a uniformly distributed time in the step. A ball bounces, so its velocity may change by more
+// than its displacement since the last sighting tells.
 void PointFilter::disturb(double dt_s, double change_mps) {
   const double change = change_mps * change_mps;
   p_ += change * dt_s * dt_s / 3.0;
@@ -74,7 +74,7 @@ void PointFilter::update(FieldPoint sighted, const Noise& noise) {
   y_ += k * dy;
   vx_ += m * dx;
   vy_ += m * dy;
-  // Covariances of what the gain leaves of the state's errors with the lasting error.
+  // Covariance of (I - K H) times the state's errors with the lasting error.
   const double p_rest = (1.0 - k) * p_lasting_, q_rest = q_lasting_ - m * p_lasting_;
   // Joseph form: the covariance stays positive despite rounding.
   const double p = (1.0 - k) * (1.0 - k) * p_ + k * k * n - 2.0 * k * p_rest;

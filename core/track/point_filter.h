@@ -4,15 +4,15 @@
 
 namespace touchline {
 
-/// Kalman filter of a point with damped velocity, eq. (10), (11): the ball, or a robot whose heading is unknown.
-/// The two axes are independent and have the same noise, so they share one covariance of position and velocity.
+/// Kalman filter of a point with damped velocity, eq. (10), (11): the ball, or a robot whose heading is unknown. The
+/// two axes are independent and have equal noise, so they share one covariance of position and velocity.
 ///
-/// A part of a sighting's error may last while the point stands. The filter does not estimate it, but keeps the
-/// covariance of its state with it (a Schmidt-Kalman filter), as DriveFilter.
+/// A part of a sighting's error may be a bias that lasts while the point stands (the lasting error). As in DriveFilter,
+/// the filter does not estimate it, but keeps its covariance with the state ("consider" filter, Schmidt 1966).
 class PointFilter {
  public:
   struct Noise {
-    double position_sigma_m = 0.0;  // standard deviation of a sighting along one axis, beside its lasting error
+    double position_sigma_m = 0.0;  // standard deviation of a sighting along one axis, without its lasting error
     double velocity_mps_rts = 0.0;  // change of the velocity in one second
     double damping_per_s = 0.0;     // lambda of eq. (10)
   };
@@ -22,11 +22,12 @@ class PointFilter {
 
   /// `lasting_sigma_m`: standard deviation of the sighting's lasting error.
   void start(FieldPoint position, const Velocity& velocity, double position_sigma_m, double lasting_sigma_m = 0.0);
-  /// The lasting error is now this part (0 to 1) of the former one, and the rest is new and has this size.
+  /// Keeps this part (0 to 1) of the lasting error. An independent new error with this standard deviation replaces the
+  /// rest.
   void renew_lasting_error(double part, double lasting_sigma_m);
   /// Eq. (5) with the model of eq. (11); dt_s >= 0.
   void predict(double dt_s, const Noise& noise);
-  /// Variance of a sighting's difference from the prediction along one axis.
+  /// Variance of the innovation along one axis.
   [[nodiscard]] double innovation_variance(const Noise& noise) const;
   /// Squared Mahalanobis distance of a sighting from the prediction (chi-square with 2 degrees of freedom).
   [[nodiscard]] double distance2(FieldPoint sighted, const Noise& noise) const;
@@ -52,7 +53,7 @@ class PointFilter {
   double x_ = 0.0, y_ = 0.0, vx_ = 0.0, vy_ = 0.0;
   double p_ = 1.0, c_ = 0.0, q_ = 1.0;        // covariance of each axis: position, cross term, velocity
   double lasting_ = 0.0;                      // variance of the lasting error of each axis
-  double p_lasting_ = 0.0, q_lasting_ = 0.0;  // its covariance with the errors of position and velocity
+  double p_lasting_ = 0.0, q_lasting_ = 0.0;  // covariance of the lasting error with those of position, velocity
 };
 
 }  // namespace touchline

@@ -8,13 +8,12 @@
 namespace touchline {
 namespace {
 
-// Turn after which the correlation of the lasting errors of position and heading is 1/e: they depend on the angles
-// between the patches' edges and the pixel grid. Measured in games of the arena.
+// Rotation after which the correlation of the lasting errors of position and heading is 1/e. These errors depend on the
+// angles between the patches' edges and the pixel grid. Measured in games of the arena.
 constexpr double kPositionLasts_rad = 0.6, kHeadingLasts_rad = 0.1;
-// Below this correlation, all errors count as others.
-constexpr double kLeastSame = 0.1;
-// A picture that states more than this multiple of the former variance, or less than its inverse, shows other parts of
-// the robot.
+// Below this correlation, lasting errors count as independent.
+constexpr double kMinErrorCorrelation = 0.1;
+// If the stated variance changes by more than this factor, the picture shows other parts of the robot.
 constexpr float kOtherSize = 4.0f;
 
 bool has_other_size(const PoseCovariance& a, const PoseCovariance& b) {
@@ -41,8 +40,8 @@ void RobotMotion::start(const Pose& pose, const DriveFilter::Velocity& velocity,
   lasting_ = noise.lasting;
 }
 
-// The correlation of the errors at two places depends on the places, not on the way or the time between them:
-// otherwise the noise of a standing robot's sightings would seem to be a long way.
+// The correlation of the errors at two poses depends on these poses, not on the path or the time between them. The
+// length of the path would grow with the noise of a standing robot's sightings.
 void RobotMotion::renew_lasting_error(const Pose& sighted, const SightingNoise& noise) {
   const Pose& since = lasting_since_;
   const double moved = std::hypot(static_cast<double>(sighted.position.x_m - since.position.x_m),
@@ -55,7 +54,7 @@ void RobotMotion::renew_lasting_error(const Pose& sighted, const SightingNoise& 
   const double position_part = same_position / same_position_, heading_part = same_heading / same_heading_;
   same_position_ = same_position;
   same_heading_ = same_heading;
-  if (same_heading < kLeastSame) {
+  if (same_heading < kMinErrorCorrelation) {
     lasting_since_ = sighted;
     same_position_ = same_heading_ = 1.0;
   }

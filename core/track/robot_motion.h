@@ -4,25 +4,24 @@
 
 namespace touchline {
 
-/// Covariances of the errors of a sighted pose: noise, which is another one in every picture, and errors that last
-/// while the robot stands. Those become others as it moves: after `lasts_m`, their correlation with the former ones is
-/// 1/e.
+/// Covariances of the errors of a sighted pose: white noise, and a bias that lasts while the robot stands (the lasting
+/// error). The bias decorrelates while the robot moves: after `lasts_m`, its correlation with the former bias is 1/e.
 struct SightingNoise {
   PoseCovariance white, lasting;
-  double lasts_m = 0.0;  // 0: not even until the next picture
+  double lasts_m = 0.0;  // 0: the bias is independent in each picture
 };
 
 /// Two models of the motion of one robot: it follows its commands, or it is in contact with a wall or another robot and
-/// moves on as before, in any direction. Each has a filter and a probability (interacting multiple models: Blom and
-/// Bar-Shalom 1988). Units and parameters as in DriveFilter.
+/// keeps its velocity in any direction. Each model has a filter and a probability (interacting multiple models: Blom
+/// and Bar-Shalom 1988). Units and parameters as in DriveFilter.
 class RobotMotion {
  public:
   void start(const Pose& pose, const DriveFilter::Velocity& velocity, double position_sigma_m,
              double heading_sigma_rad);
-  /// The first sighting of the robot.
+  /// Starts at the first sighting of the robot.
   void start(const Pose& pose, const DriveFilter::Velocity& velocity, const SightingNoise& noise);
-  /// Changes the lasting errors as those of a robot that moved to where it is sighted. Call it once for each sighting
-  /// with a heading, before innovation() and update().
+  /// Decorrelates the lasting errors by the motion to the sighted pose. Call it once for each sighting with a heading,
+  /// before innovation() and update().
   void renew_lasting_error(const Pose& sighted, const SightingNoise& noise);
   void predict(double dt_s, const DriveInput& input, const RobotFilterParameters& parameters);
   /// Predicts only the state; the covariance is unchanged. A contact becomes less probable with time.
@@ -31,7 +30,7 @@ class RobotMotion {
   void scale_covariance(double factor);
   void shift_to(FieldPoint position);
 
-  /// `noise`: without the lasting errors.
+  /// Compares a sighted pose with the prediction. `noise`: without the lasting errors.
   [[nodiscard]] DriveFilter::Innovation innovation(const Pose& sighted, const PoseCovariance& noise) const;
   /// Also changes the probabilities of the models, and mixes them for the next prediction.
   void update(const Pose& sighted, const PoseCovariance& noise, const RobotFilterParameters& parameters);
@@ -40,7 +39,7 @@ class RobotMotion {
 
   /// Probability that the robot is in contact.
   [[nodiscard]] double contact() const { return contact_probability_; }
-  /// Mean and covariance of both models.
+  /// Mean and covariance of the mixture of both models.
   [[nodiscard]] DriveFilter both() const { return free_.mixed(contact_, contact_probability_); }
   [[nodiscard]] Pose pose() const { return DriveFilter::pose_of(state()); }
   [[nodiscard]] Twist twist() const { return DriveFilter::twist_of(state()); }
@@ -53,7 +52,7 @@ class RobotMotion {
   DriveFilter free_, contact_;
   double contact_probability_ = 0.0;
   double unmixed_s_ = 0.0;  // time predicted since the last update
-  // The lasting errors: their covariance, where the robot was when they were others, and their correlation with those.
+  // The lasting errors: their covariance, the pose since which they decorrelate, and the correlations that remain.
   PoseCovariance lasting_;
   Pose lasting_since_;
   double same_position_ = 1.0, same_heading_ = 1.0;

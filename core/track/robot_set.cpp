@@ -10,7 +10,7 @@
 namespace touchline {
 namespace {
 
-// A robot that is not seen for a shorter time is surely the same afterwards.
+// If a robot was unseen for a shorter time, its track surely shows the same robot again.
 constexpr double kSurelySame_s = 0.1;
 
 }  // namespace
@@ -61,7 +61,7 @@ void RobotSet::fuse_associated(const Sightings& sightings, Instant now, const Tr
     served_[robot] = true;
     fused_[robot] = robots_[robot].fuse(sightings[i], now, parameters);
     if (!fused_[robot]) continue;
-    // After a jump, only what is seen at the new place counts.
+    // After a jump, only evidence from the new place counts.
     if (association_.is_jump(i)) robots_[robot].identity().clear();
     add_evidence(robot, association_.id_of(i), sightings[i].confidence, now);
   }
@@ -88,17 +88,18 @@ void RobotSet::add_evidence(std::size_t robot, RobotId id, float confidence, Ins
   if (slot != TrackIdentity::kNoSlot) robots_[robot].identity().add(slot, confidence, now);
 }
 
-// True if of two tracks at one place this one, which has no sighting, is wrong: its last one is older.
+// Whether `robot`, a track without a sighting, gives way to `other` at one place: the older last sighting loses.
 bool RobotSet::gives_way(std::size_t robot, std::size_t other) const {
   if (robots_[robot].life().lost() || robots_[other].life().lost()) return false;
   const Instant seen = robots_[robot].life().last_seen(), other_seen = robots_[other].life().last_seen();
   return seen != other_seen ? seen < other_seen : robot > other;
 }
 
-// Robots cannot be at one place. Of two tracks, the one without a sighting ends if its robot is unknown: it followed
-// the other robot. Otherwise the robot is beside the other one, if it is there at all.
+// Two robots cannot be at one place. If two tracks are, the one without a sighting has probably followed the other
+// robot. It ends if its own robot is unknown. Otherwise it moves beside the other track, because a hidden robot can
+// only be there.
 void RobotSet::separate(const TrackParameters& parameters) {
-  const double least = parameters.separation_m;
+  const double min_m = parameters.separation_m;
   for (const bool is_last : {false, true}) {
     for (std::size_t i = 0; i < robots_.size(); ++i) {
       if (fused_[i]) continue;
@@ -107,13 +108,13 @@ void RobotSet::separate(const TrackParameters& parameters) {
         const Vector2 other = to_vector(robots_[k].position());
         const Vector2 offset = to_vector(robots_[i].position()) - other;
         const double apart = norm(offset);
-        if (apart >= least) continue;
+        if (apart >= min_m) continue;
         if (robots_[i].id() == kUnknownId || is_last) {
           robots_[i].lose();
         } else {
           const Vector2 direction = apart > 0.0 ? (1.0 / apart) * offset : Vector2{1.0, 0.0};
-          // A little farther, so that rounding does not matter.
-          robots_[i].shift_to(to_field_point(other + (1.001 * least) * direction));
+          // 0.1 % farther than needed, because of rounding.
+          robots_[i].shift_to(to_field_point(other + (1.001 * min_m) * direction));
         }
       }
     }
@@ -133,7 +134,7 @@ void RobotSet::remove_lost() {
 std::size_t RobotSet::begin(const RobotSighting& sighting, Instant now, const TrackParameters& parameters) {
   std::size_t place = robots_.size();
   if (robots_.full()) {
-    // Replaces the track without a sighting whose last sighting is the oldest, if there is one.
+    // Replaces the track that has been without a sighting for the longest time, if there is one.
     place = Association::kNone;
     for (std::size_t i = 0; i < robots_.size(); ++i) {
       if (served_[i] || robots_[i].life().last_seen() >= now) continue;

@@ -8,14 +8,14 @@
 
 namespace touchline {
 
-/// The tracks of all robots, and the association of sightings with tracks.
+/// The tracks of all robots, and their sightings.
 class RobotSet {
  public:
   void clear();
   /// Predicts all tracks from `from` to `now` and then fuses the sightings, in this order:
   ///  - Sightings are associated with tracks (association.h), and add evidence for their ids (track_identity.h).
   ///  - Remaining sightings start tracks, unless a robot of their team was seen closer than two robots can be.
-  ///  - All tracks of a team are named together (team_ids.h).
+  ///  - Ids are assigned to all tracks of a team together (team_ids.h).
   ///  - Two tracks of a team never share a sighting or a place: a track without a sighting gives way.
   void update(const FixedVector<RobotSighting, kMaxRobots>& sightings, Instant from, Instant now,
               const CommandHistory& commands, const TrackParameters& parameters);

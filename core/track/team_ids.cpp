@@ -7,7 +7,7 @@
 namespace touchline {
 namespace {
 
-// Log odds from which on the margin of an id need not be exact: 95 %.
+// Log-odds from which on the margin of an id need not be exact: 95 %.
 constexpr float kClearMargin = 3.0f;
 
 }  // namespace

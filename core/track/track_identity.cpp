@@ -6,26 +6,26 @@
 namespace touchline {
 namespace {
 
-// Limits of the log odds of an id, and of the preference for the present one. With these values and kMemory_s, the id
-// of a robot that was seen for long changes after 1.5 s of another id, and after 1.9 s if every tenth sighting still
-// shows the old one. If it was seen for half a second, its id changes after 1.1 s.
+// Limits of an id's log-odds, and of the bonus for the present id. With these values and kMemory_s, the id of a robot
+// that was seen for a long time changes after 1.5 s of another id, and after 1.9 s if every tenth sighting still shows
+// the old id. If the robot was seen for half a second, its id changes after 1.1 s.
 constexpr float kMaxEvidence = 10.0f, kMaxContinuity = 5.0f;
 constexpr float kMemory_s = 1.1f, kContinuity_s = 0.3f;
-// Longest time that one sighting stands for: three frames at 30 Hz.
+// Longest time for which one sighting counts: three frames at 30 Hz.
 constexpr double kMaxInterval_s = 0.1;
-// Sightings of this confidence and more have the full weight. Otherwise, a mistake of the matcher with high confidence
+// From this confidence on, a sighting has its full weight. If weight grew further, a confident mistake of the matcher
 // would change an id within a few frames.
 constexpr float kFullConfidence = 0.9f;
 // Confidences above this one are not credible for a single frame.
 constexpr float kMaxConfidence = 0.999f;
-// Who was not seen may have been replaced by another robot.
+// Memory while a robot is unseen. Another robot may have taken its place.
 constexpr float kUnseenMemory_s = 0.3f;
 // An id with a lower probability is reported as unknown.
 constexpr float kMinProbability = 0.7f;
 
 float log_odds_of(float probability) { return std::log(probability / (1.0f - probability)); }
 
-// Log odds of a single sighting; 0: no evidence.
+// Log-odds of a single sighting; 0: no evidence.
 float log_odds_of_sighting(float confidence) {
   return confidence > 0.5f ? log_odds_of(std::min(confidence, kMaxConfidence)) : 0.0f;
 }
@@ -48,7 +48,7 @@ void TrackIdentity::add(std::size_t slot, float confidence, Instant now) {
     if (k != slot) other += evidence_[k];
   }
   evidence_[slot] += gain * kMaxEvidence;
-  // The first sighting of a robot counts by itself.
+  // The first sighting of an id counts fully, however short the interval is.
   evidence_[slot] = std::max(evidence_[slot], single - other - (slot == slot_ ? 0.0f : continuity_));
   last_confidence_ = confidence;
   if (slot != slot_) return;
@@ -85,8 +85,8 @@ void TrackIdentity::decide(const AssignedId& assigned) {
   is_sure_ = confidence_ >= kMinProbability;
 }
 
-// Sightings that agree are no independent proofs. Even after a long time they count as two: if one is wrong with
-// probability p, both are wrong with p^2.
+// Sightings that agree are not independent. Even after a long time they count as two: if one is wrong with probability
+// p, both are wrong with p^2.
 float TrackIdentity::probability(float margin) const {
   const float proofs = 1.0f + evidence_[slot_] / kMaxEvidence;
   const float sighted_right = 1.0f - std::pow(1.0f - std::min(reliability_, kMaxConfidence), proofs);

@@ -8,34 +8,34 @@
 
 namespace touchline {
 
-/// Who the robot of a track is: log odds of each id, gathered over frames.
+/// Log-odds of each id for the robot of a track, gathered over frames.
 ///
-/// A wrong sighting is followed by similar ones, because light and neighbors stay the same. Evidence therefore grows
-/// with the time during which an id is seen, not with the number of frames, and it is bounded: old evidence fades while
-/// another id is seen, or while the robot is not seen. Against its own id, a track needs more evidence than for its
-/// first one, because robots are rarely exchanged.
+/// A wrong sighting is followed by similar ones, because light and neighbors stay as they are. Evidence therefore grows
+/// with the time during which an id is seen, not with the number of frames, and it is bounded. Old evidence fades while
+/// another id is seen, or while the robot is not seen. To change its id, a track needs more evidence than for its first
+/// id, because robots are rarely exchanged.
 class TrackIdentity {
  public:
   static constexpr std::size_t kNoSlot = kMaxRobotsPerTeam;
 
   /// Forgets all evidence.
   void clear() { *this = {}; }
-  /// Adds a sighting at `now` of the id in `slot`. Confidence: 0 to 1; not above 0.5: no evidence.
+  /// Adds a sighting of the id in `slot` at `now`. `confidence`: 0 to 1; up to 0.5, it is no evidence.
   void add(std::size_t slot, float confidence, Instant now);
-  /// Fades for `unseen_s` during which the robot was not seen.
+  /// Lets the evidence fade for `unseen_s`, a time during which the robot was not seen.
   void fade(double unseen_s);
-  /// Sets the slot's evidence to zero: it stands for another id from now on.
+  /// Sets the slot's evidence to zero, because the slot stands for another id from now on.
   void forget(std::size_t slot);
 
-  /// Log odds of an id, including the preference for the present one.
+  /// Log-odds of an id, including the bonus for the present id.
   [[nodiscard]] float log_odds(std::size_t slot) const {
     return evidence_[slot] + (slot == slot_ ? continuity_ : 0.0f);
   }
   [[nodiscard]] bool has_evidence() const;
-  /// Takes the id of the best assignment of all tracks of a team.
+  /// Takes this id from the best assignment of ids to all tracks of a team.
   void decide(const AssignedId& assigned);
 
-  /// kNoSlot if the id is unknown or too doubtful.
+  /// Slot of the id; kNoSlot if the id is unknown or too doubtful.
   [[nodiscard]] std::size_t slot() const { return is_sure_ ? slot_ : kNoSlot; }
   /// Probability that the id is right.
   [[nodiscard]] float confidence() const { return confidence_; }
@@ -47,9 +47,9 @@ class TrackIdentity {
   std::size_t slot_ = kNoSlot;  // in the last assignment
   bool is_sure_ = false;
   float confidence_ = 0.0f;
-  float continuity_ = 0.0f;   // log odds in favor of the present id
+  float continuity_ = 0.0f;   // log-odds bonus for the present id
   float reliability_ = 0.0f;  // mean confidence of the sightings with the present id
-  // Of the last sighting with an id.
+  // Confidence of the last sighting with an id.
   float last_confidence_ = 0.0f;
   Instant last_{};
 };

@@ -42,33 +42,35 @@ struct RobotFilterParameters {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
-    visit.number(self.position_sigma_m,
-                 {.name = "position_sigma_m",
-                  .range = {1e-5, 0.1},
+    visit.number(self.position_sigma_m, {.name = "position_sigma_m",
+                                         .range = {1e-5, 0.1},
+                                         .unit = "m",
+                                         .help = "Standard deviation of a sighted position's bias, which lasts while "
+                                                 "the robot stands, each axis; the picture's own noise adds to it"});
+    visit.number(self.heading_sigma_rad, {.name = "heading_sigma_rad",
+                                          .range = {1e-4, 1.0},
+                                          .unit = "rad",
+                                          .help = "Standard deviation of a sighted heading's bias, which lasts while "
+                                                  "the robot stands; the picture's own noise adds to it"});
+    visit.number(self.position_jitter_m,
+                 {.name = "position_jitter_m",
+                  .range = {1e-6, 0.1},
                   .unit = "m",
-                  .help = "Standard deviation of a sighted position's error that lasts while the robot stands, each "
-                          "axis, beside what its picture shows"});
-    visit.number(
-        self.heading_sigma_rad,
-        {.name = "heading_sigma_rad", .range = {1e-4, 1.0}, .unit = "rad", .help = "The same of a sighted heading"});
-    visit.number(
-        self.position_jitter_m,
-        {.name = "position_jitter_m",
-         .range = {1e-6, 0.1},
-         .unit = "m",
-         .help = "Standard deviation of a sighted position from picture to picture, each axis, beside what the "
-                 "picture shows; noise.robot_position_m of the venue file adds to it"});
+                  .help = "Standard deviation of a sighted position's noise from picture to picture, each axis; the "
+                          "picture's own noise and noise.robot_position_m of the venue file add to it"});
     visit.number(self.heading_jitter_rad,
                  {.name = "heading_jitter_rad",
                   .range = {1e-5, 1.0},
                   .unit = "rad",
-                  .help = "The same of a sighted heading; noise.robot_heading_rad adds to it"});
-    visit.number(self.motion_sigma_s,
-                 {.name = "motion_sigma_s",
-                  .range = {0.0, 0.1},
-                  .unit = "s",
-                  .help = "Error of a moving robot's sighting by motion blur and the time stamp: speed times this is "
-                          "its standard deviation, that of the heading grows in proportion"});
+                  .help = "Standard deviation of a sighted heading's noise from picture to picture; the picture's own "
+                          "noise and noise.robot_heading_rad of the venue file add to it"});
+    visit.number(
+        self.motion_sigma_s,
+        {.name = "motion_sigma_s",
+         .range = {0.0, 0.1},
+         .unit = "s",
+         .help = "Error of a moving robot's sighting by motion blur and the time stamp: the standard deviation of the "
+                 "position is this time multiplied by the speed; that of the heading grows in proportion"});
     visit.number(self.patch_sigma_m,
                  {.name = "patch_sigma_m",
                   .range = {1e-4, 0.2},
@@ -99,9 +101,10 @@ struct RobotFilterParameters {
                                        .range = {1e-6, 100.0},
                                        .unit = "1/s",
                                        .help = "Rate at which a robot touches a wall or another robot"});
-    visit.number(
-        self.contact_lasts_s,
-        {.name = "contact_lasts_s", .range = {1e-3, 100.0}, .unit = "s", .help = "Mean duration of such a contact"});
+    visit.number(self.contact_lasts_s, {.name = "contact_lasts_s",
+                                        .range = {1e-3, 100.0},
+                                        .unit = "s",
+                                        .help = "Mean duration of a contact with a wall or another robot"});
     visit.number(self.drive_noise_m_rts,
                  {.name = "drive_noise_m_rts",
                   .range = {0.0, 1.0},
@@ -205,15 +208,14 @@ struct BallFilterParameters {
     visit.number(self.position_sigma_m, {.name = "position_sigma_m",
                                          .range = {1e-5, 0.1},
                                          .unit = "m",
-                                         .help = "Standard deviation of a sighted position's error that lasts while "
-                                                 "the ball rests, each axis, beside what its picture shows"});
-    visit.number(
-        self.position_jitter_m,
-        {.name = "position_jitter_m",
-         .range = {1e-6, 0.1},
-         .unit = "m",
-         .help = "Standard deviation of a sighted position from picture to picture, each axis, beside what the "
-                 "picture shows; noise.ball_position_m of the venue file adds to it"});
+                                         .help = "Standard deviation of a sighted position's bias, which lasts while "
+                                                 "the ball rests, each axis; the picture's own noise adds to it"});
+    visit.number(self.position_jitter_m,
+                 {.name = "position_jitter_m",
+                  .range = {1e-6, 0.1},
+                  .unit = "m",
+                  .help = "Standard deviation of a sighted position's noise from picture to picture, each axis; the "
+                          "picture's own noise and noise.ball_position_m of the venue file add to it"});
     visit.number(self.damping_per_s, {.name = "damping_per_s",
                                       .range = {0.0, 10.0},
                                       .unit = "1/s",

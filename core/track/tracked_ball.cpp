@@ -7,18 +7,19 @@
 namespace touchline {
 namespace {
 
-// A ball that was not seen for longer may be anywhere. Its next sightings must agree with each other.
+// Longest time without a sighting that a bounce is tried for. After a longer time the ball may be anywhere, so its next
+// sightings must agree with each other.
 constexpr double kLongestBounce_s = 0.05;
 
-// A prediction over a longer time says little about the place in the next frame.
+// Longest useful prediction of the ball's position in the next frame.
 constexpr double kMaxExpectation_s = 0.25;
 
 // A rolling ball needs little more process noise than a resting one.
-constexpr double kLeastBallActivity = 1e-3;
+constexpr double kMinBallActivity = 1e-3;
 
-// Below this correlation, all lasting errors count as others. So do those of a picture that states more than this
-// multiple of the former size, or less than its inverse: it shows other parts of the ball.
-constexpr double kLeastSameBall = 0.1, kOtherBallSize = 2.0;
+// Lasting errors count as independent below this correlation, or if their stated size changes by more than this factor:
+// the picture then shows other parts of the ball.
+constexpr double kMinBallErrorCorrelation = 0.1, kOtherBallSize = 2.0;
 
 PointFilter::Noise ball_motion(const BallFilterParameters& p, double activity) {
   return {0.0, std::sqrt(activity) * p.noise_mps_rts, p.damping_per_s};
@@ -61,7 +62,8 @@ void TrackedBall::start(const BallSighting& sighting, const PointFilter::Velocit
   same_ = 1.0;
 }
 
-// As of robots (robot_motion.cpp), the correlation of the errors at two places depends on the places, not on the way.
+// As for robots (robot_motion.cpp), the correlation of the errors at two positions depends on these positions, not on
+// the path.
 double TrackedBall::renew_lasting_error(const BallSighting& sighting, const Errors& errors) {
   const bool is_other = !(sighting.lasts_m > 0.0f) || errors.lasting_m > kOtherBallSize * lasting_m_ ||
                         lasting_m_ > kOtherBallSize * errors.lasting_m;
@@ -69,7 +71,7 @@ double TrackedBall::renew_lasting_error(const BallSighting& sighting, const Erro
   const double same = is_other ? 0.0 : std::min(same_, std::exp(-moved / static_cast<double>(sighting.lasts_m)));
   const double part = same / same_;
   same_ = same;
-  if (same < kLeastSameBall) {
+  if (same < kMinBallErrorCorrelation) {
     lasting_since_ = sighting.position;
     same_ = 1.0;
   }
@@ -110,7 +112,7 @@ bool TrackedBall::fuse(const BallSighting& sighting, Instant now, const TrackPar
   next.filter_.renew_lasting_error(next.renew_lasting_error(sighting, errors), errors.lasting_m);
   double distance2 = next.filter_.distance2(sighting.position, noise);
   const double predicted_share = 1.0 - errors.white_m * errors.white_m / next.filter_.innovation_variance(noise);
-  next.activity_.follow(distance2 / 2.0, distance2 > p.gate_position, predicted_share, kLeastBallActivity);
+  next.activity_.follow(distance2 / 2.0, distance2 > p.gate_position, predicted_share, kMinBallActivity);
   if (distance2 > p.gate_position) {
     // The ball may have bounced, or a robot hit it, since the last sighting.
     next.filter_.disturb(std::min(seconds(now - life_.last_seen()), kLongestBounce_s), p.impact_mps);

@@ -8,16 +8,17 @@
 
 namespace touchline {
 
-/// The track of the ball. Its process noise follows the innovations: a ball that rolls freely moves more calmly than
-/// one that robots fight for, and a sighting beyond the gate may show a bounce or a hit since the last one.
+/// The track of the ball. Its process noise follows the innovations: a freely rolling ball needs less than one that
+/// robots fight for. A sighting beyond the gate may show a bounce or a hit since the last sighting.
 class TrackedBall {
  public:
   void lose();
   /// Predicts from `from`, the time of the last call, to `now`, and fuses the sighting, if there is one.
   void update(const BallSighting& sighting, Instant from, Instant now, const TrackParameters& parameters);
-  /// Predicted from `from`, the time of the last update, to `now`; unknown if the ball was not seen for long.
+  /// Returns the prediction from `from`, the time of the last update, to `now`; unknown if the ball was unseen for
+  /// long.
   [[nodiscard]] ExpectedBall expected(Instant from, Instant now, const TrackParameters& parameters) const;
-  /// At the time `now` of the last update, and predicted to `action`.
+  /// Reports the track at `now`, the time of the last update, and its prediction to `action`.
   void report(Instant now, Instant action, const TrackParameters& parameters, BallTrack& out) const;
 
  private:
@@ -29,7 +30,8 @@ class TrackedBall {
 
   bool fuse(const BallSighting& sighting, Instant now, const TrackParameters& parameters);
   void start(const BallSighting& sighting, const PointFilter::Velocity& velocity, const Errors& errors);
-  /// Returns the part of the lasting error that is as at the last sighting.
+  /// Decorrelates the lasting error by the motion to the sighting. Returns the part that remains since the last
+  /// sighting.
   double renew_lasting_error(const BallSighting& sighting, const Errors& errors);
 
   PointFilter filter_;
@@ -39,8 +41,8 @@ class TrackedBall {
   float confidence_ = 0.0f;    // of the last sighting
   float innovation2_ = -1.0f;  // as in BallTrack
   Activity activity_;
-  // The lasting error: its standard deviation, where the ball was when it was another one, and the correlation with
-  // that one.
+  // The lasting error: its standard deviation, the position since which it decorrelates, and the correlation that
+  // remains.
   double lasting_m_ = 0.0;
   FieldPoint lasting_since_;
   double same_ = 1.0;

@@ -12,12 +12,12 @@ namespace {
 // Standard deviation of an unknown angle (uniform distribution over the circle).
 constexpr double kUnknownHeadingSigma = std::numbers::pi / std::numbers::sqrt3;
 
-// Largest error of a position that counts as right: with an id as that of a sighting; without one, as far as the team
-// patch is from the center.
+// Largest position error that counts as right. With an id, it is as large as for a sighting; without an id, it is the
+// distance of the team patch from the center.
 constexpr double kSamePlace_m = 0.02, kSameRobot_m = 0.05;
 
-// The filters have to cover the worst robots. In rendered games in bad light, the error of robots that are hidden, or
-// of which only the team patch is seen, is this part of the filter's standard deviation.
+// Typical position error, relative to the filter's standard deviation, which has to cover the worst robots. Measured in
+// rendered games in bad light, for robots that are hidden or show only their team patch.
 constexpr double kTypicalError = 0.6;
 
 // Probability that the error in two dimensions is below `reach_m` (Rayleigh distribution).
@@ -26,10 +26,10 @@ float probability_within(double reach_m, double sigma_m) {
   return static_cast<float>(-std::expm1(-0.5 * ratio * ratio));
 }
 
-// Probability of the id from which on the commands to this id are used in the prediction.
+// From this probability of the id on, the prediction uses the commands to this id.
 constexpr float kSureOfCommands = 0.9f;
 
-// A sighting with a certain id is rejected only once: of two that agree, none is an error of the vision.
+// A sighting with a certain id is rejected only once: if two agree, they are no errors of the vision.
 constexpr float kCertainId = 0.9f;
 constexpr int kCertainOutliers = 2;
 
@@ -37,18 +37,18 @@ LifeCycle::Limits limits_of(const TrackParameters& p) {
   return {p.confirm_sightings, p.forget_new_after_s, p.lost_after_s};
 }
 
-// Weight of the newest squared innovation per degree of freedom in their mean, and the mean that is a surprise: 1 in
-// 1000 is larger.
+// Weight of the newest squared innovation per degree of freedom in their running mean, and the mean from which on the
+// prediction counts less (1 in 1000 is larger).
 constexpr double kNewestSurprise = 0.4, kSurprise = 3.0;
 
-// A robot moves more calmly than the parameters allow for as long as its innovations are smaller than predicted: least
-// part of the process noise's variance for a standing robot and for one that drives at 1 m/s. With known commands,
-// errors of the wheels grow with the speed; with less, the headings of tracks would be worse than those of sightings.
-// Without them, the noise stands for the acceleration by commands, which a fast robot does not need more than a slow
-// one.
-constexpr double kLeastActivity = 1e-3, kLeastActivityAtSpeed = 0.3, kLeastFreeActivityAtSpeed = 0.015;
+// Lower limits of the process noise's factor (activity.h), for a standing robot and for one that drives at 1 m/s. With
+// known commands, errors of the wheels grow with the speed. A smaller limit would make headings of tracks worse than
+// those of sightings. Without known commands, the noise stands for the acceleration by the commands, which hardly
+// depends on the speed.
+constexpr double kMinActivity = 1e-3, kMinActivityAtSpeed = 0.3, kMinFreeActivityAtSpeed = 0.015;
 
-// A robot that was not seen for longer may be anywhere. Its next sightings must agree with each other.
+// Longest time without a sighting that a collision is tried for. After a longer time the robot may be anywhere, so its
+// next sightings must agree with each other.
 constexpr double kLongestImpact_s = 0.05;
 
 PointFilter::Noise point_motion(const RobotFilterParameters& p) { return {0.0, p.free_noise_mps_rts, 0.0}; }
@@ -57,14 +57,14 @@ PoseCovariance scaled(const PoseCovariance& c, float by) {
   return {by * c.xx, by * c.yy, by * c.tt, by * c.xy, by * c.xt, by * c.yt};
 }
 
-// With other standard deviations of position and heading.
+// Scales the standard deviations of position and heading by these factors.
 PoseCovariance scaled(const PoseCovariance& c, double position, double heading) {
   const auto xx = static_cast<float>(position * position), tt = static_cast<float>(heading * heading);
   const auto xt = static_cast<float>(position * heading);
   return {xx * c.xx, xx * c.yy, tt * c.tt, xx * c.xy, xt * c.xt, xt * c.yt};
 }
 
-// Errors that the picture shows, and those beside them.
+// Errors that the picture states, plus those of the parameters.
 SightingNoise noise_of(const RobotSighting& sighting, const RobotFilterParameters& p) {
   SightingNoise noise{scaled(sighting.noise, 1.0f - sighting.lasting_share),
                       scaled(sighting.noise, sighting.lasting_share), static_cast<double>(sighting.lasts_m)};
@@ -79,8 +79,9 @@ SightingNoise noise_of(const RobotSighting& sighting, const RobotFilterParameter
   return noise;
 }
 
-// Motion blur displaces each patch center by itself: the heading's variance grows in the ratio that the picture's noise
-// has. The time stamp displaces the position along the way, and the heading by the turn.
+// Adds the errors caused by motion. Motion blur displaces each patch center independently, so the heading's variance
+// grows with the position's in the ratio of the picture's noise. An error of the time stamp displaces the position
+// along the path, and the heading by the rotation.
 void add_motion(const RobotSighting& sighting, const Twist& twist, double sigma_s, PoseCovariance& lasting) {
   const auto by_speed = static_cast<float>(sigma_s) * twist.v_mps,
              by_turn = static_cast<float>(sigma_s) * twist.w_radps;
@@ -96,7 +97,7 @@ PoseCovariance sum_of(const SightingNoise& noise) {
   return {a.xx + b.xx, a.yy + b.yy, a.tt + b.tt, a.xy + b.xy, a.xt + b.xt, a.yt + b.yt};
 }
 
-// Process noise of these parts of the parameters' variances.
+// Multiplies the variances of the process noise by these factors.
 RobotFilterParameters with_activity(const RobotFilterParameters& parameters, double drive, double turn) {
   RobotFilterParameters p = parameters;
   const double drive_factor = std::sqrt(drive), turn_factor = std::sqrt(turn);
@@ -185,8 +186,9 @@ void TrackedRobot::look_ahead(Instant from, Instant to, const CommandHistory* co
                   [&](double dt_s, const DriveInput& input) { drive_.predict_state(dt_s, input, parameters.robot); });
 }
 
-// A sighting that free motion cannot explain may show that the robot collided since the last one. One that is pushed,
-// moves sideways, which the model excludes: if several sightings surprise, the prediction counts less (fading memory).
+// A sighting that free motion cannot explain may show a collision since the last sighting. A robot that is pushed moves
+// sideways, which the model excludes. If several innovations in a row are large, the prediction therefore counts less
+// (fading memory).
 bool TrackedRobot::fuse_pose(const RobotSighting& sighting, Instant now, const RobotFilterParameters& parameters) {
   SightingNoise errors = noise_of(sighting, parameters);
   add_motion(sighting, drive_.twist(), parameters.motion_sigma_s, errors.lasting);
@@ -202,15 +204,15 @@ bool TrackedRobot::fuse_pose(const RobotSighting& sighting, Instant now, const R
   const bool is_beyond_gate = distance2 > parameters.gate_pose;
   if (commands_known_) {
     // Errors of the wheels act on both velocities.
-    const double least = std::min(1.0, kLeastActivity + kLeastActivityAtSpeed * speed * speed);
+    const double lower_limit = std::min(1.0, kMinActivity + kMinActivityAtSpeed * speed * speed);
     for (FreeActivity* activity : {&drive_activity_, &turn_activity_}) {
-      activity->follow(distance2 / 3.0, is_beyond_gate, innovation.predicted_share, least);
+      activity->follow(distance2 / 3.0, is_beyond_gate, innovation.predicted_share, lower_limit);
     }
   } else {
-    // A robot may turn calmly while its speed changes, and the other way round.
-    const double least = std::min(1.0, kLeastActivity + kLeastFreeActivityAtSpeed * speed * speed);
-    drive_activity_.follow_direction(innovation.along, is_beyond_gate, least);
-    turn_activity_.follow_direction(innovation.heading, is_beyond_gate, least);
+    // The speed of a robot may change while its rotation does not, and the other way round.
+    const double lower_limit = std::min(1.0, kMinActivity + kMinFreeActivityAtSpeed * speed * speed);
+    drive_activity_.follow_direction(innovation.along, is_beyond_gate, lower_limit);
+    turn_activity_.follow_direction(innovation.heading, is_beyond_gate, lower_limit);
   }
   const double newest = std::min(distance2, parameters.gate_pose) / 3.0;
   const double surprise = surprise_ + kNewestSurprise * (newest - surprise_);

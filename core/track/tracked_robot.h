@@ -18,7 +18,7 @@ class TrackedRobot {
  public:
   void start(const RobotSighting& sighting, Instant now, std::uint32_t birth, const TrackParameters& parameters);
 
-  /// Predicts from `from` to `to` with the commands that act in this time; null if they are unknown.
+  /// Predicts from `from` to `to` with the commands that act in this time. `commands`: null if they are unknown.
   void predict(Instant from, Instant to, const CommandHistory* commands, const TrackParameters& parameters);
   /// Like predict(), but only for pose() and twist().
   void look_ahead(Instant from, Instant to, const CommandHistory* commands, const TrackParameters& parameters);
@@ -30,7 +30,7 @@ class TrackedRobot {
   void shift_to(FieldPoint position);
   TrackIdentity& identity() { return identity_; }
   [[nodiscard]] const TrackIdentity& identity() const { return identity_; }
-  /// The id that the evidence leads to.
+  /// Sets the id that TeamIds has assigned.
   void set_id(RobotId id) { id_ = id; }
 
   [[nodiscard]] Team team() const { return team_; }
@@ -46,7 +46,7 @@ class TrackedRobot {
   [[nodiscard]] Twist twist() const;
 
  private:
-  /// The commands if it is certain that they are those of this robot, else null.
+  /// Returns `commands` if they are certainly meant for this robot, else null.
   [[nodiscard]] const CommandHistory* own_commands(const CommandHistory* commands) const;
   template <class Predict>
   void follow_commands(Instant from, Instant to, const CommandHistory* commands, Predict predict);

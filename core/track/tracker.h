@@ -27,7 +27,7 @@ class Tracker {
   /// The ball at the time of the next frame; unknown if it was not seen for long.
   [[nodiscard]] ExpectedBall expected_ball(Instant capture_time) const;
 
-  /// Predictions are not useful for a longer time. The pipeline's action delay is at most this.
+  /// Longest useful prediction. The pipeline's action delay is at most this long.
   static constexpr Duration kMaxPrediction = std::chrono::seconds(1);
 
   /// The commanded twist that acts on an own robot at `instant`, which is not before the last update; zero if unknown.

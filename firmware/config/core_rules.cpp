@@ -104,7 +104,7 @@ void add_core_refusals(const Configuration& configuration, ErrorList& errors) {
     const std::string key = rule.key(parameters);
     const Locations& where = configuration.*rule.file;
     errors.add(where.of(key), key,
-               rule.message.empty() ? std::string("it cannot be used: ") + describe(status.code())
+               rule.message.empty() ? std::string("its values cannot be used: ") + describe(status.code())
                                     : std::string(rule.message));
   }
 }

@@ -16,6 +16,8 @@ struct FormerSetting {
 inline constexpr std::array kFormerSettings{
     FormerSetting{"scan.kernel", "avx512",
                   "the kernels for AVX-512 are gone, because they were no faster than those for AVX2; remove the line"},
+    FormerSetting{"adaptation.most_light", "", "is called max_light now; rename the key"},
+    FormerSetting{"adaptation.most_shift", "", "is called max_shift now; rename the key"},
 };
 
 /// The advice, or "" if no earlier version knew the key, or this word for it.

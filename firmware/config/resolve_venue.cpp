@@ -165,7 +165,7 @@ void resolve_adaptation(const VenueFile& venue, const Locations& where, Pipeline
   }
   out.scan.box_shift_limit = 0;
   if (venue.adaptation.mode == AdaptationMode::kOff) return;
-  out.scan.box_shift_limit = static_cast<std::uint8_t>(std::ceil(venue.adaptation.most_shift));
+  out.scan.box_shift_limit = static_cast<std::uint8_t>(std::ceil(venue.adaptation.max_shift));
   if (out.scan.light.columns > 0) return;
   out.scan.light.columns = out.scan.light.rows = 1;
   for (auto& plane : out.scan.light.illumination) plane[0] = 1.0f;

@@ -40,7 +40,8 @@ Result<std::vector<std::byte>> thumbnail(const hal::CameraSettings& settings) {
   for (int frame = 0; frame <= kThumbnailFrame;) {
     const Result<hal::FrameLease> lease = camera.wait(end);
     if (hal::MonotonicClock::read() >= end)
-      return failure(ErrorCode::kTimeout, "%s: no picture", settings.device.c_str());
+      return failure(ErrorCode::kTimeout, "%s: the camera delivered no picture in time; check its cable and format",
+                     settings.device.c_str());
     if (!lease.ok() || ++frame <= kThumbnailFrame) continue;
     const Frame& picture = lease.value().frame();
     const int divisor = std::clamp((picture.width_px + kThumbnailWidth - 1) / kThumbnailWidth, 1, 8);

@@ -6,7 +6,7 @@ namespace touchline::console {
 
 Result<void> Driving::require_driver(ClientNumber client) const {
   if (driver_ == client) return {};
-  return failure(ErrorCode::kPermission, "another client drives, or nobody: take over first");
+  return failure(ErrorCode::kPermission, "this client does not have control: take over first");
 }
 
 // A command from before a stop must not move a robot after it.
@@ -43,10 +43,9 @@ void Driving::clear_commands() {
 Result<void> Driving::start(ClientNumber client, std::uint32_t number) {
   TOUCHLINE_TRY(require_driver(client));
   if (number != stop_number()) {
-    return failure(
-        ErrorCode::kInconsistent,
-        "it is meant for stop %u, and stop %u has come since: look why the robots are stopped, and start again", number,
-        stop_number());
+    return failure(ErrorCode::kInconsistent,
+                   "it answers stop %u, but stop %u has come since: see why the robots are stopped, then start again",
+                   number, stop_number());
   }
   input_.stop = false;
   ++input_.starts;
@@ -96,7 +95,8 @@ Result<void> Driving::give_back(ClientNumber client, RobotId id) {
   for (const ExternalCommand& command : input_.commands) {
     if (command.id != id) kept.push_back(command);
   }
-  if (kept.size() == input_.commands.size()) return failure(ErrorCode::kNotFound, "robot %d is not driven", int{id});
+  if (kept.size() == input_.commands.size())
+    return failure(ErrorCode::kNotFound, "robot %d is not driven from the console", int{id});
   input_.commands = kept;
   changed_ = true;
   return {};

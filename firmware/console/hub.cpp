@@ -202,8 +202,8 @@ Result<void> Hub::obey(Client& client, const ClientMessage& message, Instant arr
     case Kind::kStart: {
       if (!message.stop_number) {
         return failure(ErrorCode::kInconsistent,
-                       "\"stop_number\" is missing: a start names the stop that it ends, as the newest state or status "
-                       "tells it; reload the page");
+                       "\"stop_number\" is missing: a start must name the stop that it ends, which the newest state or "
+                       "status tells; reload the page");
       }
       read_loop(now);
       const bool was_stopped = driving_.is_stopped();

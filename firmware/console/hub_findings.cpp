@@ -15,7 +15,8 @@ constexpr Duration kProbeTime = 2s;
 }  // namespace
 
 Result<void> Hub::accept_probe(Client& client, const ClientMessage& message, Instant now) {
-  if (client.probes.size() >= kMaxWaitingProbes) return failure(ErrorCode::kBusy, "too many probes at a time");
+  if (client.probes.size() >= kMaxWaitingProbes)
+    return failure(ErrorCode::kBusy, "too many pixels are asked for at a time; wait for the answers");
   // Rounds to a pixel, as write_probe() does.
   if (message.pixel.u_px >= static_cast<float>(scene_.camera.width_px) - 0.5f ||
       message.pixel.v_px >= static_cast<float>(scene_.camera.height_px) - 0.5f) {

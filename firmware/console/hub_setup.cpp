@@ -108,7 +108,7 @@ Result<void> Hub::use(const SetupOrder& order) {
   update_setup_wish(hal::MonotonicClock::read());
   pass_on();
   files_.run([this, use = links_.use_files, draft = order.files]() -> FileThread::Finish {
-    const auto used = std::make_shared<Result<FilesUse>>(failure(ErrorCode::kFull, "memory is short"));
+    const auto used = std::make_shared<Result<FilesUse>>(failure(ErrorCode::kFull, "the board is out of memory"));
     try {
       *used = use(draft);
     } catch (const std::exception&) {

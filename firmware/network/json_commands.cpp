@@ -243,7 +243,7 @@ Result<CommandBatch> decode_json_commands(std::span<const std::byte> bytes) {
   try {
     nlohmann::json::sax_parse(text, text + bytes.size(), &reader);
   } catch (const std::exception& exception) {
-    return failure(ErrorCode::kCorruptFrame, "not readable: %s", exception.what());
+    return failure(ErrorCode::kCorruptFrame, "it cannot be parsed: %s", exception.what());
   }
   return std::move(reader).result();
 }

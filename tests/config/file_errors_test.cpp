@@ -33,6 +33,13 @@ TEST_F(ConfigFiles, AWordOfAnEarlierVersionSaysWhatToDo) {
       "are gone, because they were no faster than those for AVX2; remove the line\n");
 }
 
+TEST_F(ConfigFiles, AKeyOfAnEarlierVersionNamesTheNewOne) {
+  replace("venue.toml", "[picture]", "[adaptation]\nmost_light = 1.5\nmost_shift = 5.0\n[picture]");
+  const std::string report = refusal();
+  EXPECT_NE(report.find("adaptation.most_light: is called max_light now; rename the key"), std::string::npos) << report;
+  EXPECT_NE(report.find("adaptation.most_shift: is called max_shift now; rename the key"), std::string::npos) << report;
+}
+
 TEST_F(ConfigFiles, ControlCharactersOfAFileAreShownAsNumbers) {
   replace("board.toml", "backend = \"none\"", "backend = \"none\\u001b[2J\\nboard.toml: fine\\u009b\"");
   EXPECT_EQ(

@@ -95,7 +95,7 @@ TEST_F(WebDriving, AStartEndsOnlyTheStopThatItsPageHasShown) {
   EXPECT_TRUE(input().stop);
   const nlohmann::json without = ask(driver, "start");
   EXPECT_EQ(without["ok"], false);
-  EXPECT_NE(without["error"].get<std::string>().find("names the stop"), std::string::npos) << without;
+  EXPECT_NE(without["error"].get<std::string>().find("must name the stop"), std::string::npos) << without;
   EXPECT_EQ(ask(driver, "start", stop_in_force())["ok"], true);
   EXPECT_TRUE(eventually([&] { return halt() == kHaltNone; }));
 }

@@ -150,7 +150,8 @@ TEST_F(WebFindings, AProbeThatCannotBeAnsweredIsAnError) {
   EXPECT_EQ(ask(page, "probe", R"("u_px":320,"v_px":0)")["error"], "the pixel is outside the camera's picture");
   EXPECT_EQ(ask(page, "probe", R"("u_px":1,"v_px":0)")["error"], "there is no picture that was examined");
   for (int i = 0; i < 5; ++i) page.send_text(text_of("probe", R"("request":99,"u_px":1,"v_px":1)"));
-  EXPECT_EQ(nlohmann::json::parse(*page.read_type("answer"))["error"], "too many probes at a time");
+  EXPECT_EQ(nlohmann::json::parse(*page.read_type("answer"))["error"],
+            "too many pixels are asked for at a time; wait for the answers");
   EXPECT_EQ(nlohmann::json::parse(*page.read_type("answer"))["error"], "there is no picture that was examined");
 }
 

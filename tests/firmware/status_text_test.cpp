@@ -152,17 +152,16 @@ TEST(HaltLine, ShowsTheFigureOfAPictureThatIsNotTheTruth) {
       "then press Start");
   picture.overload_frames = 7;
   picture.field_share = 0.034f;
-  EXPECT_EQ(
-      halt_line({1.0, kHaltOverload | kHaltField, kHaltNone, 0, picture}),
-      "1.0 s  robots halted: pictures overload the step (7 frames in a row), the field is not recognizable (3 % of "
-      "it)");
+  EXPECT_EQ(halt_line({1.0, kHaltOverload | kHaltField, kHaltNone, 0, picture}),
+            "1.0 s  robots halted: too many colored regions in the picture (7 frames in a row), the field is not "
+            "recognizable (3 % of "
+            "it)");
   picture.contradicts = true;
   picture.commanded = 5;
   picture.contradicting = 4;
-  EXPECT_EQ(
-      halt_line({1.0, kHaltMotion, kHaltNone, 0, picture}),
-      "1.0 s  robots halted: seen motion contradicts the commands (4 of 5 commanded robots); check batteries, radio "
-      "and picture, then press Start");
+  EXPECT_EQ(halt_line({1.0, kHaltMotion, kHaltNone, 0, picture}),
+            "1.0 s  robots halted: robots do not move as commanded (4 of 5 commanded robots); check batteries, radio "
+            "and picture, then press Start");
   EXPECT_EQ(standing_line({2.0, 3}),
             "2.0 s  all robots stand although they are commanded to move: check batteries, radio and picture");
 }

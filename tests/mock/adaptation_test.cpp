@@ -113,7 +113,7 @@ class AdaptationTest : public ::testing::Test {
 };
 
 // Learns only from recognized robots, and quickly.
-const std::vector<std::string> kFast = {"adaptation.time_constant_s=1", "adaptation.most_light=3",
+const std::vector<std::string> kFast = {"adaptation.time_constant_s=1", "adaptation.max_light=3",
                                         "light.reference=\"\""};
 std::vector<std::string> with(std::vector<std::string> overrides, const std::string& one) {
   overrides.push_back(one);
@@ -273,7 +273,7 @@ TEST_F(AdaptationTest, FrozenKeepsAndOffResetsTheAdaptation) {
 }
 
 TEST_F(AdaptationTest, TheAdaptationIsBounded) {
-  start({"adaptation.time_constant_s=1", "adaptation.most_light=1.25", "light.reference=\"\""});
+  start({"adaptation.time_constant_s=1", "adaptation.max_light=1.25", "light.reference=\"\""});
   run(5, kCloud, 0, 0);
   run(120, kCloud, 0, 0.5);
   EXPECT_GE(trace->light.brightness, 1 / 1.2501f);

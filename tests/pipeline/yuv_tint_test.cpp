@@ -32,10 +32,10 @@ class YuvTint : public ::testing::TestWithParam<PixelFormat> {
     scan_.format = GetParam();
     scan_.width_px = kWide;
     scan_.height_px = kHigh;
-    scan_.box_shift_limit = static_cast<std::uint8_t>(most_shift_);
+    scan_.box_shift_limit = static_cast<std::uint8_t>(max_shift_);
     scan_.light.columns = scan_.light.rows = 1;
     for (auto& plane : scan_.light.illumination) plane[0] = 1.0f;
-    parameters_.most_shift = most_shift_;
+    parameters_.max_shift = max_shift_;
     for (ColorId color = kFirstPatch; color <= kLastPatch; ++color) {
       const Channels value = yuv_of(kPatchRgb[color], color_space(GetParam()));
       ColorBox box{color, {}, {}};
@@ -91,7 +91,7 @@ class YuvTint : public ::testing::TestWithParam<PixelFormat> {
 
   // Full range has 255 steps of chroma, limited range 224.
   const bool is_full_range_ = color_space(GetParam()) == ColorSpace::kYuvFullRange;
-  const int tolerance_ = is_full_range_ ? 7 : 6, most_shift_ = is_full_range_ ? 17 : 15;
+  const int tolerance_ = is_full_range_ ? 7 : 6, max_shift_ = is_full_range_ ? 17 : 15;
   ScanParameters scan_;
   AdaptationParameters parameters_;
   OwnedPicture picture_{GetParam(), kWide, kHigh, 0};

@@ -244,7 +244,7 @@ TEST_F(LatencyProgram, OutputsReplaceNeitherInputsNorEachOther) {
   EXPECT_EQ(read("a.json"), "x");
   EXPECT_EQ(measure("--frames 5 --out /dev/null --csv /dev/null"), 0) << read("out");
   EXPECT_EQ(measure("--frames 5 --out " + path("x") + " --html " + path("x")), 1);
-  EXPECT_TRUE(output_contains("--out " + path("x") + ": would overwrite, or be added to, that of --html"))
+  EXPECT_TRUE(output_contains("--out " + path("x") + ": would overwrite, or be added to, the output of --html"))
       << read("out");
 }
 

@@ -82,7 +82,7 @@ struct RestlessOpponent {
 
 // Errors of velocities, RMS, relative to those of the difference of two sightings: speed and turn.
 std::array<double, 2> track_by_difference(const RestlessOpponent& motion) {
-  constexpr double kStep_s = 0.001, kSigma_m = 0.00017, kSigma_rad = 0.004, kMost_mps = 1.5, kBlock_s = 0.3;
+  constexpr double kStep_s = 0.001, kSigma_m = 0.00017, kSigma_rad = 0.004, kMaxSpeed_mps = 1.5, kBlock_s = 0.3;
   const int steps = static_cast<int>(std::lround(1.0 / motion.rate_hz / kStep_s));
   std::array<double, 2> tracked{}, differed{};
   for (unsigned run = 0; run < 10; ++run) {
@@ -95,7 +95,7 @@ std::array<double, 2> track_by_difference(const RestlessOpponent& motion) {
     Pose former;
     for (int k = 0; k < 300; ++k) {
       for (int i = 0; i < steps; ++i) {
-        v = std::clamp(v + motion.speed_mps_rts * std::sqrt(kStep_s) * normal(random), -kMost_mps, kMost_mps);
+        v = std::clamp(v + motion.speed_mps_rts * std::sqrt(kStep_s) * normal(random), -kMaxSpeed_mps, kMaxSpeed_mps);
         w += motion.turn_radps_rts * std::sqrt(kStep_s) * normal(random) - 1.5 * kStep_s * w;
         const double chance = motion.blocks_between_frames ? 1.0 : i == 0 ? steps : 0.0;
         if (uniform(random) < chance * motion.blocks_per_s * kStep_s) blocked_s = kBlock_s;

@@ -46,7 +46,7 @@ export class Game {
 
   /** Returns why not; undefined: started. */
   start(stopNumber) {
-    if (stopNumber !== this.stops) return `it is meant for stop ${stopNumber}, and stop ${this.stops} has come since: look why the robots are stopped, and start again`;
+    if (stopNumber !== this.stops) return `it answers stop ${stopNumber}, but stop ${this.stops} has come since: see why the robots are stopped, then start again`;
     this.halt.delete('console');
     this.log('info', 'robots may move');
   }

@@ -57,7 +57,7 @@ Result<void> RecordedGame::load(const config::FilePaths& files, std::uint64_t se
                    files.board.c_str());
   }
   if (const Status status = pipeline_->configure(configuration_->pipeline); !status.ok()) {
-    return failure(status.code(), "%s: the pipeline refuses its values", files.board.c_str());
+    return failure(status.code(), "%s: its venue and team file cannot be used together", files.board.c_str());
   }
   arena_.emplace(board.arena, board.camera, board.radio, seed);
   clock_.emplace(*arena_);

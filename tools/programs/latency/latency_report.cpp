@@ -88,7 +88,8 @@ std::string explanation(const LatencyReport& report, const WorstFrame& frame, Sp
   std::string text = std::string(": ") + describe(static_cast<Span>(where)) + " executed " +
                      text_of(frame.times[where]) + " and waited " + text_of(frame.waits.waited[where - kFirstExecuted]);
   if (machine) {
-    text += "; a timer beside the loop was late by " + text_of(frame.waits.timer_late) + ", so it was the machine";
+    text += "; a timer beside the loop was late by " + text_of(frame.waits.timer_late) +
+            ", so the machine caused the delay";
   }
   if (2 * frame.waits.ready_during > excess) return text + "; " + without_processor(frame.waits.ready_during);
   if (frame.waits.usage.major_faults > 0) return text + "; it read pages from a disk";

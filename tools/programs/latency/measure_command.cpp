@@ -258,7 +258,7 @@ std::string time_text(Session& session) {
   return session.devices().simulated_time()
              ? "simulated; it stands still during a frame, so stalls delay no later frame "
                "(--pace)"
-             : "the machine's, without that of rendering; stalls delay later frames";
+             : "the machine's time, without the time for rendering; stalls delay later frames";
 }
 
 Result<void> check_led(const LedPlace& place, const config::BoardFile& board) {
@@ -350,7 +350,7 @@ int measure_worst_frames(MeasureOptions& options) {
   }
   const auto pipeline = std::make_unique<Pipeline>();
   const Status status = pipeline->configure(configuration->pipeline, ExecutionMeter::read);
-  if (!status.ok()) return fail(std::string("the pipeline rejects these files: ") + describe(status.code()));
+  if (!status.ok()) return fail(std::string("venue and team file cannot be used together: ") + describe(status.code()));
   hal::MonotonicClock clock;
   NullRadio radio;
   NullGpio gpio;

@@ -42,8 +42,8 @@ Result<void> check_different(const std::vector<NamedOutput>& outputs) {
   for (std::size_t i = 0; i < outputs.size(); ++i) {
     for (std::size_t k = i + 1; k < outputs.size(); ++k) {
       if (!would_overwrite(outputs[k].path, outputs[i].path)) continue;
-      return failure(ErrorCode::kInconsistent, "%s %s: would overwrite, or be added to, that of %s", outputs[i].option,
-                     outputs[i].path.c_str(), outputs[k].option);
+      return failure(ErrorCode::kInconsistent, "%s %s: would overwrite, or be added to, the output of %s",
+                     outputs[i].option, outputs[i].path.c_str(), outputs[k].option);
     }
   }
   return {};

@@ -34,7 +34,7 @@ std::string noise_text(const NoiseReport& noise) {
 }
 
 std::string traffic_text(const ConsoleTraffic& traffic) {
-  if (traffic.elapsed_s <= 0.0) return traffic.clients > 0 ? "no result: one was disconnected" : "";
+  if (traffic.elapsed_s <= 0.0) return traffic.clients > 0 ? "no result: a client was disconnected" : "";
   const auto each = [&](std::uint64_t received) {
     return number(static_cast<double>(received) / (static_cast<double>(traffic.clients) * traffic.elapsed_s));
   };

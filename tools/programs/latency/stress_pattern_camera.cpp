@@ -131,7 +131,8 @@ Frame StressPatternCamera::frame_of(std::size_t pattern) const {
 Result<void> StressPatternCamera::do_open() {
   const ScanParameters& scan = parameters_.scan;
   if (scan.boxes.empty()) {
-    return failure(ErrorCode::kInconsistent, "worst frames: the venue file has no colors");
+    return failure(ErrorCode::kInconsistent,
+                   "worst frames: the venue file has no colors; learn them with touchline-calibrate colors");
   }
   info_ = {scan.format, scan.width_px, scan.height_px, 0.0};
   choose_values();

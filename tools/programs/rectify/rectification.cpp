@@ -146,7 +146,7 @@ Result<hal::Picture> rectify_floor(const hal::Picture& picture, const CameraMode
   // Sizes in floats are only approximately whole pixels.
   const double width = std::ceil(2 * x * scale_px_per_m - 0.01), height = std::ceil(2 * y * scale_px_per_m - 0.01);
   if (!(width >= 1 && height >= 1 && width <= kLargestSide_px && height <= kLargestSide_px)) {
-    return failure(ErrorCode::kFull, "the floor would need more than %u px", kLargestSide_px);
+    return failure(ErrorCode::kFull, "the picture of the floor would be larger than %u px", kLargestSide_px);
   }
   // Pixel centers are half a pixel inside the edge.
   raster = {-x + 0.5 / scale_px_per_m, y - 0.5 / scale_px_per_m, scale_px_per_m, static_cast<std::uint32_t>(width),

@@ -96,8 +96,8 @@ Result<ReplaySummary> replay_input(const ReplayOptions& options, const Progress&
   TOUCHLINE_TRY(config::resolve({format, info.width_px, info.height_px, options.input}, *configuration));
   const auto pipeline = std::make_unique<Pipeline>();
   if (const Status status = pipeline->configure(configuration->pipeline); !status.ok()) {
-    return failure(status.code(), "%s, %s: the pipeline refuses these values (%s)", options.venue.c_str(),
-                   options.team.c_str(), describe(status.code()));
+    return failure(status.code(), "%s and %s cannot be used together: %s", options.venue.c_str(), options.team.c_str(),
+                   describe(status.code()));
   }
   pipeline->set_observing(true);
 

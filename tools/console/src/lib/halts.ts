@@ -4,16 +4,16 @@ export interface HaltText {
 }
 
 const HALT_TEXTS: Record<string, HaltText> = {
-  console: { reason: 'Stop was pressed, or the page with control has gone', remedy: 'The driver can press Start.' },
+  console: { reason: 'Stop was pressed, or the page with control was closed', remedy: 'The driver can press Start.' },
   no_frames: { reason: 'no picture from the camera', remedy: 'Check the camera and its cable. Robots move again with the first good picture.' },
   repeats: {
     reason: 'the camera repeats its pictures, as a whole or in a part',
-    remedy: 'Check the camera and its cable. Robots move again with new pictures; if a part was an older picture that went on, the driver must press Start.',
+    remedy: 'Check the camera and its cable. Robots move again with new pictures. If a part of the picture was delayed, the driver must press Start.',
   },
-  overload: { reason: 'pictures overload the board', remedy: 'Look at the picture: too many things have the colors of robots and ball.' },
+  overload: { reason: 'too many colored regions in the picture', remedy: 'Look at the picture: other things have the colors of robots and ball. Remove them, or learn the colors again.' },
   field: { reason: 'the field is not recognizable', remedy: 'Check lamps and camera: the picture is dark, covered, or shows something else.' },
   motion: {
-    reason: 'the motion that is seen contradicts the commands',
+    reason: 'robots do not move as commanded',
     remedy: 'Check batteries, radio (another sender?) and picture (turned?). Then the driver or the start button must start the robots.',
   },
   emergency: { reason: 'the emergency stop is pulled, or was pulled', remedy: 'Release the switch at the board. This page cannot release it. Then the driver can press Start.' },
@@ -22,10 +22,10 @@ const HALT_TEXTS: Record<string, HaltText> = {
   crash: { reason: 'the last run ended unexpectedly', remedy: 'Look at the event log. Then press Start on this page or at the board, or restart the service.' },
   referee: { reason: 'the referee stopped the game', remedy: 'Robots move again when the referee continues the game.' },
   teams: { reason: 'the referee asks for team colors or heights that the team file does not have', remedy: 'Correct the team file or the referee\'s settings.' },
-  setup_ended: { reason: 'the setup was saved or left', remedy: 'The driver can press Start.' },
+  setup_ended: { reason: 'the setup has ended', remedy: 'The driver can press Start.' },
   setup: { reason: 'the board is being set up', remedy: 'Save or discard the setup on the page Set up.' },
-  radio: { reason: 'the radio is away, or was away for too long', remedy: 'Check the radio and its cable. If robots stay stopped when it is back, the driver can press Start.' },
-  driver: { reason: 'the page with control was silent', remedy: 'Look at its connection. The driver can press Start.' },
+  radio: { reason: 'the radio is disconnected, or was for too long', remedy: 'Check the radio and its cable. If robots stay stopped after it is connected again, the driver can press Start.' },
+  driver: { reason: 'the page with control stopped answering', remedy: 'Check its connection. The driver can press Start.' },
   silence: { reason: 'no message from the referee', remedy: 'Check the network to the referee\'s computer.' },
 };
 

@@ -182,7 +182,7 @@ class Session {
     // Of the stop that this page shows. Another one that has come since stays.
     const stop_number = this.newest?.stop_number;
     if (stop_number === undefined) {
-      this.problem = 'Start: it is not known why the robots are stopped.';
+      this.problem = 'Start: the page does not know yet why the robots are stopped. Wait for data from the board.';
       return;
     }
     this.stop = null;

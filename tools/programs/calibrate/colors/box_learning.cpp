@@ -113,7 +113,7 @@ class Grower {
 
   const LearningInput& input_;
   const LearningRules& rules_;
-  const int room_ = static_cast<int>(AdaptationParameters{}.most_shift);  // by so much boxes may move in a game
+  const int room_ = static_cast<int>(AdaptationParameters{}.max_shift);  // by so much boxes may move in a game
   double background_total_ = 0;
   std::vector<double> color_total_;
 };

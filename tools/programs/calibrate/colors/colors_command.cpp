@@ -189,13 +189,14 @@ Result<void> ColorsCommand::check_result(const ColorFitInput& input, const std::
       return failure(
           ErrorCode::kInconsistent,
           "all robots that were found are recognized, but no picture shows %s: %s is unchanged, the new colors are "
-          "in %s. Show a further picture (--picture) with what is missing; or, if it stands in one, in glare or "
-          "shade, click on its patches (--click COLOR,U,V); or write the colors as they are (--accept)",
+          "in %s. Show a further picture (--picture) with the missing robots; or, if they stand in glare or shade, "
+          "click on their patches (--click COLOR,U,V); or write the colors as they are (--accept)",
           absent.c_str(), venue.c_str(), unaccepted.c_str());
     }
     if (const OtherLightResult* const other = check.fragile_in(); other != nullptr) {
       return failure(ErrorCode::kInconsistent,
-                     "only %zu of %zu robots are recognized %s: the colors have hardly any room. %s is unchanged, the "
+                     "only %zu of %zu robots are recognized %s: the boxes of the colors leave hardly any margin. %s is "
+                     "unchanged, the "
                      "new colors are in %s. Show further pictures (--picture) in other light, measure patches that "
                      "differ from the layout, replace colors that are close to others; or write the colors as they are "
                      "(--accept)",
@@ -203,7 +204,7 @@ Result<void> ColorsCommand::check_result(const ColorFitInput& input, const std::
     }
     return failure(ErrorCode::kInconsistent,
                    "not everything was recognized: %s is unchanged, the new colors are in %s. Show a further picture "
-                   "(--picture) in which what is missing stands elsewhere, apart from all others; or click on its "
+                   "(--picture) in which the missing objects stand elsewhere, apart from all others; or click on their "
                    "patches (--click COLOR,U,V); or write the colors as they are (--accept)",
                    venue.c_str(), unaccepted.c_str());
   }

@@ -39,8 +39,8 @@ void print_report(const ColorFitInput& input, const ColorFit& fit) {
       std::printf("click %s is not used: %s\n", describe_click(i, click).c_str(), result.reason.c_str());
     } else if (!click.usual.empty()) {
       std::printf(
-          "%s is learned from the patch at %.0f,%.0f of %s, without the odd light on it; more certain is a picture "
-          "in which it stands elsewhere\n",
+          "%s is learned from the patch at %.0f,%.0f of %s, corrected for the odd light there; a picture in which the "
+          "robot stands elsewhere would be more reliable\n",
           click.color.c_str(), click.u_px, click.v_px, click.image.c_str());
     } else if (result.recognized < 0.5) {
       std::printf("%s, the %s patch at %.0f,%.0f: only %.0f %% of its %zu pixels are recognized\n", click.image.c_str(),

@@ -300,7 +300,7 @@ Result<SelfCheck> self_check(const std::string& venue, const std::string& team,
   for (const auto& [image, picture] : pictures) {
     // Configured anew for each picture, so that none profits from the one before.
     if (const Status status = pipeline->configure(configuration->pipeline); !status.ok()) {
-      return failure(status.code(), "%s, %s: the pipeline refuses these values (%s)", venue.c_str(), team.c_str(),
+      return failure(status.code(), "%s and %s cannot be used together: %s", venue.c_str(), team.c_str(),
                      describe(status.code()));
     }
     pipeline->set_observing(true);

@@ -144,18 +144,19 @@ std::string describe_unknowns(const FieldReport& report) {
   const FieldFit& fit = report.fit;
   if (report.refinement.points > 0 || fit.has_distortion) return "";
   std::string out = formatted(
-      "unknown: lens distortion, which is assumed to be zero; if the lens has k1 = %.1f, as many wide ones have, the "
+      "unknown: lens distortion, which is assumed to be zero; if the lens has k1 = %.1f, as many wide lenses have, the "
       "field is up to %.0f mm off between the points\n",
       kWideLensK1, 1e3 * distortion_effect_m(fit.camera, report.points));
   if (report.height == HeightSource::kMeasured) {
     out += formatted(
-        "unknown: height %.3f m is as given, and the tilt follows from it; errors of the clicks tilt the "
-        "camera instead of showing up\n",
+        "unknown: the height of %.3f m is as given, and the tilt follows from it; errors of the clicks change the tilt "
+        "and remain unnoticed\n",
         fit.height_m);
   } else {
     out += formatted(
-        "unknown: height and tilt follow from the perspective alone; what the points leave open changes the height by "
-        "%.2f m (standard deviation), and a robot's position by as many percent; measure it (--camera-height)\n",
+        "unknown: height and tilt follow from the perspective alone; the points leave the height uncertain by "
+        "%.2f m (standard deviation), and a robot's position by as many percent; measure the height "
+        "(--camera-height)\n",
         fit.height_sigma_m);
   }
   return out + formatted(

@@ -33,7 +33,7 @@ void LightCommand::add_options(CLI::App& app) {
   app.add_flag(
       "--keep-normal", keep_normal,
       "Keep the learned colors although the lamps have changed: the map is relative to the light in which the\n"
-      "colors were learned. Needs pictures of the same surface as then");
+      "colors were learned. Needs pictures of the surface that the former map was measured on");
   add_examples(
       app,
       {{"touchline-calibrate light --picture grey.png --venue venue.toml", "from the field under grey paper"},

@@ -43,7 +43,7 @@ void print(const NoiseReport& report) {
   }
   for (const std::string& line : report.left_out) std::printf("left out: %s\n", line.c_str());
   const config::NoiseEntry& e = report.entry;
-  std::printf("beside what the pictures show: robots %.3f mm, %.3f degrees; ball %.3f mm%s\n",
+  std::printf("in addition to what the pictures show: robots %.3f mm, %.3f degrees; ball %.3f mm%s\n",
               e.robot_position_m * kMillimeter, e.robot_heading_rad * kDegree, e.ball_position_m * kMillimeter,
               report.has_ball ? "" : " (not measured)");
 }

@@ -13,7 +13,7 @@ Result<void> NoiseRecorder::add(const Frame& frame, const std::string& source) {
     TOUCHLINE_TRY(config::resolve({frame.format, frame.width_px, frame.height_px, source}, *configuration_));
     auto pipeline = std::make_unique<Pipeline>();
     if (const Status status = pipeline->configure(configuration_->pipeline); !status.ok()) {
-      return failure(status.code(), "%s: the pipeline refuses the values of venue and team file (%s)", source.c_str(),
+      return failure(status.code(), "%s: venue and team file cannot be used together for it: %s", source.c_str(),
                      describe(status.code()));
     }
     pipeline->set_observing(true);

@@ -61,6 +61,28 @@ TEST_F(ScriptedFirmware, SetsKeysAsStepsOfUndo) {
   EXPECT_TRUE(state_["steps"]["camera"]["done"]);
 }
 
+// A camera and its mode belong together: no step between two of these keys would be a camera that works.
+TEST_F(ScriptedFirmware, ChoosesACameraAsOneStepOfUndo) {
+  start_program();
+  expect_ok("begin");
+  expect_ok("confirm", {{"step", "camera"}});
+  const nlohmann::json before = state_["steps"]["camera"]["values"];
+  const nlohmann::json chosen{{"backend", "v4l2"}, {"device", "/dev/v4l/by-id/usb-A"},
+                              {"format", "yuyv"},  {"width_px", 320},
+                              {"height_px", 240},  {"rate_hz", 30}};
+  expect_ok("set", {{"key", "radio.backend"}, {"value", "none"}});
+  const std::size_t steps = state_["undo"].size();
+  expect_ok("camera.set", chosen);
+  EXPECT_EQ(state_["undo"].size(), steps + 1);
+  const nlohmann::json values = state_["steps"]["camera"]["values"];
+  for (const auto& [key, value] : chosen.items()) EXPECT_EQ(values[key], value) << key;
+  EXPECT_FALSE(state_["steps"]["camera"]["done"]) << "another camera was confirmed";
+  expect_ok("undo");
+  EXPECT_EQ(state_["steps"]["camera"]["values"], before);
+  EXPECT_TRUE(state_["steps"]["camera"]["done"]);
+  expect_error("camera.set", {{"format", "jpeg"}}, "format");
+}
+
 TEST_F(ScriptedFirmware, KeepsCommentsAndWritesShortNumbers) {
   write("etc/team.toml", read("etc/team.toml") + "\n[control.drive] # ours\nmax_speed_mps = 1.5 # not more\n");
   start_program();

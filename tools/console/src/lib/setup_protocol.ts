@@ -194,6 +194,7 @@ export type SetupCommand =
   | { command: 'colors.click'; name: string; u_px: number; v_px: number; picture?: number }
   | { command: 'colors.remove'; click: number }
   | { command: 'robots.set'; own?: TeamTable; opponent?: TeamTable }
+  | { command: 'camera.set'; backend?: string; device?: string; format?: string; width_px?: number; height_px?: number; rate_hz?: number }
   | { command: 'radio.set'; backend?: string; device?: string; baud?: number };
 
 export interface Differences {

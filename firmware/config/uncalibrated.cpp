@@ -17,9 +17,21 @@ constexpr float kUsualLengthM = 1.5f, kUsualWidthM = 1.3f, kUsualHeightM = 2.0f;
 // The field fills most of the picture.
 constexpr float kFocalOfWidth = 0.9f;
 
+// As resolve_venue() compares them.
+bool has_other_size(const Configuration& configuration) {
+  const PictureEntry& calibrated = configuration.venue.picture;
+  const hal::CameraSettings& camera = configuration.board.camera;
+  return calibrated.width_px != camera.width_px || calibrated.height_px != camera.height_px;
+}
+
+bool has_other_colors(const Configuration& configuration) {
+  return configuration.venue.colors.space != color_space(hal::pixel_format(configuration.board.camera.format));
+}
+
 }  // namespace
 
 bool has_camera_model(const Configuration& configuration) {
+  if (has_other_size(configuration)) return false;
   const CameraParameters& camera = configuration.venue.camera_model;
   const char* const model = camera.kind == CameraModelKind::kFull ? "camera_model.full" : "camera_model.paper";
   return configuration.venue_where.has(model) && CameraModel().configure(camera).ok();
@@ -30,7 +42,10 @@ bool lacks_calibration(const Configuration& configuration) {
   std::error_code unknown;
   if (!where.file().empty() && fs::status(where.file(), unknown).type() == fs::file_type::not_found) return true;
   const bool was_read = where.has("picture") || where.has("field") || where.has("version");
-  return was_read && (configuration.venue.color.empty() || !where.has("camera_model"));
+  if (!was_read) return false;
+  if (configuration.venue.color.empty() || !where.has("camera_model")) return true;
+  return configuration.board_where.has("camera.backend") &&
+         (has_other_size(configuration) || has_other_colors(configuration));
 }
 
 void do_without_calibration(Configuration& configuration) {

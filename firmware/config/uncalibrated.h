@@ -4,8 +4,9 @@
 
 namespace touchline::config {
 
-/// Whether the venue file does not exist, or was read and lacks its camera model or its colors: all that a guided setup
-/// has to find. For a configuration that load() refused.
+/// Whether the venue file does not exist, or was read and lacks its camera model or its colors, or has those of
+/// pictures of another size or color space, because another camera was chosen: all that a guided setup has to find. For
+/// a configuration that load() refused.
 bool lacks_calibration(const Configuration& configuration);
 
 /// Replaces `configuration.pipeline` by parameters with which nothing is recognized, for pictures as the board file
@@ -13,7 +14,7 @@ bool lacks_calibration(const Configuration& configuration);
 /// the field, so that all places are finite.
 void do_without_calibration(Configuration& configuration);
 
-/// Whether the venue file has a camera model that can be used.
+/// Whether the venue file has a camera model that can be used for the camera of the board file.
 bool has_camera_model(const Configuration& configuration);
 
 }  // namespace touchline::config

@@ -4,7 +4,8 @@
 
 #include <algorithm>
 #include <chrono>
-#include <filesystem>
+#include <cstdlib>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <vector>
@@ -26,9 +27,16 @@ constexpr int kThumbnailFrame = 4;
 constexpr Duration kPatience = 2s;
 
 std::string resolved(const std::string& device) {
-  std::error_code missing;
-  const std::filesystem::path path = std::filesystem::canonical(device, missing);
-  return missing ? device : path.string();
+  const std::unique_ptr<char, decltype(&std::free)> path(::realpath(device.c_str(), nullptr), &std::free);
+  return path != nullptr ? path.get() : device;
+}
+
+nlohmann::json json_of(const hal::CameraSettings& settings) {
+  return {{"device", settings.device},
+          {"format", std::string(hal::kCameraFormats[static_cast<std::size_t>(settings.format)].word)},
+          {"width_px", settings.width_px},
+          {"height_px", settings.height_px},
+          {"rate_hz", settings.rate_hz}};
 }
 
 Result<std::vector<std::byte>> thumbnail(const hal::CameraSettings& settings) {
@@ -65,9 +73,7 @@ std::string base64(const std::vector<std::byte>& bytes) {
 }  // namespace
 
 std::string device_answer(const std::string& used_camera) {
-  devices::Selection all;
-  all.camera = all.serial = all.gpio = "";
-  const devices::DeviceList list = devices::list_devices(all);
+  const devices::DeviceList list = devices::list_devices({.camera = "", .serial = std::nullopt, .gpio = std::nullopt});
   nlohmann::json answer = nlohmann::json::parse(devices::to_json(list));
   for (std::size_t i = 0; i < list.cameras->size(); ++i) {
     const devices::Camera& camera = (*list.cameras)[i];
@@ -75,18 +81,30 @@ std::string device_answer(const std::string& used_camera) {
     entry.erase("controls");
     entry["name"] = devices::lasting_name(camera.node);
     entry["used"] = resolved(camera.node.path) == resolved(used_camera);
-    if (entry["used"] || entry.contains("refused")) continue;
+    if (entry.contains("refused")) continue;
     const std::optional<hal::CameraSettings> settings = devices::suggested_settings(camera);
     if (!settings) {
       entry["refused"] = camera.node.path + ": offers no format that Touchline reads";
       continue;
     }
+    entry["suggested"] = json_of(*settings);
+    if (entry["used"]) continue;
     const Result<std::vector<std::byte>> jpeg = thumbnail(*settings);
     if (jpeg.ok()) {
       entry["thumbnail"] = "data:image/jpeg;base64," + base64(jpeg.value());
     } else {
       entry["refused"] = jpeg.text();
     }
+  }
+  answer.update(nlohmann::json::parse(port_answer()));
+  return answer.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
+std::string port_answer() {
+  const devices::DeviceList list = devices::list_devices({.camera = std::nullopt, .serial = "", .gpio = ""});
+  nlohmann::json answer = nlohmann::json::parse(devices::to_json(list));
+  for (std::size_t i = 0; i < list.ports->size(); ++i) {
+    answer["serial_ports"][i]["name"] = devices::lasting_name((*list.ports)[i]);
   }
   return answer.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }

@@ -73,7 +73,10 @@ int WebServer::Implementation::begin_request(lws* connection, std::string_view p
   if (path == "/snapshot.jpg") return begin_pictures(connection, HttpRequest::Kind::kSnapshot);
   if (path == "/stream.mjpg") return begin_pictures(connection, HttpRequest::Kind::kStream);
   if (path == "/bug-report") return begin_bug_report(connection);
-  if (path == "/devices") return begin_devices(connection);
+  if (path == "/devices") {
+    return begin_devices(connection, [camera = hub_.used_camera()] { return device_answer(camera); });
+  }
+  if (path == "/ports") return begin_devices(connection, port_answer);
   if (path == "/metrics") return answer(connection, HTTP_STATUS_OK, "text/plain; version=0.0.4", hub_.metrics());
   if (is_page) read_files_again();
   const PageFile* const file = files_->find(path);
@@ -196,7 +199,7 @@ bool WebServer::Implementation::is_asked_for(HttpRequest::Kind kind) const {
                      [kind](const auto& entry) { return entry.second.kind == kind; });
 }
 
-int WebServer::Implementation::begin_devices(lws* connection) {
+int WebServer::Implementation::begin_devices(lws* connection, std::function<std::string()> list) {
   const bool is_wanted = is_asked_for(HttpRequest::Kind::kDevices);
   if (!is_wanted && device_lister_.is_done()) static_cast<void>(device_lister_.take());
   if (is_wanted || device_lister_.is_busy()) {
@@ -207,7 +210,7 @@ int WebServer::Implementation::begin_devices(lws* connection) {
   request = {};
   request.kind = HttpRequest::Kind::kDevices;
   request.is_made = true;
-  device_lister_.start([camera = hub_.used_camera()]() -> MadeAnswer { return {"", device_answer(camera)}; });
+  device_lister_.start([list = std::move(list)]() -> MadeAnswer { return {"", list()}; });
   schedule(Duration::zero());
   return 0;
 }

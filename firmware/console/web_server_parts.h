@@ -2,6 +2,7 @@
 
 #include <libwebsockets.h>
 
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -100,7 +101,7 @@ class WebServer::Implementation {
   int begin_pictures(lws* connection, HttpRequest::Kind kind);
   int begin_bug_report(lws* connection);
   int write_bug_report(lws* connection, HttpRequest& request, Instant now);
-  int begin_devices(lws* connection);
+  int begin_devices(lws* connection, std::function<std::string()> list);
   int write_devices(lws* connection, HttpRequest& request);
   [[nodiscard]] bool is_asked_for(HttpRequest::Kind kind) const;
   int write_body(lws* connection, HttpRequest& request, std::size_t most);

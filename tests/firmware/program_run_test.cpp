@@ -9,9 +9,11 @@
 #include <csignal>
 #include <cstdlib>
 #include <filesystem>
+#include <nlohmann/json.hpp>
 #include <regex>
 #include <string>
 
+#include "tests/console/socket_client.h"
 #include "tests/firmware/program_fixture.h"
 
 namespace touchline::testing {
@@ -87,6 +89,61 @@ TEST_F(Program, AMissingDeviceGivesExitCode2) {
   EXPECT_EQ(outcome.code, 2);
   EXPECT_NE(outcome.text.find("camera: "), std::string::npos) << outcome.text;
   EXPECT_NE(outcome.text.find("there-is-no-such-camera"), std::string::npos) << outcome.text;
+}
+
+// The page is where a person finds out what is missing, and chooses the camera.
+TEST_F(Program, WithoutItsCameraThePageIsServedAndSaysWhy) {
+  write_board("v4l2", "there-is-no-such-camera");
+  const std::string board_file = (folder_ / "board.toml").string(), output = (folder_ / "output.txt").string();
+  const pid_t process = ::fork();
+  if (process == 0) {
+    const int file = ::open(output.c_str(), O_WRONLY | O_CREAT, 0600);
+    for (const int stream : {STDOUT_FILENO, STDERR_FILENO}) ::dup2(file, stream);
+    ::execl(TOUCHLINE_PROGRAM, "touchline", "run", "--headless", "--board", board_file.c_str(), "--console",
+            "127.0.0.1:0", nullptr);
+    ::_exit(127);
+  }
+  std::smatch found;
+  std::string text;
+  constexpr useconds_t kPause_us = 10'000;
+  for (int i = 0; i < 3000 && found.empty(); ++i) {
+    ::usleep(kPause_us);
+    std::ifstream stream(output);
+    text.assign(std::istreambuf_iterator<char>(stream), {});
+    std::regex_search(text, found, std::regex(R"(http://127\.0\.0\.1:(\d+))"));
+  }
+  ASSERT_FALSE(found.empty()) << text;
+  const auto port = static_cast<std::uint16_t>(std::stoi(found[1]));
+  EXPECT_EQ(console::get(port, "/").status, 200);
+  const nlohmann::json ports = nlohmann::json::parse(console::get(port, "/ports").body);
+  EXPECT_TRUE(ports["serial_ports"].is_array()) << ports;
+  {
+    console::SocketPage page(port);
+    ASSERT_EQ(page.status(), 101);
+    // The first one may be older than the loop's first report.
+    nlohmann::json lost;
+    for (int i = 0; i < 5 && lost.empty(); ++i) {
+      lost = nlohmann::json::parse(page.read_type("status").value_or("{}")).value("lost", nlohmann::json());
+    }
+    ASSERT_EQ(lost.size(), 1u);
+    EXPECT_EQ(lost[0]["device"], "camera");
+    EXPECT_NE(lost[0]["reason"].get<std::string>().find("there-is-no-such-camera"), std::string::npos) << lost;
+  }
+  EXPECT_EQ(testing::exit_code_after_termination(process, 20), 0);
+}
+
+// Another camera, or another mode, makes the calibration useless, not the page: the field is calibrated there again.
+TEST_F(Program, ACalibrationForAnotherPictureNeedsTheConsole) {
+  const std::string run = "run --headless --frames 3 --set camera.width_px=32 --set camera.height_px=24 ";
+  for (int i = 0; i < 30; ++i) {
+    write("frames/" + std::to_string(i) + ".ppm", "P6\n32 24\n255\n" + std::string(std::size_t{32} * 24 * 3, '\0'));
+  }
+  const CommandOutput served = touchline(run + "--console 127.0.0.1:0 " + board());
+  EXPECT_EQ(served.code, 0) << served.text;
+  EXPECT_NE(served.text.find("the calibration is for pictures of 64 x 48 pixels"), std::string::npos) << served.text;
+  EXPECT_NE(served.text.find("robots stay stopped; set the board up in the console"), std::string::npos) << served.text;
+  EXPECT_EQ(touchline(run + board()).code, 1);
+  EXPECT_EQ(touchline("check --set camera.width_px=32 " + board()).code, 1) << "check stays strict";
 }
 
 TEST_F(Program, PlaysAWholeRecording) {

@@ -289,6 +289,47 @@ test('robots stand still while the board is set up, except the one that is drive
     await page.keyboard.up('KeyW');
   }));
 
+test('without a camera, two presses lead to a picture; a camera that is refused says why', () =>
+  withBoard(async (page, board) => {
+    // The page of a board without camera names what is missing, and offers the cameras that are there.
+    await page.waitForSelector('[data-lost="camera"]:has-text("no such device")');
+    const chosen = '/dev/v4l/by-id/usb-Rehearsal_Camera-video-index0';
+    await page.waitForSelector(`[data-camera="${chosen}"] img[alt]`);
+    assert.deepEqual(await axe(page), []);
+    assert.equal(await page.locator('canvas[data-picture]').count(), 0);
+    assert.match(await page.textContent('[data-camera^="/dev/v4l/by-path"] [data-camera-state]'), /in use by another process/);
+    assert.equal(await page.locator('[data-choose-camera]').count(), 1);
+    await page.click(`[data-choose-camera="${chosen}"]:not([disabled])`);
+    await page.waitForSelector('[data-step="camera"]');
+    await waitForPicture(page);
+    assert.equal(await undoCount(page), 1);
+    assert.equal(await page.inputValue('[data-step="camera"] details input[type="text"]'), chosen);
+    // The choice stays open if the step appeared before the status said that the camera is there.
+    await page.waitForSelector('[data-lost]', { state: 'detached' });
+    if (!(await page.getAttribute('[data-cameras-of-board]', 'open').then((open) => open !== null))) await page.click('[data-cameras-of-board] summary');
+    await page.waitForSelector(`[data-camera="${chosen}"] [data-camera-state]:has-text("In use")`);
+    assert.deepEqual(await axe(page), []);
+    // Looking again asks the board.
+    const asked = page.waitForResponse(`${board.url}devices`);
+    await page.click('[data-look-again]:not([disabled])');
+    assert.equal((await asked).status(), 200);
+    await page.waitForSelector('[data-cameras="2"]');
+  }, { width: 360 }, { camera: 'false' }));
+
+test('ports are chosen by their lasting names; one that is absent or has a number is pointed out', () =>
+  withBoard(async (page) => {
+    await begin(page);
+    await page.click('[data-goto="radio"]');
+    const lasting = '/dev/serial/by-id/usb-Rehearsal_Radio-if00-port0';
+    await page.waitForSelector(`[data-port="${lasting}"] input:checked`);
+    assert.match(await page.textContent('[data-port="/dev/ttyACM1"]'), /permission denied.*has a number/s);
+    assert.match(await page.textContent('[data-gpio-chips]'), /pinctrl-rp1/);
+    await page.check('[data-port="/dev/ttyS0"] input:not([disabled])');
+    await page.waitForSelector('[data-port="/dev/ttyS0"] input:checked:not([disabled])');
+    assert.equal(await undoCount(page), 1);
+    assert.deepEqual(await axe(page), []);
+  }));
+
 test('nothing is lost when the page is loaded again, and nothing is kept when it is discarded', () =>
   withBoard(async (page) => {
     await begin(page);

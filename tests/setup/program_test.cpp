@@ -99,6 +99,55 @@ TEST_F(ScriptedFirmware, WritesALayoutAndTheBallBeforeTheColors) {
                "needs patches");
 }
 
+// A camera and its mode belong together: no step between two of these keys would be a camera that works.
+TEST_F(ScriptedFirmware, ChoosesACameraAsOneStepOfUndo) {
+  start_program();
+  expect_ok("begin");
+  expect_ok("confirm", {{"step", "camera"}});
+  const nlohmann::json before = state_["steps"]["camera"]["values"];
+  const nlohmann::json chosen{{"backend", "v4l2"}, {"device", "/dev/v4l/by-id/usb-A"},
+                              {"format", "yuyv"},  {"width_px", 320},
+                              {"height_px", 240},  {"rate_hz", 30}};
+  expect_ok("set", {{"key", "radio.backend"}, {"value", "none"}});
+  const std::size_t steps = state_["undo"].size();
+  expect_ok("camera.set", chosen);
+  EXPECT_EQ(state_["undo"].size(), steps + 1);
+  const nlohmann::json values = state_["steps"]["camera"]["values"];
+  for (const auto& [key, value] : chosen.items()) EXPECT_EQ(values[key], value) << key;
+  EXPECT_FALSE(state_["steps"]["camera"]["done"]) << "another camera was confirmed";
+  expect_ok("undo");
+  EXPECT_EQ(state_["steps"]["camera"]["values"], before);
+  EXPECT_TRUE(state_["steps"]["camera"]["done"]);
+  expect_error("camera.set", {{"format", "jpeg"}}, "format");
+}
+
+TEST_F(ScriptedFirmware, AnotherModeOfTheCameraNeedsAnotherCalibration) {
+  copy("venue.toml");
+  copy("venue-light.png");
+  copy("venue-field.png");
+  start_program();
+  expect_ok("begin");
+  EXPECT_TRUE(state_["steps"]["field"]["done"]);
+  EXPECT_TRUE(state_["steps"]["colors"]["done"]);
+  // The mock board's files are for RGB pictures of 640 x 480.
+  expect_ok("camera.set", {{"format", "yuyv"}, {"width_px", 320}, {"height_px", 240}});
+  const nlohmann::json& steps = state_["steps"];
+  EXPECT_FALSE(steps["field"]["done"]);
+  EXPECT_EQ(steps["field"]["quality"]["text"],
+            "found for pictures of 640 x 480 pixels, but the camera is set to 320 x 240; find the field again");
+  EXPECT_FALSE(steps["colors"]["done"]);
+  EXPECT_EQ(steps["colors"]["quality"]["text"], "found in rgb, but the camera is set to yuv; find the colors again");
+  expect_ok("undo");
+  EXPECT_TRUE(state_["steps"]["field"]["done"]);
+  EXPECT_TRUE(state_["steps"]["colors"]["done"]);
+  // Files for another picture are calibrated again from what the camera delivers.
+  expect_ok("set", {{"key", "picture.width_px"}, {"value", 320}});
+  EXPECT_FALSE(state_["steps"]["field"]["done"]);
+  camera_ = {arena_picture(hal::mock::Floor::kField, 1)};
+  expect_ok("field.find", {{"preset", "mirosot-middle"}, {"camera_height_m", 0}, {"ignore_lines", false}});
+  EXPECT_TRUE(state_["steps"]["field"]["done"]) << state_["steps"]["field"]["quality"];
+}
+
 TEST_F(ScriptedFirmware, KeepsCommentsAndWritesShortNumbers) {
   write("etc/team.toml", read("etc/team.toml") + "\n[control.drive] # ours\nmax_speed_mps = 1.5 # not more\n");
   start_program();

@@ -1,5 +1,5 @@
 // A server with a simulated game, to develop the page without a build of Touchline and to show what a real server shows
-// rarely: node dev/server.js [--port N] [--protocol N] [--hello JSON of `hello`] [--setup false]. It serves dist/ and speaks
+// rarely: node dev/server.js [--port N] [--protocol N] [--hello JSON of `hello`] [--setup false] [--camera false]. It serves dist/ and speaks
 // docs/console-protocol.md.
 import { createReadStream, existsSync } from 'node:fs';
 import { createServer } from 'node:http';
@@ -7,20 +7,27 @@ import { extname, join, normalize } from 'node:path';
 import { fileURLToPath } from 'node:url';
 import { parseArgs } from 'node:util';
 import { WebSocketServer } from 'ws';
+import { devices, ports } from './devices.js';
 import { Game } from './game.js';
 import { makePicture } from './picture.js';
 import { Setup } from './setup.js';
 import { version } from './version.js';
 
 const { values } = parseArgs({
-  options: { port: { type: 'string', default: '8642' }, protocol: { type: 'string', default: '1' }, version: { type: 'string', default: version }, hello: { type: 'string', default: '{}' }, setup: { type: 'string', default: 'true' } },
+  options: { port: { type: 'string', default: '8642' }, protocol: { type: 'string', default: '1' }, version: { type: 'string', default: version }, hello: { type: 'string', default: '{}' }, setup: { type: 'string', default: 'true' }, camera: { type: 'string', default: 'true' } },
 });
 const dist = fileURLToPath(new URL('../dist/', import.meta.url));
 const game = new Game();
+// Without a camera there are no pictures until somebody chooses one.
+if (values.camera === 'false') game.lost = [{ device: 'camera', reason: '/dev/video0: no such device' }];
 const types = { '.html': 'text/html', '.js': 'text/javascript', '.css': 'text/css', '.svg': 'image/svg+xml' };
 
 const server = createServer((request, response) => {
   const path = normalize(decodeURIComponent(new URL(request.url, 'http://localhost').pathname));
+  if (path === '/devices' || path === '/ports') {
+    response.writeHead(200, { 'Content-Type': 'application/json' }).end(JSON.stringify(path === '/ports' ? ports : devices(game)));
+    return;
+  }
   const file = join(dist, path === '/' ? 'index.html' : path);
   if (!file.startsWith(dist) || !existsSync(file)) {
     response.writeHead(404).end('not found');
@@ -127,7 +134,7 @@ setInterval(() => {
   game.step(frameMs / 1000);
   const now = performance.now();
   for (const [socket, client] of clients) {
-    const pictureDue = client.picture && client.waiting < 2 && now >= client.nextPicture;
+    const pictureDue = client.picture && !game.lost.length && client.waiting < 2 && now >= client.nextPicture;
     if (now < client.nextState && !pictureDue) continue;
     client.nextState = now + 1000 / client.state_hz;
     send(socket, game.state());

@@ -28,7 +28,7 @@ function fresh() {
   return {
     camera: {
       done: false, quality: unknown, notes: [],
-      values: { backend: 'mock', format: 'rgb24', width_px: 640, height_px: 480, rate_hz: 60, exposure_us: 12000, gain: 0, white_balance_k: 4600, power_line: 'leave' },
+      values: { backend: 'v4l2', device: '/dev/v4l/by-id/usb-Rehearsal_Camera-video-index0', format: 'rgb24', width_px: 640, height_px: 480, rate_hz: 60, exposure_us: 12000, gain: 0, white_balance_k: 4600, power_line: 'leave' },
     },
     field: {
       done: false, quality: unknown, notes: [], values: { length_m: 2.2, width_m: 1.8 }, camera_height_m: null, corners_px: null,
@@ -37,7 +37,7 @@ function fresh() {
     light: { done: false, quality: unknown, notes: [], surface: null },
     colors: { done: false, quality: unknown, notes: [], names: [], wanted: COLORS.map(([name]) => name), pictures: [], clicks: [] },
     robots: { done: false, quality: unknown, notes: [], layouts: LAYOUTS, own: team('blue'), opponent: team('yellow'), ball: 'orange', ball_radius_m: 0.02135, problems: [], similar: [] },
-    radio: { done: false, quality: { level: 'ok', text: '2400 packets sent, none lost' }, notes: [], values: { backend: 'serial', device: '/dev/ttyUSB0', baud: 115200 }, devices: ['/dev/ttyUSB0', '/dev/ttyAMA0'] },
+    radio: { done: false, quality: { level: 'ok', text: '2400 packets sent, none lost' }, notes: [], values: { backend: 'serial', device: '/dev/serial/by-id/usb-Rehearsal_Radio-if00-port0', baud: 115200 }, devices: ['/dev/ttyUSB0', '/dev/ttyAMA0'] },
   };
 }
 
@@ -307,6 +307,10 @@ const handlers = {
     const colors = { ball: ball?.color ?? robots.ball, ball_radius_m: ball?.radius_m ?? robots.ball_radius_m };
     setup.change('robots', 'robots', { ...(own ? { own } : {}), ...(opponent ? { opponent } : {}), ...colors, layouts, done: false });
     setup.steps.colors = { ...setup.steps.colors, ...neededColors(setup.steps) };
+  },
+  'camera.set'(setup, { command: _, type: __, request: ___, ...values }) {
+    setup.change(`camera ${values.device}`, 'camera', { done: false, values: { ...setup.steps.camera.values, ...values } });
+    setup.game.lost = [];
   },
   'radio.set'(setup, { command: _, type: __, request: ___, ...values }) {
     setup.change('radio', 'radio', { values: { ...setup.steps.radio.values, ...values } });

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cstring>
 #include <filesystem>
 
 #include "tools/programs/setup/page_state.h"
@@ -204,9 +205,9 @@ Answer SetupProgram::change_text(const std::string& step, const std::string& fil
   DraftState next = draft_.now();
   next.name = step;
   next.files.content[file] = std::make_shared<const std::string>(std::move(text).value());
-  // What a person has confirmed was another text.
-  for (const char* confirmed : {"robots", "radio"}) {
-    const auto measured = next.measured.find(confirmed);
+  // What a person has confirmed was another text, or another camera: its exposure and the like may change.
+  for (const char* confirmed : {"robots", "radio", "camera "}) {
+    const auto measured = next.measured.find(std::string(confirmed, std::strcspn(confirmed, " ")));
     if (measured != next.measured.end() && step.starts_with(confirmed)) measured->erase("done");
   }
   TOUCHLINE_TRY_ASSIGN(next.files, setup_of(next.files.board, next.files.content));

@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "firmware/config/configuration.h"
+#include "firmware/config/wording.h"
 #include "hal/linux/serial/serial_list.h"
 #include "tools/programs/calibrate/colors/team_colors.h"
 #include "tools/programs/calibrate/field/field_drawing.h"
@@ -75,6 +76,29 @@ nlohmann::json radio_values(const config::BoardFile& board) {
   return {{"done", false}, {"values", radio.values()}, {"keys", radio.keys()}, {"devices", devices}};
 }
 
+// What was calibrated for another camera, or another mode of it, is not done: the firmware does without it.
+void require_same_picture(const hal::CameraSettings& camera, const config::VenueFile& venue, nlohmann::json& steps) {
+  const auto repeat = [&steps](const char* step, const std::string& reason) {
+    if (!steps[step]["done"]) return;
+    steps[step]["done"] = false;
+    steps[step]["quality"] = quality("bad", reason);
+  };
+  const auto size = [](int width_px, int height_px) {
+    return std::to_string(width_px) + " x " + std::to_string(height_px);
+  };
+  if (venue.picture.width_px != camera.width_px || venue.picture.height_px != camera.height_px) {
+    repeat("field", "found for pictures of " + size(venue.picture.width_px, venue.picture.height_px) +
+                        " pixels, but the camera is set to " + size(camera.width_px, camera.height_px) +
+                        "; find the field again");
+  }
+  const ColorSpace space = color_space(hal::pixel_format(camera.format));
+  if (venue.colors.space != space) {
+    repeat("colors", "found in " + std::string(config::word_of(venue.colors.space, config::kColorSpaceWords)) +
+                         ", but the camera is set to " + std::string(config::word_of(space, config::kColorSpaceWords)) +
+                         "; find the colors again");
+  }
+}
+
 }  // namespace
 
 nlohmann::json quality(const char* level, const std::string& text) {
@@ -110,6 +134,7 @@ nlohmann::json steps_of(const DraftState& draft, const std::string& folder) {
     steps["robots"]["quality"] = quality("none", "the colors can be told apart; not compared with the robots yet");
   }
   steps["radio"] = with_measured(draft, "radio", radio_values(configuration->board));
+  require_same_picture(configuration->board.camera, venue.file, steps);
   return steps;
 }
 

@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <functional>
+#include <initializer_list>
 #include <memory>
 #include <optional>
 #include <string>
@@ -115,7 +116,10 @@ class SetupProgram {
   Result<nlohmann::json> set(const Arguments&);
   Result<nlohmann::json> robots_set(const Arguments&);
   Result<nlohmann::json> robots_noise(const Arguments&);
+  Result<nlohmann::json> camera_set(const Arguments&);
   Result<nlohmann::json> radio_set(const Arguments&);
+  Result<nlohmann::json> set_section(const std::string& section, std::initializer_list<const char*> keys,
+                                     const Arguments&);
   Result<nlohmann::json> confirm(const Arguments&);
   Result<nlohmann::json> try_draft(const Arguments&);
   Result<nlohmann::json> change_text(const std::string& step, const std::string& file, Result<std::string> text,

@@ -107,6 +107,7 @@ const std::vector<SetupProgram::Command>& SetupProgram::commands() {
       {"colors.reset", &P::colors_reset, true, false},
       {"robots.set", &P::robots_set, true, false},
       {"robots.noise", &P::robots_noise, true, false},
+      {"camera.set", &P::camera_set, true, false},
       {"radio.set", &P::radio_set, true, false},
   };
   return all;
@@ -265,14 +266,24 @@ Answer SetupProgram::robots_noise(const Arguments&) {
   return start(std::move(job));
 }
 
+Answer SetupProgram::camera_set(const Arguments& arguments) {
+  return set_section("camera", {"backend", "device", "format", "width_px", "height_px", "rate_hz"}, arguments);
+}
+
 Answer SetupProgram::radio_set(const Arguments& arguments) {
+  return set_section("radio", {"backend", "device", "baud"}, arguments);
+}
+
+// Several keys of the board file as one step: a device and how it is used belong together.
+Answer SetupProgram::set_section(const std::string& section, std::initializer_list<const char*> keys,
+                                 const Arguments& arguments) {
   const SetupFiles& files = draft_.now().files;
   Result<std::string> text = files.text(files.board);
-  std::string name = "radio";
-  for (const char* key : {"backend", "device", "baud"}) {
+  std::string name = section;
+  for (const char* key : keys) {
     if (!text.ok() || !arguments.has(key)) continue;
     TOUCHLINE_TRY_ASSIGN(const std::string value, toml_of(arguments[key]));
-    text = replace_key(text.value(), std::string("radio.") + key, value);
+    text = replace_key(text.value(), section + "." + key, value);
     name += " " + value;
   }
   return change_text(name, files.board, std::move(text));

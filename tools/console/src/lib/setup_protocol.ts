@@ -218,6 +218,7 @@ export type SetupCommand =
   | { command: 'colors.click'; name: string; u_px: number; v_px: number; picture?: number }
   | { command: 'colors.remove'; click: number }
   | { command: 'robots.set'; own?: TeamTable; opponent?: TeamTable; ball?: { color?: string; radius_m?: number }; layout?: RobotLayout }
+  | { command: 'camera.set'; backend?: string; device?: string; format?: string; width_px?: number; height_px?: number; rate_hz?: number }
   | { command: 'radio.set'; backend?: string; device?: string; baud?: number };
 
 export interface Differences {

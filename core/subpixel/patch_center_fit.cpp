@@ -22,7 +22,7 @@ constexpr float kMinInsidePixels = 4, kMinTopPixels = 4;
 constexpr float kMinContrast = 0.01f;
 // Prior of the noise: standard deviation of the light from rounding to 8 bits in dark areas, and its weight in pixels.
 // A few covered pixels alone would underestimate the noise.
-constexpr float kLeastNoise = 0.001f, kPriorPixels = 4.0f;
+constexpr float kMinNoise = 0.001f, kPriorPixels = 4.0f;
 // The ramp's width times the integral of its squared slope. Then the noise variance of an edge pixel relative to a
 // covered one: the variance is proportional to the light, and an edge pixel has half of it.
 constexpr float kSquaredSlope = 1.2f, kEdgeNoise = 0.5f;
@@ -285,7 +285,7 @@ class PatchCenterFit::Solver {
     for (std::size_t i = 0; i < 3; ++i) {
       const float light = target.excess[i] * target.excess[i] + kNegligible;
       const float count = inside.count[i];
-      const float own = (count * variance[i] + kPriorPixels * kLeastNoise * kLeastNoise) / (count + kPriorPixels);
+      const float own = (count * variance[i] + kPriorPixels * kMinNoise * kMinNoise) / (count + kPriorPixels);
       const float repeated = is_bayer_ ? kPixelsPerMeasured[i] : 1.0f;
       noise_px2[i] = repeated * kEdgeNoise * own / (light * slopes);
       const float shared = (is_bayer_ ? kMeasuredLeak : kSharedLeak) * power;

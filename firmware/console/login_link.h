@@ -10,7 +10,8 @@ namespace touchline::console {
 /// It contains the token: not for files that others read.
 std::string login_text(const std::string& address, std::uint16_t port, const std::string& token);
 
-/// A QR code (ISO/IEC 18004) drawn with half blocks, dark on light, for a terminal with UTF-8; "" if the text is too long.
+/// A QR code (ISO/IEC 18004) drawn with half blocks, dark on light, for a terminal with UTF-8; "" if the text is too
+/// long.
 std::string qr_code(const std::string& text);
 
 }  // namespace touchline::console

@@ -68,7 +68,7 @@ std::string users_of(const std::string& device) {
       std::ifstream comm(process->path() / "comm");
       std::string name;
       std::getline(comm, name);
-      users += (users.empty() ? "" : ", ") + name + " (process " + number + ")";
+      users.append(users.empty() ? "" : ", ").append(name).append(" (process ").append(number).append(")");
       break;
     }
   }

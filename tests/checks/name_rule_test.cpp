@@ -8,9 +8,6 @@
 namespace touchline::checks {
 namespace {
 
-// Files that still have old names.
-constexpr std::array<std::string_view, 2> kNotYet{"core/marker/", "core/subpixel/patch_center_fit.cpp"};
-
 // The first name of a file that the rule forbids; empty: none.
 std::string forbidden_name(const std::string& text) {
   static const std::regex forbidden(R"(\bk(Most|Least|Fewest)([A-Z_]\w*)?\b)");
@@ -20,8 +17,7 @@ std::string forbidden_name(const std::string& text) {
 
 TEST(NameRule, LimitsAreCalledMaxAndMin) {
   for (const SourceFile& file : read_sources(TOUCHLINE_SOURCE_DIR)) {
-    const auto begins = [&](std::string_view path) { return file.path.starts_with(path); };
-    if (std::any_of(kNotYet.begin(), kNotYet.end(), begins) || file.path.ends_with("name_rule_test.cpp")) continue;
+    if (file.path.ends_with("name_rule_test.cpp")) continue;
     EXPECT_EQ(forbidden_name(file.text), "") << file.path << ": say kMax or kMin";
   }
 }

@@ -81,8 +81,8 @@ Result<void> MessageLink::flush() {
 Result<void> MessageLink::receive() {
   std::array<char, 65536> part{};
   // Messages are handled in between, so that a fast sender does not fill the memory.
-  constexpr int kMaxParts = 64;
-  for (int i = 0; i < kMaxParts; ++i) {
+  constexpr int kMaxPartsAtOnce = 64;
+  for (int i = 0; i < kMaxPartsAtOnce; ++i) {
     const ssize_t count = ::read(descriptor(), part.data(), part.size());
     if (count < 0 && errno == EINTR) continue;
     if (count < 0 && errno == EAGAIN) return {};

@@ -1,6 +1,8 @@
 #include "firmware/link_command.h"
 
+#include <fcntl.h>
 #include <pwd.h>
+#include <sys/stat.h>
 #include <unistd.h>
 #include <array>
 #include <cstdlib>
@@ -43,30 +45,38 @@ struct Paths {
 
 std::string host_name() {
   std::array<char, 256> name{};
-  return ::gethostname(name.data(), name.size() - 1) == 0 ? name.data() : "localhost";
+  return ::gethostname(name.data(), name.size() - 1) == 0
+             ? std::string(name.data()).substr(0, std::string(name.data()).find('.'))  // without the domain
+             : "localhost";
 }
 
-/// The program as root: nothing of the environment decides which one.
-Result<void> systemctl(const std::string& arguments) {
-  const int code = std::system(("systemctl " + arguments).c_str());  // NOLINT(cert-env33-c,concurrency-mt-unsafe)
+/// Nothing of the caller's environment reaches the program, which runs as root.
+Result<void> systemctl(const LinkOptions& options, const std::string& arguments) {
+  const std::string command =
+      "/usr/bin/env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin '" + options.systemctl + "' " + arguments;
+  const int code = std::system(command.c_str());  // NOLINT(cert-env33-c,concurrency-mt-unsafe): fixed arguments
   if (code == 0) return {};
   return failure(ErrorCode::kIo, "systemctl %s failed, see above", arguments.c_str());
 }
 
-Result<void> restart() {
-  TOUCHLINE_TRY(systemctl("daemon-reload"));
-  return systemctl("restart touchline.service");
+Result<void> restart(const LinkOptions& options) {
+  TOUCHLINE_TRY(systemctl(options, "daemon-reload"));
+  return systemctl(options, "restart touchline.service");
 }
 
-/// The service reads the token as its own user.
-Result<std::string> make_service_token(const std::string& root, const std::string& file) {
-  const std::string path = root + file;
-  TOUCHLINE_TRY_ASSIGN(std::string token, console::make_token(path));
+/// Gives the file to the service's user. The folder belongs to that user, who must not be able to put another file in
+/// its place: the open file is changed, not what its name leads to.
+Result<void> give_to_service(const std::string& path, bool must_have_user) {
   const passwd* const user = ::getpwnam("touchline");  // NOLINT(concurrency-mt-unsafe): one thread
-  if (user != nullptr && ::chown(path.c_str(), user->pw_uid, user->pw_gid) != 0) {
-    return failure(ErrorCode::kIo, "%s: cannot be given to the user touchline", path.c_str());
-  }
-  return token;
+  if (user == nullptr && must_have_user) return failure(ErrorCode::kNotFound, "there is no user touchline");
+  if (user == nullptr) return {};
+  const int file = ::open(path.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
+  struct stat status {};
+  const bool is_own_file = file >= 0 && ::fstat(file, &status) == 0 && S_ISREG(status.st_mode) && status.st_nlink == 1;
+  const bool is_given = is_own_file && ::fchown(file, user->pw_uid, user->pw_gid) == 0;
+  if (file >= 0) ::close(file);
+  if (is_given) return {};
+  return failure(ErrorCode::kIo, "%s: cannot be given to the user touchline; remove it and try again", path.c_str());
 }
 
 }  // namespace
@@ -83,30 +93,39 @@ Result<std::string> link_command(const LinkOptions& options) {
                    paths.unit.c_str());
   }
   if (options.is_undone) {
-    const bool was_linked = fs::remove(paths.drop_in, error);
+    fs::remove(paths.drop_in, error);
+    if (error)
+      return failure(ErrorCode::kIo, "%s: cannot be removed: %s", paths.drop_in.c_str(), error.message().c_str());
     fs::remove(paths.announced, error);
-    if (!was_linked) return std::string("the page was not open to other computers\n");
-    TOUCHLINE_TRY(restart());
+    // Also if there was no drop-in: an earlier attempt may have removed it and failed here.
+    TOUCHLINE_TRY(restart(options));
     return std::string("the page is closed to other computers; the service was restarted\n");
   }
   const auto configuration = std::make_unique<config::Configuration>();
   TOUCHLINE_TRY(config::load_board(paths.board, {}, *configuration));
-  TOUCHLINE_TRY_ASSIGN(const std::string token,
-                       make_service_token(options.root, configuration->board.console.token_file));
+  const std::string token_file = options.root + configuration->board.console.token_file;
+  TOUCHLINE_TRY_ASSIGN(const std::string token, console::make_token(token_file));
+  TOUCHLINE_TRY(give_to_service(token_file, options.root.empty()));
+  TOUCHLINE_TRY(systemctl(options, "enable --quiet --now touchline-setup.service"));  // for Set up of the page
+  // Last, so that nothing is open after an error.
   std::string text = kDropIn;
   const std::string host = host_name();
   text.replace(text.find("HOST"), 4, host);
   fs::create_directories(fs::path(paths.drop_in).parent_path(), error);
   TOUCHLINE_TRY(hal::write_file(paths.drop_in, text));
-  const bool has_avahi = fs::is_directory(fs::path(paths.announced).parent_path(), error);
-  if (has_avahi) fs::copy_file(paths.announcement, paths.announced, fs::copy_options::overwrite_existing, error);
-  TOUCHLINE_TRY(systemctl("enable --quiet --now touchline-setup.service"));  // for Set up of the page
-  TOUCHLINE_TRY(restart());
+  if (Result<void> restarted = restart(options); !restarted.ok()) {
+    fs::remove(paths.drop_in, error);
+    return std::move(restarted).error();
+  }
+  const bool is_announced =
+      fs::is_directory(fs::path(paths.announced).parent_path(), error) &&
+      fs::copy_file(paths.announcement, paths.announced, fs::copy_options::overwrite_existing, error);
   return "the page is open to computers in private networks; the service was restarted\n" +
-         console::login_text("0.0.0.0", kPort, token) +
-         (has_avahi ? "By name: http://" + host + ".local:8642/login?token=... (the same token)\n"
-                    : std::string("With the package avahi-daemon, the board is found by name, as http://") + host +
-                          ".local:8642\n") +
+         (options.is_terminal ? console::login_text("0.0.0.0", kPort, token)
+                              : std::string("sudo -u touchline touchline console --link prints the login links\n")) +
+         (is_announced
+              ? "By name: http://" + host + ".local:8642/login?token=... (the same token)\n"
+              : "With the package avahi-daemon, the board is found by name, as http://" + host + ".local:8642\n") +
          "The score of \"systemd-analyze security touchline\" is now 1.6 instead of 1.2, since the service may use "
          "the\n"
          "network. touchline link --undo closes the page again.\n";

@@ -423,7 +423,7 @@ void Loop::on_reopened(Device device, Instant now) {
       pipeline_.reset();
       frame_gaps_.restart();
       last_frame_ = now;
-      if (!was_open) end_ = LoopEnd::kRestart;
+      if (!was_open && !end_) end_ = LoopEnd::kRestart;
       break;
     case Device::kGpio:
       outputs_.on_reopened();

@@ -1,3 +1,4 @@
+#include <unistd.h>
 #include <cstdio>
 #include <exception>
 
@@ -87,7 +88,9 @@ int check_command(const CommandLine& command_line) {
 }
 
 int link(const LinkOptions& options) {
-  const Result<std::string> text = link_command(options);
+  LinkOptions with_terminal = options;
+  with_terminal.is_terminal = ::isatty(STDOUT_FILENO) != 0;
+  const Result<std::string> text = link_command(with_terminal);
   return text.ok() ? print(text.value()) : fail(text.text());
 }
 

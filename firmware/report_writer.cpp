@@ -107,17 +107,19 @@ void ReportWriter::report_batteries(const RobotReports& robots, Instant now) {
 }
 
 void ReportWriter::report_fault(Device device, ErrorCode code, FaultAction action, std::string_view text, Instant now) {
+  bool is_new_reason = false;
   if (action == FaultAction::kReopen) {
     ReasonText& lost = lost_[static_cast<std::size_t>(device)];
     const std::string_view reason = text.empty() ? std::string_view(describe(code)) : text;
     const ErrorCode before = std::exchange(lost_code_[static_cast<std::size_t>(device)], code);
     if (before == code && lost.view() == reason.substr(0, kMaxReasonBytes - 1)) return;
     lost.set(reason);
+    is_new_reason = true;
   }
   bool& reported = action == FaultAction::kContinueWithout
                        ? continue_without_reported_
                        : fault_reported_[static_cast<std::size_t>(device)][static_cast<std::size_t>(code)];
-  if (std::exchange(reported, true)) return;
+  if (std::exchange(reported, true) && !is_new_reason) return;
   report_.kind = Report::Kind::kFault;
   report_.fault.elapsed_s = elapsed_s(now);
   report_.fault.device = device;

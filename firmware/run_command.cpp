@@ -208,7 +208,9 @@ LoopEnd run_session(Session& session, RunContext& run, const std::string& error)
       run.refused.insert(run.refused.end(), refused.begin(), refused.end());
       print_start(session, run.connections, run.console, run.refused, *run.output);
     }
-    end = touchline::run(session.loop(), *run.service, run.stop);
+    // Nobody could choose a device that is missing.
+    const bool waits_in_vain = run.serves_console && run.console.port() == 0 && !session.has_all_devices();
+    end = waits_in_vain ? LoopEnd::kFault : touchline::run(session.loop(), *run.service, run.stop);
     normal.restore();
     if (end != LoopEnd::kRestart) run.console_thread.reset();
     run.lines.set(nullptr);
@@ -229,22 +231,19 @@ DeviceFlags awaited_devices(const Session& session, const RunContext& run) {
   return awaited;
 }
 
-/// The session that waits; if none does, because an awaited camera is there, another one with the files of `former`.
-Result<std::unique_ptr<Session>> take_next(const Session& former, RunContext& run) {
-  if (std::unique_ptr<Session> next = run.next->take()) return next;
-  const config::FilePaths draft = former.is_draft() ? former.files() : config::FilePaths{};
-  return load_session(run.command_line.session, draft, true, *run.output);
-}
-
 /// Opens the session that waits or, if its devices cannot be opened, one with the saved files; `error` says why.
 Result<std::unique_ptr<Session>> begin_next(std::unique_ptr<Session> former, RunContext& run, std::string& error) {
-  Result<std::unique_ptr<Session>> taken = take_next(*former, run);
-  if (!taken.ok()) return taken;
-  std::unique_ptr<Session> next = std::move(taken).value();
+  std::unique_ptr<Session> next = run.next->take();
+  const bool was_chosen = next != nullptr;
+  if (!was_chosen) {  // an awaited camera is there: the files as they were read count, whoever edits them now
+    next = std::make_unique<Session>();
+    TOUCHLINE_TRY(next->load_again(*former));
+  }
   // A device that a person has just chosen has to be there, unless the former one was not there either.
   DeviceFlags awaited = awaited_devices(*next, run);
   for (const Device device : kDevices) {
-    awaited[static_cast<std::size_t>(device)] &= !next->is_draft() || !former->loop().is_open(device);
+    const bool must_be_there = was_chosen && next->is_draft() && former->loop().is_open(device);
+    awaited[static_cast<std::size_t>(device)] &= !must_be_there;
   }
   next->await(awaited);
   // Robots that were to stand until somebody acts stand in the next session too.

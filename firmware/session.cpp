@@ -21,6 +21,14 @@ Result<void> Session::load_uncalibrated(const SessionOptions& options) {
   return configure_pipeline();
 }
 
+Result<void> Session::load_again(const Session& former) {
+  options_ = former.options_;
+  setup_ = former.setup_;
+  is_draft_ = former.is_draft_;
+  *configuration_ = *former.configuration_;
+  return configure_pipeline();
+}
+
 Result<void> Session::configure_pipeline() {
   if (const Status s = pipeline_->configure(configuration_->pipeline, stage_clock_); !s.ok()) {
     // The checks of the files have passed, so only the error code of the stage is known.

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 #include <cstdint>
 #include <memory>
@@ -40,6 +41,8 @@ class Session {
   /// As load(), for a venue without camera model or colors: pictures are taken and stop packets sent, nothing is
   /// recognized, and robots never move. Any other error of the files is one here too.
   Result<void> load_uncalibrated(const SessionOptions& options);
+  /// Uses the files of `former` as they were read, without reading them again. Touches no device. Errors as load().
+  Result<void> load_again(const Session& former);
   /// After load(): a draft is in use, see SetupMode. Call it before open().
   void set_draft() {
     is_draft_ = true;
@@ -93,6 +96,10 @@ class Session {
   [[nodiscard]] std::shared_ptr<const config::Configuration> shared_configuration() const { return configuration_; }
   [[nodiscard]] const SessionOptions& options() const { return options_; }
   [[nodiscard]] Devices& devices() { return devices_; }
+  /// Whether open() could open all of them.
+  [[nodiscard]] bool has_all_devices() const {
+    return std::all_of(kDevices.begin(), kDevices.end(), [this](Device device) { return loop_->is_open(device); });
+  }
   [[nodiscard]] Loop& loop() { return *loop_; }
   [[nodiscard]] ReportRing& reports() { return *reports_; }
   [[nodiscard]] Expectation expectation() const;

@@ -7,8 +7,6 @@
 namespace touchline::console {
 
 void AnswerWorker::start(std::function<MadeAnswer()> make) {
-  is_busy_ = true;
-  is_done_ = false;
   thread_.run([this, make = std::move(make)]() -> FileThread::Finish {
     auto answer = std::make_shared<MadeAnswer>();
     try {
@@ -21,6 +19,8 @@ void AnswerWorker::start(std::function<MadeAnswer()> make) {
       is_done_ = true;
     };
   });
+  is_busy_ = true;  // not before run(), which may throw
+  is_done_ = false;
 }
 
 bool AnswerWorker::is_done() {

@@ -50,6 +50,9 @@ Result<std::vector<std::byte>> thumbnail(const hal::CameraSettings& settings) {
     if (hal::MonotonicClock::read() >= end)
       return failure(ErrorCode::kTimeout, "%s: the camera delivered no picture in time; check its cable and format",
                      settings.device.c_str());
+    const bool is_skipped = lease.code() == ErrorCode::kTimeout || lease.code() == ErrorCode::kShortFrame ||
+                            lease.code() == ErrorCode::kCorruptFrame;
+    if (!lease.ok() && !is_skipped) return lease.error();
     if (!lease.ok() || ++frame <= kThumbnailFrame) continue;
     const Frame& picture = lease.value().frame();
     const int divisor = std::clamp((picture.width_px + kThumbnailWidth - 1) / kThumbnailWidth, 1, 8);

@@ -68,6 +68,9 @@ std::string users_of(const std::string& device) {
       std::ifstream comm(process->path() / "comm");
       std::string name;
       std::getline(comm, name);
+      // A process may have given itself any name, also one that a terminal would obey.
+      std::replace_if(
+          name.begin(), name.end(), [](unsigned char c) { return c < ' ' || c == 127; }, '?');
       users.append(users.empty() ? "" : ", ").append(name).append(" (process ").append(number).append(")");
       break;
     }

@@ -33,9 +33,9 @@ double reduction(const FieldParameters& field, const SensorSize& sensor) {
 }  // namespace
 
 const std::vector<SensorSize>& known_sensors() {
-  static const std::vector<SensorSize> kSensors{{"IMX296", 1456 * 0.00345, 1088 * 0.00345, 1456},
-                                                {"OV9782", 1280 * 0.003, 800 * 0.003, 1280}};
-  return kSensors;
+  static const std::vector<SensorSize> sensors{{"IMX296", 1456 * 0.00345, 1088 * 0.00345, 1456},
+                                               {"OV9782", 1280 * 0.003, 800 * 0.003, 1280}};
+  return sensors;
 }
 
 Result<SensorSize> parse_sensor(const std::string& text) {

@@ -187,8 +187,8 @@ std::string figures(const JudgeReport& report) {
   std::string text;
   text += formatted("rate          %.2f frames a second arrived (requested %.4g, the driver says %.4g)\n",
                     timing.delivered_hz, report.requested.rate_hz, report.info.rate_hz);
-  text += formatted("lost frames   %llu of %llu\n", static_cast<unsigned long long>(timing.lost),
-                    static_cast<unsigned long long>(timing.lost + timing.frames));
+  const unsigned long long lost = timing.lost, frames = timing.frames;
+  text += formatted("lost frames   %llu of %llu\n", lost, lost + frames);
   text +=
       formatted("time stamps   of the %s, %s; jitter %.2f ms RMS, %.2f ms at most\n", stamp_event(report).c_str(),
                 timing.increasing ? "monotonic" : "not monotonic", 1e3 * timing.jitter_s, 1e3 * timing.worst_jitter_s);

@@ -42,7 +42,8 @@ MovingObject MovingObjectFinder::measure(std::size_t seed) {
   MovingObject object;
   double sum = 0.0, sum_x = 0.0, sum_y = 0.0, sum_xy = 0.0, sum_yy = 0.0;
   // About the seed, because squares of large coordinates lose digits.
-  const auto origin_x = static_cast<double>(seed % width), origin_y = static_cast<double>(seed / width);
+  const std::size_t seed_row = seed / width;
+  const auto origin_x = static_cast<double>(seed % width), origin_y = static_cast<double>(seed_row);
   open_.assign(1, seed);
   double weight = static_cast<double>(std::exchange(weight_[seed], 0.0f));
   std::vector<double> weights{weight};

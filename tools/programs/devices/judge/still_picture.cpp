@@ -10,7 +10,7 @@ namespace touchline::devices {
 namespace {
 
 // Darker and brighter pixels are cut off, which hides their noise.
-constexpr float kDark = 24.0f, kBright = 248.0f;
+constexpr float kMinUsableLuma = 24.0f, kMaxUsableLuma = 248.0f;
 
 double deviation(const std::vector<double>& values) {
   const double mean = statistics::mean(values);
@@ -61,7 +61,7 @@ StillReport StillMeasurement::report() const {
     // Differences of consecutive frames have twice the variance; slow changes of the light do not count.
     const float variance = squared_steps_[i] / (2.0f * (frames - 1.0f));
     variances.push_back(variance);
-    if (mean > kDark && mean < kBright) usable.push_back(variance);
+    if (mean > kMinUsableLuma && mean < kMaxUsableLuma) usable.push_back(variance);
   }
   report.brightness = static_cast<double>(statistics::median(means));
   std::vector<float>& pixels = usable.size() * 10 >= variances.size() ? usable : variances;

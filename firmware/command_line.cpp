@@ -185,11 +185,12 @@ std::optional<int> parse_command_line(int argc, char** argv, CommandLine& out) {
 
   CLI::App* console_command = app.add_subcommand("console", "Show what a browser on another computer needs");
   add_files(*console_command, out.session.files);
-  CLI::Option_group* const what = console_command->add_option_group("what");
   bool prints_token = false;
-  what->add_flag("--token", prints_token, "Print the token, and make it if there is none");
-  what->add_flag("--link", out.prints_login_link, "Print the links with which other computers log in, and a QR code");
-  what->require_option(1);
+  CLI::Option* const token =
+      console_command->add_flag("--token", prints_token, "Print the token, and make it if there is none");
+  console_command
+      ->add_flag("--link", out.prints_login_link, "Print the links with which other computers log in, and a QR code")
+      ->excludes(token);
   add_examples(*console_command, {{"touchline console --link", "print login links and a QR code"},
                                   {"sudo -u touchline touchline console --token", "print the token of the service"}});
 
@@ -202,6 +203,10 @@ std::optional<int> parse_command_line(int argc, char** argv, CommandLine& out) {
                        {"sudo touchline link --undo", "close it again"}});
 
   if (const std::optional<int> exit_code = parse_arguments(app, argc, argv)) return exit_code;
+  if (console_command->parsed() && !prints_token && !out.prints_login_link) {
+    std::fputs("touchline: console: --token or --link is required\nRun with --help for more information.\n", stderr);
+    return kExitBadCommandLine;
+  }
   out.command = init->parsed()              ? Command::kInit
                 : check->parsed()           ? Command::kCheck
                 : keys->parsed()            ? Command::kKeys

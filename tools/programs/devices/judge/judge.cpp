@@ -32,7 +32,7 @@ constexpr double kSystematic_s = 0.0003;
 // It is stated only if it tells a rolling from a global shutter.
 constexpr double kUsefulReadout_s = 0.003, kUsefulShare = 0.15;
 // More than enough for its statistics, and short of a real hand's patience.
-constexpr double kLeastMotion_s = 10.0;
+constexpr double kMinMotion_s = 10.0;
 
 using Lease = hal::FrameLease;
 
@@ -154,7 +154,7 @@ class Judge {
     const double period_s = report_.timing.period_s;
     ReadoutMeasurement readout(picture.height, period_s);
     const Instant begin = clock_.now();
-    Instant next_estimate = begin + from_seconds(kLeastMotion_s);
+    Instant next_estimate = begin + from_seconds(kMinMotion_s);
     bool is_good = false;
     while (!is_good && seconds(clock_.now() - begin) < options_.motion_s) {
       // In pieces of a second, between which the estimate is made; it takes longer than a frame.

@@ -10,15 +10,15 @@ namespace {
 // One pixel in 300 000 exceeds five standard deviations; small regions are left out anyway.
 constexpr double kThresholdInNoise = 5.0;
 // JPEG and lamps change still pixels by a few levels.
-constexpr double kLeastThreshold = 6.0;
+constexpr double kMinThreshold = 6.0;
 // The lean of smaller objects is too uncertain: the error of an edge is a part of a pixel.
-constexpr double kLeastArea = 150.0;
+constexpr double kMinArea = 150.0;
 
 }  // namespace
 
 MovingObjectFinder::MovingObjectFinder(LumaPicture background, double noise)
     : background_(std::move(background)),
-      threshold_(static_cast<float>(std::max(kLeastThreshold, kThresholdInNoise * noise))),
+      threshold_(static_cast<float>(std::max(kMinThreshold, kThresholdInNoise * noise))),
       weight_(background_.value.size()) {}
 
 const std::vector<MovingObject>& MovingObjectFinder::find(const LumaPicture& picture) {
@@ -31,7 +31,7 @@ const std::vector<MovingObject>& MovingObjectFinder::find(const LumaPicture& pic
   for (std::size_t i = 0; i < weight_.size(); ++i) {
     if (weight_[i] <= 0.0f) continue;
     const MovingObject object = measure(i);
-    if (object.area >= kLeastArea) found_.push_back(object);
+    if (object.area >= kMinArea) found_.push_back(object);
   }
   return found_;
 }

@@ -17,9 +17,9 @@ constexpr std::size_t kReach = 2;
 // A slow computer gets every second or third frame.
 constexpr std::uint32_t kLargestStep = 3;
 // A track with fewer samples says little beside its eight unknowns.
-constexpr std::size_t kLeastSamples = 40;
+constexpr std::size_t kMinSamples = 40;
 // Blocks whose errors are independent. Fewer give no uncertainty.
-constexpr std::size_t kLeastBlocks = 6;
+constexpr std::size_t kMinBlocks = 6;
 // Residuals beyond this many standard deviations are collisions, or two objects that touch.
 constexpr double kOutlier = 4.0;
 
@@ -27,7 +27,7 @@ constexpr double kOutlier = 4.0;
 // within a few squares.
 constexpr double kCell = 4.0;
 // Mean number of equations in a cell, below which most of them would be lost.
-constexpr std::size_t kLeastVisits = 3;
+constexpr std::size_t kMinVisits = 3;
 
 /// One equation: `shape` = `other` unknowns + t * `velocity`.
 struct Equation {
@@ -43,7 +43,7 @@ struct Equation {
 void compare_within_cells(std::vector<Equation>& equations) {
   std::map<std::uint64_t, std::vector<Equation*>> cells;
   for (Equation& equation : equations) cells[equation.cell].push_back(&equation);
-  if (cells.size() * kLeastVisits > equations.size()) return;
+  if (cells.size() * kMinVisits > equations.size()) return;
   for (auto& [cell, members] : cells) {
     const auto count = static_cast<double>(members.size());
     Equation mean;
@@ -70,7 +70,7 @@ struct Slope {
 
 std::optional<Slope> regress(const std::vector<Equation>& equations, const std::vector<bool>& used) {
   const auto rows = static_cast<Eigen::Index>(std::count(used.begin(), used.end(), true));
-  if (rows < static_cast<Eigen::Index>(kLeastSamples)) return std::nullopt;
+  if (rows < static_cast<Eigen::Index>(kMinSamples)) return std::nullopt;
   const auto unknowns = static_cast<Eigen::Index>(equations[0].other.size());
   Eigen::MatrixXd other(rows, unknowns);
   Eigen::MatrixXd both(rows, 2);  // shape and velocity
@@ -94,7 +94,7 @@ std::optional<Slope> regress(const std::vector<Equation>& equations, const std::
   for (Eigen::Index i = 0; i < rows; ++i) {
     scores[blocks[static_cast<std::size_t>(i)]] += velocity(i) * residual(i) / variance;
   }
-  if (scores.size() < kLeastBlocks) return std::nullopt;
+  if (scores.size() < kMinBlocks) return std::nullopt;
   Slope slope;
   slope.weight = square / variance;
   slope.moment = slope.weight * t;
@@ -176,7 +176,7 @@ void ReadoutMeasurement::add(std::uint32_t number, const std::vector<MovingObjec
   }
   // Tracks that ended and are too short never count.
   std::erase_if(tracks_, [&](const Track& track) {
-    return track.size() < kLeastSamples && number - track.back().number > 2 * block_frames_;
+    return track.size() < kMinSamples && number - track.back().number > 2 * block_frames_;
   });
 }
 
@@ -226,7 +226,7 @@ ReadoutEstimate ReadoutMeasurement::estimate() const {
         }
       }
       for (const std::vector<Equation>& equations : {leans, heights}) {
-        if (equations.size() < kLeastSamples) continue;
+        if (equations.size() < kMinSamples) continue;
         const std::optional<Slope> slope = robust_slope(equations);
         if (!slope) continue;
         sum.weight += slope->weight;

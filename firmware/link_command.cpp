@@ -20,8 +20,8 @@ namespace fs = std::filesystem;
 
 constexpr std::uint16_t kPort = 8642;
 
-// "HOST" becomes this computer's name. Other networks stay closed, so that a board that gets a public address is not
-// open.
+// "HOST" becomes this computer's name. Other networks stay closed, so that the page is not reachable even if the board
+// gets a public address.
 constexpr const char* kDropIn = R"(# Written by "touchline link"; "touchline link --undo" removes it.
 [Service]
 RestrictAddressFamilies=AF_INET
@@ -46,7 +46,7 @@ std::string host_name() {
   return ::gethostname(name.data(), name.size() - 1) == 0 ? name.data() : "localhost";
 }
 
-/// The program as root: nothing of the environment decides which one.
+/// Runs systemctl as root. The path is fixed, so that the environment cannot choose another program.
 Result<void> systemctl(const std::string& arguments) {
   const int code = std::system(("systemctl " + arguments).c_str());  // NOLINT(cert-env33-c,concurrency-mt-unsafe)
   if (code == 0) return {};
@@ -58,7 +58,7 @@ Result<void> restart() {
   return systemctl("restart touchline.service");
 }
 
-/// The service reads the token as its own user.
+/// Makes the token of the service, readable for the service's user.
 Result<std::string> make_service_token(const std::string& root, const std::string& file) {
   const std::string path = root + file;
   TOUCHLINE_TRY_ASSIGN(std::string token, console::make_token(path));
@@ -100,7 +100,7 @@ Result<std::string> link_command(const LinkOptions& options) {
   TOUCHLINE_TRY(hal::write_file(paths.drop_in, text));
   const bool has_avahi = fs::is_directory(fs::path(paths.announced).parent_path(), error);
   if (has_avahi) fs::copy_file(paths.announcement, paths.announced, fs::copy_options::overwrite_existing, error);
-  TOUCHLINE_TRY(systemctl("enable --quiet --now touchline-setup.service"));  // for Set up of the page
+  TOUCHLINE_TRY(systemctl("enable --quiet --now touchline-setup.service"));  // needed by "Set up" of the page
   TOUCHLINE_TRY(restart());
   return "the page is open to computers in private networks; the service was restarted\n" +
          console::login_text("0.0.0.0", kPort, token) +

@@ -12,9 +12,9 @@ struct LinkOptions {
 };
 
 /// touchline link, as root: opens the service's page to the computers of private networks (RFC 1918) and prints the
-/// login links. Writes a drop-in for the systemd unit, makes the token, announces the page with avahi if that is
-/// installed, and restarts the service, which stops the robots. With `is_undone` it takes all of that back.
-/// kPermission: the user is not root; kNotFound: the service is not installed; kIo: the system's text.
+/// login links. Writes a drop-in for the systemd unit, makes the token, announces the page with avahi if avahi is
+/// installed, and restarts the service, which stops the robots. With `is_undone`, it undoes these changes. kPermission:
+/// the user is not root; kNotFound: the service is not installed; kIo: the system's text.
 Result<std::string> link_command(const LinkOptions& options);
 
 }  // namespace touchline

@@ -49,7 +49,8 @@ void FileThread::run(Job job) {
 }
 
 void FileThread::work(const std::shared_ptr<Shared>& shared, Priority priority) {
-  // Of this thread only (on Linux). If it is refused, the job costs the others some time.
+  // On Linux, this sets the priority of this thread only. If the system refuses it, the job costs other threads some
+  // time.
   if (priority == Priority::kLowest) static_cast<void>(::setpriority(PRIO_PROCESS, 0, kLowestNice));
   std::unique_lock lock(shared->mutex);
   for (;;) {

@@ -31,11 +31,11 @@
 
 namespace touchline::console {
 
-// A team at the field, and some who watch. Each may have a second connection for Stop. Programs on this computer need
-// no token: whoever has one finds a place although they have taken all.
+// Places for a team at the field and some viewers. Each may have a second connection for Stop. Programs on this
+// computer need no token, so some places are kept for clients with the token.
 inline constexpr std::size_t kMaxClients = 16, kPlacesForToken = 4;
 
-/// What the printer's thread knows and the console shows.
+/// Passes reports from the printer's thread to the console.
 class SharedReports {
  public:
   void set(const StatusReport& report) {
@@ -79,13 +79,13 @@ void put_little_endian(std::byte*& to, Integer value) {
   for (std::size_t i = 0; i < sizeof(value); ++i) *to++ = static_cast<std::byte>(value >> (8 * i));
 }
 
-/// What a client speaks: our own protocol, with which it may drive; that part of it which stops robots; or Foxglove's,
-/// with which it looks.
+/// Protocol of a client: our own, with which it may drive; the part of our own that only stops robots; or Foxglove's,
+/// with which it only watches.
 enum class ClientProtocol : std::uint8_t { kTouchline, kStop, kFoxglove };
 
 using network::Print;
 
-/// What the hub works with; all outlive it.
+/// Objects that the hub uses; all must outlive it.
 struct HubLinks {
   SnapshotRing& snapshots;
   PictureExchange& pictures;
@@ -158,7 +158,7 @@ class Hub {
   /// Without connections for Stop.
   [[nodiscard]] std::size_t clients() const { return count_clients(false); }
   [[nodiscard]] const Driving& driving() const { return driving_; }
-  /// For what may wait for a disk. Its jobs' results are used in tick().
+  /// Thread for work that may wait for a disk. The results of its jobs are used in tick().
   [[nodiscard]] FileThread& file_thread() { return files_; }
 
  private:
@@ -205,11 +205,11 @@ class Hub {
 
   // hub_findings.cpp
   Result<void> accept_probe(Client& client, const ClientMessage& message, Instant now);
-  /// Answers with an error what no picture has answered in time.
+  /// Answers questions about pixels with an error if no picture has answered them in time.
   void expire_probes(Instant now);
   [[nodiscard]] bool has_probe_answer(const Client& client) const;
   Outgoing probe_message(Client& client);
-  /// What comes next of the findings that belong to the current picture. Empty: all was sent.
+  /// Returns the next message with findings of the current picture. Empty: all were sent.
   Outgoing findings_message(Client& client);
   Outgoing classes_message(const Frame& frame, const PixelClassifier& classifier, int divisor);
   Outgoing light_message(const Frame& frame, const PixelClassifier& classifier);

@@ -45,7 +45,7 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
   return table[a.size() * columns + b.size()];
 }
 
-// Limits are for people: "1000000", not "1e+06".
+// Formats a limit for a person: "1000000", not "1e+06".
 std::string bound_text(double value) {
   constexpr double kWholeBelow = 1e12;
   const bool whole = std::abs(value) < kWholeBelow && value == std::trunc(value);

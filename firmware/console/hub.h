@@ -43,7 +43,7 @@ class SharedReports {
     report_ = report;
     ++count_;
   }
-  /// The reasons to halt have changed since the last status.
+  /// Replaces the reasons to halt, which have changed since the last status.
   void set_halt(const HaltReport& halt) {
     const std::scoped_lock lock(mutex_);
     report_.halt = halt.halt;
@@ -113,32 +113,33 @@ class Hub {
  public:
   Hub(const HubLinks& links, Scene scene, const HubSettings& settings);
 
-  /// Another session has begun. `error`: why it is not the one that was wanted, or "".
+  /// Shows another session, which has begun. `error` says why it is not the requested session, or is "".
   void begin_session(Scene scene, const std::string& error);
   /// Call it every few milliseconds while somebody watches, else a few times a second.
   void tick(Instant now);
-  /// Null: there are too many.
+  /// Adds a client. Null: there are too many clients.
   Client* connect(Instant now, ClientProtocol protocol, bool has_token);
-  /// The line for Stop that has been silent for the longest time, if there is room for no other one; else null.
+  /// Returns the Stop connection that has been silent for the longest time if there is no room for another one;
+  /// otherwise null.
   [[nodiscard]] const Client* surplus_stop_line() const;
   void disconnect(Client& client);
-  /// `arrived`: when the message came to the socket, at which it may have waited. False: the client breaks the rules so
-  /// far that it has to be disconnected.
+  /// Handles a message. `arrived` is the time at which it arrived at the socket, where it may have waited. False: the
+  /// client breaks the rules so badly that it has to be disconnected.
   bool receive(Client& client, std::string_view text, Instant arrived, Instant now);
   /// Whether there is a message for the client.
   [[nodiscard]] bool has_message(const Client& client, Instant now) const;
   /// The next message, the most urgent one first. Empty: there is none.
   Outgoing next_message(Client& client, Instant now);
 
-  /// How long a message of the client may be.
+  /// Returns the longest permitted message of the client.
   [[nodiscard]] std::size_t max_message_bytes(const Client& client) const {
     return driving_.driver() == client.number ? kMaxDriverMessageBytes : kMaxClientMessageBytes;
   }
   /// Whether somebody watches states or pictures, so that tick() has to be called often.
   [[nodiscard]] bool is_watched() const;
-  /// For requests without WebSocket.
+  /// Asks for a picture, for requests without WebSocket.
   void request_picture(Instant now) { pictures_.request(now); }
-  /// The number that the next picture has at least.
+  /// Returns the lowest number that the next picture can have.
   [[nodiscard]] std::uint64_t next_picture_number() const;
   /// Whether the current picture's number is at least `from`.
   [[nodiscard]] bool has_picture(std::uint64_t from) const {
@@ -151,11 +152,11 @@ class Hub {
   /// The file of the loop's camera; "": it has none.
   [[nodiscard]] std::string used_camera() const;
   std::string metrics();
-  /// What a bug report of now is made of, with the current picture if has_picture(from). Copies up to 7 MB and the
-  /// picture.
+  /// Returns the content for a bug report of this moment, with the current picture if has_picture(from). Copies up to 7
+  /// MB and the picture.
   BugReportContent bug_report_content(std::uint64_t from, Instant now);
 
-  /// Without connections for Stop.
+  /// Returns the number of clients, without Stop connections.
   [[nodiscard]] std::size_t clients() const { return count_clients(false); }
   [[nodiscard]] const Driving& driving() const { return driving_; }
   /// Thread for work that may wait for a disk. The results of its jobs are used in tick().
@@ -239,9 +240,10 @@ class Hub {
   Instant next_second_{};
   std::list<Client> clients_;
   SetupRelay setup_;
-  std::optional<SetupOrder> order_;  // its files are being loaded, or a session for it is about to begin
-  bool is_held_ = false;             // a draft is or was in use, and the saved files are not in use again
-  bool is_trying_ = false;           // robots play with the draft
+  std::optional<SetupOrder>
+      order_;               // the order in progress: its files are being loaded, or a session for it is about to begin
+  bool is_held_ = false;    // a draft is or was in use, and the saved files are not in use again
+  bool is_trying_ = false;  // robots play with the draft
   SetupWish wish_ = SetupWish::kNone;
   ClientNumber last_number_ = 0, last_stop_line_ = ClientNumber{1} << 31;
   StatusReport report_;  // the newest
@@ -250,7 +252,7 @@ class Hub {
   bool is_picture_failure_reported_ = false;
   std::optional<Score> told_score_;  // by a client, if no referee tells it
   std::vector<std::byte> text_, binary_;
-  std::shared_ptr<Parcel> parcel_;  // that is being sent
+  std::shared_ptr<Parcel> parcel_;  // message of the setup program that is being sent
 };
 
 }  // namespace touchline::console

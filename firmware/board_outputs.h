@@ -15,7 +15,7 @@ class BoardOutputs {
   /// Error: that of the GPIO chip.
   Result<void> set_strobe(bool high);
   /// Blinks once a second, or five times a second if `alarm`; if `steady`, the light stays on. Errors are those of the
-  /// GPIO chip.
+  /// chip.
   Result<void> update_light(Duration since_begin, bool alarm, bool steady);
   /// Ignores errors, because the loop is about to end.
   void switch_light_off();

@@ -30,15 +30,15 @@ inline constexpr std::string_view kTokenCookie = "touchline_token";
 /// Whether the address, such as 127.0.0.1 or ::1, belongs to this computer's loopback.
 bool is_loopback(std::string_view address);
 
-/// Whether a browser may have sent this request on behalf of this console's page. A name that is not listed may belong
-/// to a site that made its name point to this computer (DNS rebinding); an address in numbers cannot.
+/// Returns whether a browser may have sent this request on behalf of this console's page. A name that is not listed may
+/// belong to a site that made the name point to this computer (DNS rebinding); an address in numbers is safe from this.
 bool is_host_permitted(std::string_view host, const std::vector<std::string>& hosts);
 /// Whether the request comes from the console's own page, or from no page at all. `is_navigation`: a request for the
 /// page itself, to which other sites may link.
 bool is_origin_permitted(const RequestOrigin& request, bool is_navigation);
 /// Returns whether a page of this origin may watch, although it is not the console's page.
 bool is_viewer_permitted(std::string_view origin, const std::vector<std::string>& origins);
-/// Whether the two texts are equal. Takes equally long for all texts of `expected`'s length.
+/// Returns whether the two texts are equal. Takes the same time for all texts of the length of `expected`.
 bool equal_in_constant_time(std::string_view given, std::string_view expected);
 /// The token in a Cookie header; "" if there is none.
 std::string_view token_of_cookie(std::string_view cookie);

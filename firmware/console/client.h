@@ -39,7 +39,7 @@ inline constexpr std::size_t kMaxWaitingParcels = 16;
 struct Probe {
   std::int64_t request = 0;
   PixelPoint pixel;
-  std::uint64_t from = 0;  // number of the first picture that answers it
+  std::uint64_t from = 0;  // number of the first picture that can answer the question
   Instant deadline{};
 };
 // Limit of a client's open questions about pixels. A page asks about the next pixel after the answer to the last one.
@@ -60,7 +60,7 @@ struct Client {
   Instant next_state{}, next_picture{};
 
   Instant heard{};            // its last message, or its connection
-  bool is_stop_line = false;  // it may only stop, and is told nothing but answers
+  bool is_stop_line = false;  // it may only stop, and gets only answers
   bool wants_hello = true, wants_driver = true, wants_status = true;
   std::deque<Answer> answers;
   std::uint64_t last_event = 0;

@@ -16,7 +16,8 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr int kLowestNice = 19;
-// Reading some small files takes milliseconds. What takes longer at the end of the program is abandoned.
+// Time for jobs at the end of the program. Reading some small files takes milliseconds; a job that takes longer is
+// abandoned.
 constexpr auto kEndPatience = 200ms;
 
 }  // namespace

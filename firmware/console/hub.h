@@ -240,10 +240,9 @@ class Hub {
   Instant next_second_{};
   std::list<Client> clients_;
   SetupRelay setup_;
-  std::optional<SetupOrder>
-      order_;               // the order in progress: its files are being loaded, or a session for it is about to begin
-  bool is_held_ = false;    // a draft is or was in use, and the saved files are not in use again
-  bool is_trying_ = false;  // robots play with the draft
+  std::optional<SetupOrder> order_;  // in progress: its files are being loaded, or its session is about to begin
+  bool is_held_ = false;             // a draft is or was in use, and the saved files are not in use again
+  bool is_trying_ = false;           // robots play with the draft
   SetupWish wish_ = SetupWish::kNone;
   ClientNumber last_number_ = 0, last_stop_line_ = ClientNumber{1} << 31;
   StatusReport report_;  // the newest

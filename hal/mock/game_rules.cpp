@@ -56,7 +56,7 @@ void World::referee() {
     still_s_ = 0.0;
     return;
   }
-  // If all robots stand, nobody plays, and the ball stays where somebody has put it.
+  // Without playing opponents or a commanded robot, nobody plays, and the ball stays where somebody has put it.
   const bool is_played = parameters_.opponents == Opponents::kPlay ||
                          std::any_of(robots_.begin(), robots_.end(),
                                      [](const Robot& robot) { return robot.commanded_mps != std::array<double, 2>{}; });

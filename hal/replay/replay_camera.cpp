@@ -56,7 +56,8 @@ Result<void> ReplayCamera::fetch() {
   return {};
 }
 
-// Fetches as fetch() does, but skips damaged pictures. They leave gaps in the numbers, as lost frames of a driver do.
+// Fetches as fetch() does. A damaged picture leaves a gap in the numbers, as a lost frame of a driver does;
+// `skip_damaged` passes over it.
 Result<void> ReplayCamera::fetch_undamaged() {
   for (;;) {
     Result<void> fetched = fetch();

@@ -29,7 +29,7 @@ std::size_t offset_of(const std::string& text, const std::vector<std::size_t>& l
   return offset;
 }
 
-// A comment behind the value stays in its column if there is room.
+// Replaces a value. A comment behind the value stays in its column if there is room.
 void replace_and_align(std::string& text, std::size_t begin, std::size_t end, const std::string& value) {
   std::size_t spaces = end;
   while (spaces < text.size() && text[spaces] == ' ') ++spaces;

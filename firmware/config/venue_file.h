@@ -133,7 +133,7 @@ struct ColorsEntry {
   }
 };
 
-/// [noise]: scatter of the positions of standing objects that one picture cannot show, for example because the camera
+/// [noise]: scatter of the poses of standing objects that their pictures do not show, for example because the camera
 /// shakes.
 struct NoiseEntry {
   double robot_position_m = 0.0, robot_heading_rad = 0.0, ball_position_m = 0.0;

@@ -35,7 +35,7 @@ struct PlannedOutput {
 struct PlannedInput {
   config::InputProtocol protocol = config::InputProtocol::kJson;
   hal::NetworkAddress address;
-  std::vector<hal::NetworkRange> senders;  // obeyed beside this computer
+  std::vector<hal::NetworkRange> senders;  // obeyed computers that are obeyed beside this one
   std::vector<std::string> sender_names;   // the same, as in the file
   double rate_hz = 0.0;
   std::string key;     // that lists the senders: "network.input[0].senders in board.toml:14"; empty: none does

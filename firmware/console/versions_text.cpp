@@ -24,7 +24,7 @@ namespace {
 #define TOUCHLINE_TEXT_OF(macro) TOUCHLINE_TEXT_OF_VALUE(macro)
 #define TOUCHLINE_TEXT_OF_VALUE(value) #value
 
-// Reads a file in parts, because files of /proc report no size.
+// Reads a file to its end without asking for its size, because files of /proc report none.
 std::string text_of_file(const char* path) {
   std::ostringstream text;
   text << std::ifstream(path).rdbuf();

@@ -31,7 +31,7 @@ class Connections {
   void stop();
 
   // After start(), for any thread.
-  /// What is sent and received, one line each, and Unix time; for the start.
+  /// Returns the text for the start: a line for each thing that is sent or received, and Unix time.
   [[nodiscard]] std::string start_text() const;
   /// Part of the status line: "  network: sent 1200, received 300, refused 3", and the offset to Unix time if something
   /// is published. Empty: no connection.

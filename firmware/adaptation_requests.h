@@ -8,7 +8,7 @@
 
 namespace touchline {
 
-/// Requests to the adaptation to the light; each counter is incremented by a request, from any thread.
+/// Counts requests to the adaptation to the light. Any thread may increment a counter, once for each request.
 struct AdaptationRequests {
   std::atomic<std::uint32_t> freeze{0};  // toggles between frozen and following the light
   std::atomic<std::uint32_t> reset{0};   // toggles between the calibrated state and following the light
@@ -17,7 +17,7 @@ struct AdaptationRequests {
 /// Serves each request once.
 class AdaptationRequestReader {
  public:
-  /// Returns the mode that the requests since the last call lead to.
+  /// Returns the mode after the requests since the last call; `mode` is the mode before them.
   AdaptationMode serve(const AdaptationRequests& requests, AdaptationMode mode) {
     if (is_new(requests.freeze, freezes_)) mode = toggled(mode, AdaptationMode::kFrozen);
     if (is_new(requests.reset, resets_)) mode = toggled(mode, AdaptationMode::kOff);

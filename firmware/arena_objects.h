@@ -12,15 +12,15 @@ namespace hal::mock {
 class Arena;
 }
 
-/// Lets the console move robots and ball of a simulated field, as a person does on a real one. They stay where they are
-/// when another session begins, with an arena of its own. Any thread may call it.
+/// Lets the console move robots and ball of a simulated field, as a person does on a real one. When another session
+/// begins with a new arena, robots and ball keep their places. Any thread may call it.
 class ArenaObjects {
  public:
-  /// This arena is the field now. If it has as many robots as the last one, they and the ball are put where they were.
+  /// Makes this arena the field. If it has as many robots as the last arena, robots and ball are put where they were.
   void attach(hal::mock::Arena& arena);
-  /// The arena is about to be destroyed: remembers where everything is.
+  /// Remembers where everything is; call it before the arena is destroyed.
   void detach();
-  /// hal::mock::Arena::move_object(). kUnsupported: the field is real.
+  /// Moves an object as hal::mock::Arena::move_object() does. kUnsupported: the field is real.
   Result<void> move(const PixelPoint& from, const PixelPoint& to);
 
  private:

@@ -6,16 +6,18 @@
 
 namespace touchline {
 
-/// Strobe and status light. They do nothing while the GPIO chip is lost, and after give_up() until it is reopened.
+/// Sets the strobe and the status light. Does nothing while the GPIO chip is lost, and after give_up() until the chip
+/// is reopened.
 class BoardOutputs {
  public:
   explicit BoardOutputs(LoopDevices& devices) : devices_(devices) {}
 
   /// Error: that of the GPIO chip.
   Result<void> set_strobe(bool high);
-  /// Blinks once a second, and five times a second if `alarm`; if `steady`, it stays on. Error: that of the GPIO chip.
+  /// Blinks once a second, or five times a second if `alarm`; if `steady`, the light stays on. Errors are those of the
+  /// chip.
   Result<void> update_light(Duration since_begin, bool alarm, bool steady);
-  /// Ignores errors: the loop ends.
+  /// Ignores errors, because the loop is about to end.
   void switch_light_off();
 
   void give_up() { failed_ = true; }
@@ -25,7 +27,7 @@ class BoardOutputs {
   [[nodiscard]] bool work() const { return devices_.is_open(Device::kGpio) && !failed_; }
 
   LoopDevices& devices_;
-  std::optional<bool> light_;  // as last set
+  std::optional<bool> light_;  // state that was set last
   bool failed_ = false;
 };
 

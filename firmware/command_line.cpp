@@ -28,7 +28,7 @@ constexpr const char* kNotes =
     "SIGHUP reloads the files: exposure, gain, thresholds, light map, limits of the control and times change while\n"
     "robots play; keys that need a restart are listed. (After the terminal was closed, SIGHUP ends the program.)";
 
-// CLI11's own ranges accept "nan" and print the largest double as limit.
+// Replaces CLI11's ranges, which accept "nan" and print the largest double as a limit.
 CLI::Validator between(double low, double high) {
   std::array<char, 64> range{};
   std::snprintf(range.data(), range.size(), "%g to %g", low, high);

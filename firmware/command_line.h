@@ -15,7 +15,7 @@
 namespace touchline {
 
 enum class Command : std::uint8_t { kRun, kCheck, kKeys, kFaults, kInit, kConsole, kLink };
-/// How fast simulated time passes. kDefault: kReal if somebody watches or a program is connected, else kFast.
+/// How fast simulated time passes. kDefault means kReal if somebody watches or a program is connected, otherwise kFast.
 enum class Pace : std::uint8_t { kDefault, kReal, kFast };
 
 struct CommandLine {
@@ -34,7 +34,8 @@ struct CommandLine {
   LinkOptions link;
 };
 
-/// Empty: continue with `out`. Otherwise help, version or an error has been printed, and the value is the exit code.
+/// Parses the command line. An empty result means: continue with `out`. Otherwise help, version or an error has been
+/// printed, and the value is the exit code.
 std::optional<int> parse_command_line(int argc, char** argv, CommandLine& out);
 
 }  // namespace touchline

@@ -13,12 +13,12 @@ enum class ValueKind : std::uint8_t { kNone, kText, kFile, kFolder, kWords };
 struct Value {
   ValueKind kind = ValueKind::kNone;
   bool is_optional = false;
-  std::string type;                // for the reader
-  std::vector<std::string> words;  // of kWords
-  bool continues = false;          // something follows the word: no blank
+  std::string type;                // the type that the help shows
+  std::vector<std::string> words;  // the words to choose from, if the kind is kWords
+  bool continues = false;          // more text follows the word directly, without a blank
 };
 
-// "{a,b}=MS" is made of the words "a=" and "b=", which MS follows.
+// Splits a type name: "{a,b}=MS" gives the words "a=" and "b=", which MS follows.
 Value words_of_type(const std::string& type, std::size_t open) {
   const std::size_t close = type.find('}', open);
   const bool needs_value = type.compare(close + 1, 1, "=") == 0;
@@ -88,14 +88,14 @@ std::string joined(const std::vector<std::string>& words, std::string_view separ
   return text;
 }
 
-// "touchline-calibrate" is no name of a function in every shell.
+// Returns the program's name as a function's name: not every shell permits the hyphen of "touchline-calibrate".
 std::string function_name(const CLI::App& program) {
   std::string name = "_" + program.get_name();
   std::replace(name.begin(), name.end(), '-', '_');
   return name;
 }
 
-// The first line of an explanation, up to the end of its first clause.
+// Returns the first line of an explanation, up to the end of its first clause.
 std::string brief(std::string text) {
   text = text.substr(0, text.find('\n'));
   for (const char* end : {". ", ": ", "; ", " ("}) text = text.substr(0, text.find(end));
@@ -103,14 +103,14 @@ std::string brief(std::string text) {
   return text;
 }
 
-// Within single quotes of a shell.
+// Escapes a text for use between single quotes in a shell.
 std::string quoted(const std::string& text) {
   std::string out;
   for (const char c : text) out += c == '\'' ? "'\\''" : std::string(1, c);
   return "'" + out + "'";
 }
 
-// The statement of bash that sets what a value can be.
+// Returns the bash statement that sets the possible values.
 std::string bash_value(const Value& value) {
   switch (value.kind) {
     case ValueKind::kNone:
@@ -127,12 +127,12 @@ std::string bash_value(const Value& value) {
   return "";
 }
 
-// What the options of a command take.
+// Returns the bash code that completes the values of a command's options.
 std::string bash_option_values(const CLI::App& app, const std::string& command) {
   std::string cases;
   for (const CLI::Option* option : options_shown(app)) {
     const Value value = value_of(*option);
-    // An option whose value may be missing can be followed by anything.
+    // If the value may be missing, anything can follow the option.
     if (value.kind == ValueKind::kNone || (value.is_optional && value.kind == ValueKind::kText)) continue;
     std::string patterns;
     for (const std::string& name : names_of(*option)) {
@@ -143,7 +143,7 @@ std::string bash_option_values(const CLI::App& app, const std::string& command) 
   return cases;
 }
 
-// The names of the options of a command, and what stands without one.
+// Returns bash code that offers the command's option names and completes its positional arguments.
 std::string bash_words(const CLI::App& app, const std::string& command) {
   std::vector<std::string> options;
   for (const CLI::Option* option : options_shown(app)) {
@@ -162,7 +162,7 @@ std::string bash_words(const CLI::App& app, const std::string& command) {
   return text + "        ;;\n";
 }
 
-// "[help]:type:action" of zsh's _arguments.
+// Returns the action in "[help]:type:action" of zsh's _arguments.
 std::string zsh_action(const Value& value) {
   switch (value.kind) {
     case ValueKind::kNone:
@@ -188,7 +188,7 @@ std::string zsh_escaped(const std::string& text, std::string_view special) {
   return out;
 }
 
-// Arguments of zsh's _arguments for the options of a command, and for what stands without one.
+// Returns the arguments of zsh's _arguments for the options and the positional arguments of a command.
 std::string zsh_arguments(const CLI::App& app, const std::string& indent) {
   std::string text;
   const auto add = [&](const std::string& argument) { text += " \\\n" + indent + quoted(argument); };
@@ -280,7 +280,7 @@ std::string zsh_completion(const CLI::App& program) {
     }
     text += "        esac\n        ;;\n    esac\n}\n";
   }
-  // Called as a function that zsh found in fpath, or read with `source`.
+  // The script may be called as a function that zsh found in fpath, or read with `source`.
   return text + "if [[ ${funcstack[1]} == _" + name + " ]]; then\n    " + function + " \"$@\"\nelse\n    compdef " +
          function + " " + name + "\nfi\n";
 }

@@ -10,9 +10,10 @@
 namespace touchline {
 namespace {
 
-// Polling is fast enough for a person, and a signal handler needs no system call to wake this thread.
+// Interval at which requests are polled. A person does not notice the delay, and a signal handler needs no system call
+// to wake this thread.
 constexpr auto kRequestPollPeriod = std::chrono::milliseconds(20);
-// A fraction of a frame's period.
+// Interval at which the thread checks whether the loop has taken the settings: a fraction of a frame's period.
 constexpr auto kTakenPollPeriod = std::chrono::milliseconds(2);
 
 std::string listed(const std::vector<config::Change>& changes, std::string (*text)(const config::Change&)) {
@@ -142,7 +143,7 @@ void ReloadThread::reload_and_print() {
     } catch (const std::exception& error) {
       print_(std::string("reload: failed: ") + error.what() + "; nothing was changed");
     }
-  } catch (...) {  // no memory for a message: the game continues without it
+  } catch (...) {  // out of memory for a message: the game continues without the message
   }
 }
 

@@ -19,12 +19,12 @@ namespace config {
 struct ReloadChanges;
 }
 
-/// Reads the three files again while the loop runs and applies the keys that may change then (config/reload.h): camera
-/// controls to the open device, everything else by a LiveUpdate. Call it on a separate thread, because it reads files,
-/// allocates, and waits for the camera and the loop.
+/// Reads the three files again while the loop runs and applies the keys that may change during a game
+/// (config/reload.h): camera controls to the open device, everything else by a LiveUpdate. Call it on a separate
+/// thread, because it reads files, allocates, and waits for the camera and the loop.
 class ConfigReloader {
  public:
-  /// `paths`: those that the program was started with. `running`: the configuration in use; copied. `camera` and
+  /// `paths`: the paths with which the program was started. `running`: the configuration in use; copied. `camera` and
   /// `live_update` must outlive the reloader, and the reloader the loop that uses its tables.
   ConfigReloader(config::FilePaths paths, const config::Configuration& running, hal::Camera& camera,
                  LiveUpdate& live_update);
@@ -32,15 +32,16 @@ class ConfigReloader {
   ConfigReloader(const ConfigReloader&) = delete;
   ConfigReloader& operator=(const ConfigReloader&) = delete;
 
-  /// Whether `paths` are those that the program was started with.
+  /// Returns whether the program was started with `paths`.
   [[nodiscard]] bool reads(const config::FilePaths& paths) const {
     return paths.board == paths_.board && paths.venue == paths_.venue && paths.team == paths_.team;
   }
-  /// Returns messages for a person: which keys have changed and from which frame on, which need a restart, and errors
-  /// in the files (then nothing changes). Returns when the loop has taken the settings or `cancelled` is set.
+  /// Returns messages for a person: which keys have changed and from which frame on, which keys need a restart, and
+  /// errors in the files. After an error nothing changes. Returns when the loop has taken the settings or `cancelled`
+  /// is set.
   std::vector<std::string> reload(const std::atomic<bool>& cancelled);
-  /// Gives the camera its new controls if `next` differs from the configuration in use by nothing else. False: it
-  /// differs otherwise, or not at all, or the camera refuses; then `next` needs a restart.
+  /// Sets the controls of the camera if `next` differs from the configuration in use only in them. False: `next` needs
+  /// a restart, because it differs in other keys or not at all, or because the camera refuses the controls.
   bool adjust_camera_only(const config::Configuration& next);
   /// The configuration in use.
   [[nodiscard]] const config::Configuration& running() const { return *running_; }
@@ -52,17 +53,17 @@ class ConfigReloader {
   const config::FilePaths paths_;
   hal::Camera& camera_;
   LiveUpdate& live_update_;
-  // On the heap because it takes megabytes.
+  // On the heap, because a configuration takes megabytes.
   std::unique_ptr<config::Configuration> running_;
   std::unique_ptr<ScanTables> second_;  // made at the first reload that needs them
   ScanTables* unused_ = nullptr;        // `second_` or the scanner's own tables
   std::unique_ptr<LiveSettings> live_settings_ = std::make_unique<LiveSettings>();
 };
 
-/// Lets several threads use the reloader of the session that runs at the moment.
+/// Gives several threads access to the reloader of the current session.
 class SharedReloader {
  public:
-  /// `reloader` is used until detach().
+  /// `reloader` must exist until detach().
   void attach(ConfigReloader& reloader) {
     const std::scoped_lock lock(mutex_);
     reloader_ = &reloader;
@@ -76,8 +77,8 @@ class SharedReloader {
     const std::scoped_lock lock(mutex_);
     return reloader_ != nullptr ? reloader_->reload(cancelled) : std::vector<std::string>{};
   }
-  /// As ConfigReloader::adjust_camera_only(); false also if no session runs, or one with other files, or if a reload
-  /// runs: the console's thread, which passes on every stop, does not wait for it.
+  /// As ConfigReloader::adjust_camera_only(). Also returns false if no session runs, if the session has other files, or
+  /// if a reload is in progress: the console's thread passes on every stop and must not wait for a reload.
   bool adjust_camera_only(const config::FilePaths& paths, const config::Configuration& next) {
     const std::unique_lock lock(mutex_, std::try_to_lock);
     return lock.owns_lock() && reloader_ != nullptr && reloader_->reads(paths) && reloader_->adjust_camera_only(next);
@@ -88,8 +89,8 @@ class SharedReloader {
   ConfigReloader* reloader_ = nullptr;
 };
 
-/// A thread that reloads on request. Start it before the loop's thread gets its real-time priority, which it would
-/// inherit. An exception ends only the reload that threw it.
+/// A thread that reloads on request. Start it before the loop's thread gets its real-time priority, because a new
+/// thread inherits the priority. An exception ends only the reload that threw it.
 class ReloadThread {
  public:
   /// ConfigReloader::reload.

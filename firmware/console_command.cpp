@@ -14,7 +14,7 @@ Result<std::string> text_of(const CommandLine& command_line, const config::Confi
   TOUCHLINE_TRY_ASSIGN(const std::string token, console::make_token(console::usable_token_file(settings)));
   if (!command_line.prints_login_link) return token + "\n";
   TOUCHLINE_TRY_ASSIGN(const console::ConsolePlan plan, console::plan_console(settings, configuration.board_where, {}));
-  // Of the board file's address, which --lan replaces.
+  // The login text shows the address of the board file; if that is a loopback address, --lan replaces it.
   return console::login_text(console::is_loopback(plan.address) ? "0.0.0.0" : plan.address, plan.port, token);
 }
 
@@ -23,7 +23,7 @@ Result<std::string> text_of(const CommandLine& command_line, const config::Confi
 int console_command(const CommandLine& command_line) {
   const auto configuration = std::make_unique<config::Configuration>();
   const config::FilePaths& files = command_line.session.files;
-  // Without a board file the token is the user's own.
+  // Without a board file, the token of the user is shown.
   Result<void> loaded;
   if (!files.board.empty()) loaded = config::load_board(files.board, files.overrides, *configuration);
   const Result<std::string> text =

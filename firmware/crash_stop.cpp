@@ -15,10 +15,10 @@
 namespace touchline::crash_stop {
 namespace {
 
-// As many as at a normal end (firmware/loop.cpp).
+// Number of stop packets, as at a normal end (firmware/loop.cpp).
 constexpr int kStopPackets = 5;
 constexpr long kPacketPause_ms = 20, kRetryPause_ms = 1, kDrainTime_ms = 500, kOtherThreadTime_ms = 1000;
-// "TL", version, flags, sequence, and what packet_team() reads (docs/radio.md).
+// A packet begins with "TL", version, flags, sequence, and the byte that packet_team() reads (docs/radio.md).
 constexpr std::size_t kSequenceOffset = 4, kMinBytes = 6;
 
 enum class State : int { kIdle, kStopping, kStopped };
@@ -35,7 +35,7 @@ void pause_ms(long milliseconds) noexcept {
   while (::nanosleep(&left, &left) != 0 && errno == EINTR) continue;
 }
 
-// If the port is full, tries again until the next packet is due.
+// Writes a packet. If the port is full, tries again until the next packet is due.
 void write_packet(int descriptor, const Packet& packet) noexcept {
   std::size_t written = 0;
   for (long waited = 0; written < packet.size() && waited < kPacketPause_ms; waited += kRetryPause_ms) {

@@ -27,7 +27,7 @@ void DeviceReconnector::work() {
     } catch (...) {  // out of memory, or a failure in a driver's library: another attempt may succeed
       result_ = failure(ErrorCode::kIo, "the driver threw an exception");
     }
-    // Fails if stop() was called meanwhile.
+    // The exchange fails if stop() was called meanwhile.
     if (!task_.compare_exchange_strong(task, Task::kDone, std::memory_order_acq_rel)) return;
     task_.notify_all();
   }

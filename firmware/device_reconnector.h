@@ -10,32 +10,33 @@
 
 namespace touchline {
 
-/// Reopens one lost device on its own thread, after pauses that double, so that the loop never waits for a driver.
-/// While the device is lost, only that thread may touch it.
+/// Reopens one lost device on a separate thread, so that the loop never waits for a driver. The pauses between the
+/// attempts double. While the device is lost, only the separate thread may touch it.
 class DeviceReconnector {
  public:
   /// Closes the device if necessary, then opens and starts it. May block, allocate and throw.
   using Reopen = Result<void> (*)(void* device);
   static constexpr Duration kLongestPause = std::chrono::seconds(8);
-  // While the device is absent, an attempt is cheap, and a person may be about to plug it in.
+  // Longest pause while the device is absent. It is short, because such an attempt is cheap and a person may be about
+  // to plug the device in.
   static constexpr Duration kLongestPauseAbsent = std::chrono::seconds(2);
 
-  /// `wait_for_driver`: poll() waits for the result of an attempt. Runs in simulated time are then repeatable, because
-  /// this time does not advance during the attempt.
+  /// `wait_for_driver`: poll() waits for the result of an attempt. This makes runs in simulated time repeatable,
+  /// because simulated time does not advance during the attempt.
   DeviceReconnector(Reopen reopen, void* device, Duration first_pause, bool wait_for_driver);
   ~DeviceReconnector();
   DeviceReconnector(const DeviceReconnector&) = delete;
   DeviceReconnector& operator=(const DeviceReconnector&) = delete;
 
   [[nodiscard]] bool is_open() const { return is_open_; }
-  /// Applies to the next loss.
+  /// Sets the pause before the first attempt after the next loss.
   void set_first_pause(Duration pause) { first_pause_ = pause; }
   /// Marks the device as lost. No effect if it is already lost.
   void mark_lost(Instant now);
-  /// Call it in each iteration. Starts the attempts that are due; returns the result of one that has ended since the
-  /// last call. After success the device is open.
+  /// Call it in each iteration. Starts the attempts that are due, and returns the result of an attempt that has ended
+  /// since the last call. After success the device is open.
   std::optional<Result<void>> poll(Instant now);
-  /// Time since the device was lost; zero if it is open.
+  /// Returns the time since the device was lost; zero if it is open.
   [[nodiscard]] Duration time_lost(Instant now) const { return is_open_ ? Duration::zero() : now - lost_at_; }
   /// Waits for an attempt in progress and starts no others.
   void stop();

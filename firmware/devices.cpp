@@ -35,7 +35,7 @@ void Devices::make(const config::Configuration& configuration, std::uint64_t see
   const bool mock_gpio = board.gpio.backend == hal::GpioBackend::kMock;
   const bool real_radio = board.radio.backend == hal::RadioBackend::kSerial;
   const bool real_gpio = board.gpio.backend == hal::GpioBackend::kGpiod;
-  // The arena is alone without real devices; otherwise it follows the system clock.
+  // Without real devices, the arena can have its own time; otherwise it follows the system clock.
   const bool alone = mock_camera && !real_radio && !real_gpio;
   simulated_time_ = alone && time != ArenaTime::kMachine;
   if (mock_camera || mock_radio || mock_gpio) {

@@ -20,9 +20,9 @@ class Arena;
 
 /// How the time of a simulated arena passes.
 enum class ArenaTime : std::uint8_t {
-  kFast,     // as fast as possible; it stands still while the processor works
+  kFast,     // as fast as possible; time stands still while the processor works
   kPaced,    // as kFast, but as slow as real time: the results are the same
-  kMachine,  // the machine's, except while a picture is rendered: a late loop gets late frames and loses some
+  kMachine,  // the machine's time, except while a picture is rendered: a late loop gets late frames and loses some
 };
 
 /// The devices of one board, with the backends that the board file names. make() creates them without opening them.
@@ -37,19 +37,20 @@ class Devices {
   /// device beside it runs in real time.
   void make(const config::Configuration& configuration, std::uint64_t seed, ArenaTime time = ArenaTime::kFast);
 
-  /// After make(): the arena, if there is one, is the field whose objects are moved. null: nobody moves them.
+  /// Lets `objects` move the robots and the ball of the arena, if there is one. Call it after make(). null: nobody
+  /// moves them.
   void attach(std::shared_ptr<ArenaObjects> objects);
   [[nodiscard]] HalDevices hal_devices();
-  /// In simulated time the clock stands still while the processor works.
+  /// Returns whether time is simulated: the clock then stands still while the processor works.
   [[nodiscard]] bool simulated_time() const { return simulated_time_; }
-  /// Goals of a simulation; none for real devices.
+  /// Returns the source of the goals of a simulation; an empty one for real devices.
   [[nodiscard]] ScoreSource score() const;
-  /// Result of a simulation, several lines; empty for real devices.
+  /// Returns the result of a simulation, several lines; empty for real devices.
   [[nodiscard]] std::string summary() const;
 
  private:
   std::unique_ptr<hal::mock::Arena> arena_;   // first: the devices refer to it
-  std::unique_ptr<hal::Clock> slowed_clock_;  // that `clock_` slows or pauses
+  std::unique_ptr<hal::Clock> slowed_clock_;  // the clock that `clock_` slows or pauses
   std::unique_ptr<hal::Clock> clock_;
   std::unique_ptr<hal::Camera> camera_;
   std::unique_ptr<hal::Radio> radio_;

@@ -5,7 +5,7 @@
 namespace touchline {
 namespace {
 
-// A time of reception in the future counts as now.
+// Converts a time of reception to the loop's clock. A time in the future counts as now.
 Instant on_loop_clock(Instant received, Instant now, Instant machine_now) {
   return now - std::max(machine_now - received, Duration::zero());
 }
@@ -28,7 +28,8 @@ void ExternalInput::take_commands(Instant now, Instant machine_now) {
     machine_received_[i] = command.received;
     const auto* const same = std::find_if(former.begin(), former.end(),
                                           [&](const ExternalCommand& other) { return other.id == command.id; });
-    // A command that was there before keeps its time: the simulated clock may have run faster since.
+    // A command that was taken before keeps its time on the loop's clock, because the simulated clock may have run
+    // faster than the machine's since then.
     if (same != former.end() && former_received[static_cast<std::size_t>(same - former.begin())] == command.received) {
       command.received = same->received;
     } else {
@@ -53,7 +54,7 @@ void ExternalInput::take_console(Instant now, Instant machine_now) {
   is_driver_silent_ = console_.driver_heard && machine_now - *console_.driver_heard > kDriverSilence;
   merged_.clear();
   for (ExternalCommand command : console_.commands) {
-    // The age that other programs' commands may have is another one.
+    // The age limit of the console's commands differs from that of other programs' commands.
     const bool is_recent = machine_now - command.received <= kConsoleCommandAge;
     command.received = is_recent ? now : Instant{};
     merged_.push_back(command);
@@ -74,7 +75,7 @@ void ExternalInput::apply_to(StopRules& rules, Instant now, Duration timeout) {
   if (settings_.console == nullptr) return;
   ConsoleLink& console = *settings_.console;
   rules.hold(kHaltDriver, is_driver_silent_);
-  // The loop of the next session must know it as well.
+  // The count of starts is in the link, because the loop of the next session must know it as well.
   const bool is_new_start = console.starts_taken.load(std::memory_order_relaxed) != console_.starts;
   console.starts_taken.store(console_.starts, std::memory_order_relaxed);
   if (is_new_start && console_.start_number == rules.held_number()) {

@@ -16,11 +16,11 @@
 
 namespace touchline {
 
-/// Which files are in use.
+/// Tells which files are in use.
 enum class SetupMode : std::uint8_t {
-  kCalibrated,    // the saved ones
-  kDraft,         // those of a guided setup: robots stand unless the console permits
-  kUncalibrated,  // saved ones or a draft that lack the calibration: robots stand
+  kCalibrated,    // the saved files
+  kDraft,         // the draft of a guided setup: robots stand unless the console permits them to move
+  kUncalibrated,  // saved files or a draft without calibration: robots stand
 };
 
 struct ExternalInputSettings {
@@ -28,7 +28,8 @@ struct ExternalInputSettings {
   Mailbox<RefereeState>* referee = nullptr;       // null: there is no referee
   // Color of the own team in the team file; nullopt: the referee's team colors are ignored.
   std::optional<bool> own_is_yellow;
-  // Counts the acts of persons that let another referee be followed (network::RefereeFollower); null: there is none.
+  // Counts how often a person did something after which another referee may be followed (network::RefereeFollower);
+  // null: no referee is followed.
   std::atomic<std::uint32_t>* referee_releases = nullptr;
   // Robots stand until the first message of the referee.
   bool awaits_referee = false;
@@ -36,35 +37,35 @@ struct ExternalInputSettings {
   SetupMode setup = SetupMode::kCalibrated;
 };
 
-/// Takes the commands of other programs, the messages of a referee and the console's input from their mailboxes. They
-/// are stamped with CLOCK_MONOTONIC. The loop's clock differs from it in a simulation; on both clocks a value has the
-/// same age when it is taken.
+/// Takes the commands of other programs, the messages of a referee and the console's input from their mailboxes. Values
+/// arrive with stamps of CLOCK_MONOTONIC. In a simulation the loop's clock differs from CLOCK_MONOTONIC, so stamps are
+/// converted: when a value is taken, its age is the same on both clocks.
 class ExternalInput {
  public:
   explicit ExternalInput(const ExternalInputSettings& settings) : settings_(settings) {}
 
-  /// `now`: of the loop's clock; `machine_now`: CLOCK_MONOTONIC.
+  /// `now` is the time on the loop's clock, `machine_now` that of CLOCK_MONOTONIC.
   void take(Instant now, Instant machine_now);
-  /// Applies what was taken: reasons to halt, the driver's silence, and a start. Tells the console what holds.
-  /// `timeout`: for a referee that repeats its messages.
+  /// Applies the values that were taken to the rules: reasons to halt, the driver's silence, and a start. Tells the
+  /// console which stop holds the robots. `timeout` applies to a referee that repeats its messages.
   void apply_to(StopRules& rules, Instant now, Duration timeout);
-  /// Passes team colors, sides and heights of the referee on.
+  /// Passes the referee's team colors, sides and heights to the pipeline.
   void assign_teams(Pipeline& pipeline);
-  /// A person has pressed the start button, or Start in the console.
+  /// Call it when a person has pressed the start button, or Start in the console.
   void on_start();
   /// Counts the robots whose command has become too old since the last frame.
   void count_expired(const Commands& commands);
 
-  /// Of other programs and of the console, whose commands have precedence. `received` is of the loop's clock, here and
-  /// in referee().
+  /// Returns the commands of other programs and of the console; those of the console have precedence. `received` is a
+  /// time on the loop's clock, here and in referee().
   [[nodiscard]] const ExternalCommands& commands() const { return settings_.console != nullptr ? merged_ : commands_; }
   [[nodiscard]] const RefereeState& referee() const { return referee_; }
   [[nodiscard]] const ConsoleInput& console() const { return console_; }
-  /// The bits of kExternalHalts that hold. `timeout`: for a referee that repeats its messages.
+  /// Returns the bits of kExternalHalts that hold. `timeout` applies to a referee that repeats its messages.
   [[nodiscard]] std::uint32_t halt(Instant now, Duration timeout) const;
   [[nodiscard]] const ExternalCounts& counts() const { return counts_; }
-  /// The number of the stop in force, which a start of the console's driver has to name. Every stop of a client and
-  /// everything else that ends with a start changes it.
+  /// Returns the number of the stop in force. A start of the console's driver has to name this number. It changes with
+  /// every stop of a client and with everything else that lasts until a start.
   [[nodiscard]] std::uint32_t stop_number(const StopRules& rules) const { return console_.stops + rules.held_number(); }
 
  private:
@@ -78,11 +79,11 @@ class ExternalInput {
   ExternalCommands arrived_, commands_;
   ConsoleInput console_;
   bool is_driver_silent_ = false;
-  ExternalCommands merged_;  // those of the console, and commands_ of the other robots
-  std::array<Instant, kMaxRobotsPerTeam> machine_received_{};  // of commands_, in their order
+  ExternalCommands merged_;  // the console's commands, and commands_ for the other robots
+  std::array<Instant, kMaxRobotsPerTeam> machine_received_{};  // times of reception of commands_, in the same order
   FixedVector<RobotId, kMaxRobotsPerTeam> expired_;
   RefereeState referee_;
-  TeamAssignment assignment_;  // the last wanted one
+  TeamAssignment assignment_;  // the assignment that was requested last
   bool is_assigned_ = true;    // false: the pipeline refused it
   ExternalCounts counts_;
 };

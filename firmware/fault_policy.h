@@ -14,7 +14,7 @@ enum class FaultAction : std::uint8_t {
   kSkip,             // this frame or packet is lost; the next may be good
   kReopen,           // close and reopen the device, with pauses that double; robots are stopped meanwhile
   kLeave,            // stop the robots and end the program, because another attempt would fail too
-  kContinueWithout,  // the game does not need the device and continues, whatever the code
+  kContinueWithout,  // whatever the code: the game continues, because it does not need the device
 };
 
 /// Maps each code to an action. There is no default, so the compiler reports a new code that is missing here.
@@ -44,12 +44,12 @@ constexpr FaultAction action_for(ErrorCode code) {
   return FaultAction::kLeave;  // not an enumerator: memory is corrupt
 }
 
-/// What a person sees of a device's error. docs/faults.md is made from it.
+/// Describes a device's error to a person. docs/faults.md is generated from these descriptions.
 struct ErrorDescription {
   ErrorCode code;
   std::string_view seen;
 };
-/// All codes but kOk, in their order.
+/// Describes all codes but kOk, in the order of the enumeration.
 inline constexpr std::array kErrorDescriptions{
     ErrorDescription{ErrorCode::kTimeout,
                      "the camera sent nothing in time; after faults.camera_timeout_s it is reopened"},

@@ -10,7 +10,7 @@
 namespace touchline {
 namespace {
 
-// A character cell of a terminal is about twice as high as wide.
+// Ratio of height to width of a character cell in a terminal.
 constexpr double kCellAspect = 2.0;
 constexpr int kMaxRows = 40;
 
@@ -22,7 +22,7 @@ struct Cell {
   Paint paint = Paint::kNone;
 };
 
-// Characters inside a border: columns run along x, rows along -y.
+// Holds the characters inside a border: columns run along x, rows along -y.
 class Canvas {
  public:
   Canvas(const FieldParameters& field, int columns) : field_(field), columns_(std::max(columns, 12)) {
@@ -85,13 +85,13 @@ class Canvas {
   std::vector<Cell> cells_;
 };
 
-// The neighboring cell in the direction of the robot's heading.
+// Marks the heading in the neighboring cell to which the robot points.
 void put_heading(Canvas& canvas, const SeenRobot& robot, Paint paint) {
   struct Direction {
     int right, down;
     char letter;
   };
-  // Counter-clockwise from x, 45 degrees each.
+  // Directions in steps of 45 degrees, counter-clockwise from x.
   static constexpr std::array<Direction, 8> kDirections{
       {{1, 0, '-'}, {1, -1, '/'}, {0, -1, '|'}, {-1, -1, '\\'}, {-1, 0, '-'}, {-1, 1, '/'}, {0, 1, '|'}, {1, 1, '\\'}}};
   const double eighths = static_cast<double>(robot.pose.theta_rad) / (std::numbers::pi / 4.0);

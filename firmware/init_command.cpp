@@ -18,12 +18,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Two teams that differ only in their color, so that the same robots serve for both.
+// Two teams of a league. They differ only in their color, so that the same robots can play for both.
 struct League {
   std::string_view name, preset, layout, ball;
-  std::string_view height;  // of the patches above the floor
+  std::string_view height;  // height of the patches above the floor
   std::size_t robots;
-  std::array<std::string_view, 6> colors;  // of robot 0, 1, ...
+  std::array<std::string_view, 6> colors;  // color of robot 0, 1, ...
 };
 
 constexpr std::array<League, 3> kLeagues{
@@ -103,7 +103,7 @@ std::string replaced(std::string text, std::string_view what, std::string_view b
 constexpr std::string_view kNoRadio =
     "backend = \"none\"                # \"serial\" with device and baud, as soon as robots are to be driven\n";
 
-// Cameras from which a file can be begun, in the order of their numbers.
+// Returns the cameras that the new board file can name, in the order of their numbers.
 std::vector<hal::CameraSettings> usable_cameras(const devices::DeviceList& found) {
   std::vector<hal::CameraSettings> usable;
   for (const devices::Camera& camera : found.cameras.value_or(std::vector<devices::Camera>())) {
@@ -112,7 +112,7 @@ std::vector<hal::CameraSettings> usable_cameras(const devices::DeviceList& found
   return usable;
 }
 
-// The first one, or an example.
+// Returns the first usable camera, or an example.
 hal::CameraSettings chosen_camera(const devices::DeviceList& found) {
   const std::vector<hal::CameraSettings> cameras = usable_cameras(found);
   if (!cameras.empty()) return cameras.front();
@@ -121,7 +121,7 @@ hal::CameraSettings chosen_camera(const devices::DeviceList& found) {
   return example;
 }
 
-// A built-in port may be the board's terminal, so only ports of USB adapters are chosen.
+// Returns the ports of USB adapters. A built-in port may be the board's terminal, so none is chosen.
 std::vector<std::string> usable_ports(const devices::DeviceList& found) {
   std::vector<std::string> usable;
   for (const hal::SerialPortNode& port : found.ports.value_or(std::vector<hal::SerialPortNode>())) {
@@ -130,7 +130,7 @@ std::vector<std::string> usable_ports(const devices::DeviceList& found) {
   return usable;
 }
 
-// The choice, for the file and the terminal: "mjpg 640 x 480, 30 Hz".
+// Returns the chosen mode as text for the file and the terminal: "mjpg 640 x 480, 30 Hz".
 std::string mode_text(const hal::CameraSettings& camera) {
   std::array<char, 64> text{};
   std::snprintf(text.data(), text.size(), "%s %u x %u, %g Hz",

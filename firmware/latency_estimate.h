@@ -6,10 +6,11 @@
 
 namespace touchline {
 
-/// Time from the capture of a frame to its packet, smoothed over the last frames: the prediction for the next frame.
+/// Predicts the time from the capture of the next frame to its packet: the measured times, smoothed over the last
+/// frames.
 class LatencyEstimate {
  public:
-  /// Zero before the first frame.
+  /// Returns the prediction; zero before the first frame.
   [[nodiscard]] Duration value() const { return smoothed_.value_or(Duration::zero()); }
   void add(Duration measured) {
     const Duration smoothed = smoothed_.value_or(measured);
@@ -17,7 +18,8 @@ class LatencyEstimate {
   }
 
  private:
-  // Latency changes slowly; a single late frame must not move the prediction of the next ones.
+  // Number of frames over which the time is smoothed. Latency changes slowly, and a single late frame must not move the
+  // prediction.
   static constexpr int kSmoothing = 16;
 
   std::optional<Duration> smoothed_;

@@ -16,10 +16,10 @@ class LatencyHistogram {
   void clear();
 
   [[nodiscard]] std::uint64_t count() const { return count_; }
-  /// The duration that `fraction` (0 to 1) of all durations do not exceed: the upper edge of its bin, at most max().
-  /// 0 if empty.
+  /// Returns the quantile at `fraction` (0 to 1): the upper edge of its bin, at most max(). 0 if the histogram is
+  /// empty.
   [[nodiscard]] Duration percentile(double fraction) const;
-  /// Exact.
+  /// Returns the longest duration; this value is exact.
   [[nodiscard]] Duration max() const { return max_; }
 
  private:

@@ -19,14 +19,14 @@
 namespace touchline {
 namespace {
 
-// Size of the picture of one robot, and the part of it that the robot's square fills.
+// Sizes in pixels: one robot's picture, the robot's square in it, and the title.
 constexpr double kCell_px = 220, kRobot_px = 110, kTitle_px = 26;
 
 struct Paint {
   double r = 0.5, g = 0.5, b = 0.5;
 };
 
-// One robot's top: names of the patches' colors in the order of the layout.
+// The top of one robot: names of the patches' colors in the order of the layout.
 struct Top {
   std::string title;
   MarkerLayout layout;
@@ -57,7 +57,7 @@ std::vector<Top> tops_of(const config::TeamFile& file) {
   return tops;
 }
 
-// In the user space of a robot's cell: x forward (up in the picture), y to the left.
+// Draws the outline of a patch in the user space of a robot's cell: x forward (up in the picture), y to the left.
 void outline(cairo_t* context, const PatchPlace& place) {
   cairo_save(context);
   cairo_translate(context, static_cast<double>(place.x_m), static_cast<double>(place.y_m));

@@ -11,7 +11,7 @@
 
 namespace touchline {
 
-/// Settings that the loop uses from its next frame on, prepared and checked in advance.
+/// Settings, prepared and checked in advance, that the loop uses from its next frame on.
 struct LiveSettings {
   ScanTables* tables = nullptr;      // null: unchanged. The loop replaces the pointer by its previous tables
   Adaptation adaptation;             // belongs to the tables

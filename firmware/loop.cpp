@@ -11,10 +11,12 @@ namespace {
 
 using namespace std::chrono_literals;
 
-// If 3 % of the packets are lost, as users report, the probability to lose all five is 1 in 40 million.
+// Number of stop packets at the end. If 3 % of the packets are lost, as users report, all five are lost once in 40
+// million cases.
 constexpr int kFinalStops = 5;
 constexpr Duration kFinalStopPause = 20ms;
-// A packet of 63 bytes takes 0.53 s at 1200 baud, the slowest port.
+// Time to wait until the last packets are sent. A packet of 63 bytes takes 0.53 s at 1200 baud, the slowest rate of a
+// port.
 constexpr Duration kDrainTime = 1s;
 
 StopRuleSettings stop_rule_settings(const LoopSettings& settings) {
@@ -50,7 +52,7 @@ void Loop::set_faults(const config::FaultSettings& faults) {
   rules_.set_limits(stop_after, from_seconds(faults.radio_outage_s), faults.resume_after_emergency);
   pipeline_.set_picture_check({stop_after, faults.unusable_frames});
   devices_.set_first_pause(from_seconds(faults.reopen_after_s));
-  // Short enough for stop packets and the emergency stop, long enough to leave the processor idle.
+  // Polling is often enough for stop packets and the emergency stop, and seldom enough to leave the processor idle.
   poll_period_ = std::clamp<Duration>(stop_after / 4, 5ms, 50ms);
 }
 
@@ -112,7 +114,7 @@ void Loop::wait_for_frame(Instant deadline) {
   } else if (lease.code() != ErrorCode::kTimeout) {
     on_fault(Device::kCamera, lease.error(), devices_.clock().now());
   }
-  // A hanging camera reports no error.
+  // A hanging camera reports no error, so the time without frames is limited.
   const Instant now = devices_.clock().now();
   const bool is_silent = now - last_frame_ > from_seconds(settings_.faults.camera_timeout_s);
   if (is_silent && devices_.is_open(Device::kCamera)) {
@@ -130,7 +132,7 @@ void Loop::process_frame(const hal::FrameLease& lease) {
   const Instant machine_received = hal::MonotonicClock::read();
   last_frame_ = timing.received;
   statistics_.frames_lost += frame_gaps_.lost_before(frame.sequence);
-  // No frame is captured after its arrival. A stamp in the future would make old commands look recent.
+  // A frame cannot be captured after its arrival. A stamp in the future would make old commands look recent.
   if (frame.capture_time > timing.received) {
     frame.capture_time = timing.received;
     ++statistics_.future_stamps;
@@ -165,7 +167,7 @@ void Loop::process_frame(const hal::FrameLease& lease) {
   reports_.add_step(trace, timing.latency);
   const bool is_accepted = trace.status.ok() || trace.status == Status(ErrorCode::kFull);
   const bool is_picture_wanted = settings_.pictures != nullptr && settings_.pictures->is_wanted();
-  // Before the adaptation changes what this frame was classified with.
+  // The findings are copied before the adaptation changes the tables with which this frame was classified.
   if (is_picture_wanted && is_accepted) settings_.pictures->put_findings(pipeline_, trace);
   adapt_to_light();
   if (observer_.on_step != nullptr) observer_.on_step(observer_.context, trace, timing);
@@ -177,7 +179,7 @@ void Loop::process_frame(const hal::FrameLease& lease) {
     on_fault(Device::kCamera, {trace.status.code(), "the pipeline rejected the frame"}, timing.sent);
   }
   if (settings_.snapshots != nullptr) write_snapshot(trace, timing, machine_sent);
-  // After the snapshot: whoever gets the picture also finds the results.
+  // The picture follows the snapshot, so that whoever gets the picture also finds the results.
   if (is_picture_wanted) settings_.pictures->put(frame, settings_.first_number + statistics_.frames - 1);
 }
 
@@ -202,9 +204,10 @@ std::optional<Score> Loop::score() const {
 }
 
 void Loop::measure_latency(const Frame& frame, const StepTiming& timing) {
-  // Only the loop's clock counts: in simulated time, the processing takes no time.
+  // The loop's clock measures the latency, so processing takes no time in simulated time.
   const Duration measured = std::max<Duration>(timing.sent - frame.capture_time, 0s);
-  // An older frame stops the robots anyway, and a single wrong stamp must not affect the prediction.
+  // Longer times are left out: so old a frame stops the robots anyway, and a single wrong stamp must not affect the
+  // prediction.
   if (measured <= from_seconds(settings_.faults.stop_after_s)) latency_.add(measured);
 }
 
@@ -345,7 +348,7 @@ void Loop::send_final_stops() {
     Instant now = devices_.clock().now();
     const Instant next = now + kFinalStopPause;
     send_stop(now);
-    // serve_radio() sends a packet that waits for the line.
+    // The loop repeats, because serve_radio() sends a packet that waits for the line.
     for (; now < next; now = devices_.clock().now()) {
       serve_radio(now);
       devices_.clock().sleep_until(now + std::min(next - now, radio_due_));
@@ -401,8 +404,8 @@ void Loop::reopen_lost_devices(Instant now) {
     if (attempt && attempt->ok()) {
       on_reopened(device, now);
     } else if (attempt) {
-      // Never kLeave, whatever the code: the device has worked with these settings and may have been plugged in badly,
-      // or a person is choosing them.
+      // A failed attempt never ends the program, whatever the code: the device has worked with these settings and may
+      // have been plugged in badly, or a person is choosing the settings.
       report_fault(device, attempt->error(), reopening_action(device), now);
     }
     const Duration limit = from_seconds(settings_.faults.leave_after_s);

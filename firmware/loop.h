@@ -25,7 +25,7 @@
 
 namespace touchline {
 
-/// A simulation that counts goals. Called on the loop's thread.
+/// Reads the score from a simulation that counts goals. Called on the loop's thread.
 struct ScoreSource {
   Score (*read)(const void* context) = nullptr;  // null: there is none
   const void* context = nullptr;
@@ -33,8 +33,8 @@ struct ScoreSource {
 
 struct LoopSettings {
   config::FaultSettings faults;
-  Duration radio_delay{};      // from the last byte sent to the wheels
-  Duration radio_byte_time{};  // time of a byte on the radio's line; zero without a line
+  Duration radio_delay{};      // from the last byte that was sent until the wheels react
+  Duration radio_byte_time{};  // duration of a byte on the radio's line; zero without a line
   Duration status_interval = std::chrono::seconds(1);
   std::uint64_t frames = 0;                        // ends after this number of frames; 0: no limit
   Duration duration{};                             // ends after this time; 0: no limit
@@ -42,33 +42,34 @@ struct LoopSettings {
   bool telemetry = true;                           // receive telemetry from the robots
   bool start_button = false;                       // robots are stopped until it is pressed
   bool emergency_stop = true;                      // the board has one; robots are stopped while it cannot be read
-  HeldStops held{};                                // of the previous session or run: robots wait for a start
+  HeldStops held{};                                // stops of the previous session or run that last until a start
   const std::atomic<bool>* restart = nullptr;      // ends the loop with kRestart when it is set; null: never
-  // If one of these cannot be opened, the loop starts nevertheless, and robots stand until it can be. When the camera
-  // is there, the loop ends with kRestart, since those who use its pictures have to learn their format.
+  // Devices that may be absent at the start. If one of them cannot be opened, the loop starts nevertheless, and robots
+  // stand until it is open. When an awaited camera opens, the loop ends with kRestart, because the users of its
+  // pictures have to learn their format.
   DeviceFlags awaited{};
-  std::uint64_t first_number = 0;     // of the first frame's snapshot
+  std::uint64_t first_number = 0;     // number of the first frame's snapshot
   LiveUpdate* live_update = nullptr;  // new settings while the loop runs; null: none
   ExternalInputSettings external;
   SnapshotRing* snapshots = nullptr;    // gets a snapshot of every frame; null: nobody reads them
   PictureExchange* pictures = nullptr;  // gets a picture when it asks for one; null: nobody asks
-  ScoreSource score;                    // if no referee tells it
+  ScoreSource score;                    // used if no referee tells the score
 };
 
 /// Times of one frame.
 struct StepTiming {
   Instant received{}, sent{};  // on the loop's clock
   Duration processing{};       // from `received` to `sent`, always on the machine's clock
-  Duration latency{};          // from capture to `sent`; in simulated time its part up to `received` is simulated
+  Duration latency{};          // from capture to `sent`; in simulated time, the part up to `received` is simulated
 };
 
-/// Called on the loop's thread; null: not called.
+/// Functions that are called on the loop's thread; null: not called.
 struct LoopObserver {
-  // After each step, while the frame's pixels are still valid. It delays the next frame.
+  // Called after each step, while the frame's pixels are still valid. It delays the next frame.
   void (*on_step)(void* context, const StepTrace& trace, const StepTiming& timing) = nullptr;
   void* context = nullptr;
-  // Immediately before StepTiming::received and after StepTiming::sent; they delay the frame's packet and the next
-  // frame.
+  // Called immediately before StepTiming::received and after StepTiming::sent. These calls delay the frame's packet and
+  // the next frame.
   void (*on_received)(void* context) = nullptr;
   void (*on_sent)(void* context) = nullptr;
 };
@@ -85,9 +86,10 @@ enum class LoopEnd : std::uint8_t {
 /// The real-time loop: takes each frame through the pipeline and sends its packet. Between open() and close() the
 /// calling thread allocates, prints and formats nothing; reports for a person go into the ring.
 ///
-/// StopRules decides when robots must stand still. Every packet is then a stop packet, also without frames. The input
-/// lines are read before each wait for a frame, which is at least once per frame period or every 50 ms, and again
-/// before the packet of a frame is sent. While a line is being debounced, the wait ends when its new level is stable.
+/// StopRules decides when robots must stand still. While they must, every packet is a stop packet, and stop packets are
+/// sent without frames too. The input lines are read before each wait for a frame, at least once per frame period or
+/// every 50 ms. They are read again before the packet of a frame is sent. While a line is being debounced, the wait
+/// ends when its new level is stable.
 ///
 /// A lost camera, radio or emergency stop is reopened. The game continues without status light and strobe, and on a
 /// board without an emergency stop also without the whole GPIO chip; this is reported once.
@@ -104,8 +106,8 @@ class Loop {
   Loop(const Loop&) = delete;
   Loop& operator=(const Loop&) = delete;
 
-  /// Opens radio, GPIO and camera, in this order. The error text names the device and the cause. No error
-  /// for those of LoopSettings::awaited.
+  /// Opens radio, GPIO and camera, in this order. The error text names the device and the cause. A device of
+  /// LoopSettings::awaited causes no error.
   Result<void> open();
   /// Iterates until one of the reasons in LoopEnd, then sends the final stop packets, also before an exception leaves
   /// this function. Call it after open().
@@ -118,14 +120,14 @@ class Loop {
   void close();
 
   [[nodiscard]] const LoopStatistics& statistics() const { return statistics_; }
-  /// For a watchdog; callable from any thread.
+  /// Shows a watchdog that the loop runs; callable from any thread.
   [[nodiscard]] const LoopHeartbeat& heartbeat() const { return heartbeat_; }
   [[nodiscard]] bool is_open(Device device) const { return devices_.is_open(device); }
-  /// Bits of Halt.
+  /// Returns the bits of Halt.
   [[nodiscard]] std::uint32_t halt() const { return rules_.halt(); }
-  /// What the next session's robots wait for.
+  /// Returns the stops that the next session takes over.
   [[nodiscard]] HeldStops held() const { return rules_.held(); }
-  /// The error that led to kFault or kDeviceLost.
+  /// Returns the error that led to kFault or kDeviceLost.
   [[nodiscard]] const FaultReport& last_fault() const { return reports_.last_fault(); }
 
  private:
@@ -146,7 +148,7 @@ class Loop {
   void measure_latency(const Frame& frame, const StepTiming& timing);
   void adapt_to_light();
   void write_snapshot(const StepTrace& trace, const StepTiming& timing, Instant machine_sent);
-  /// Of the referee, or of a simulation that counts goals.
+  /// Returns the score of the referee, or of a simulation that counts goals.
   [[nodiscard]] std::optional<Score> score() const;
 
   void read_inputs(Instant now);
@@ -156,7 +158,7 @@ class Loop {
   void send_stop(Instant now);
   void on_reopened(Device device, Instant now);
   void on_fault(Device device, const Error& error, Instant now);
-  // `result` of the strobe or the status light.
+  // Reports an error of the strobe or the status light; `result` is that of setting it.
   void check_output(const Result<void>& result, Instant now);
   void report_fault(Device device, const Error& error, FaultAction action, Instant now);
   void set_faults(const config::FaultSettings& faults);
@@ -164,7 +166,7 @@ class Loop {
   [[nodiscard]] FaultAction reopening_action(Device device) const {
     return is_awaited(device) ? FaultAction::kReopen : FaultAction::kContinueWithout;
   }
-  // Until the start button is pressed, robots wait for its chip as well.
+  // Returns whether robots wait for the device. Until the start button is pressed, they also wait for its chip.
   [[nodiscard]] bool is_awaited(Device device) const { return is_required(device) || !rules_.is_started(); }
 
   Pipeline& pipeline_;
@@ -183,7 +185,7 @@ class Loop {
   Duration input_due_{}, radio_due_{};  // due times of an input line and the radio, before the next frame
   Instant last_frame_{};                // arrival of the last frame, good or not
   Instant last_packet_{};
-  Duration packet_time_{};          // of the last packet on the radio's line
+  Duration packet_time_{};          // time of the last packet on the radio's line
   DeviceFlags was_open_{};          // since open()
   bool needs_final_stops_ = false;  // packets were sent since the last final stop packets
   FrameGaps frame_gaps_;

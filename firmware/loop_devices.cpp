@@ -5,15 +5,15 @@
 namespace touchline {
 namespace {
 
-// The radio is first, so that robots that are still moving can be stopped.
+// Order in which devices are opened. The radio is first, so that robots that are still moving can be stopped.
 constexpr std::array kOpeningOrder{Device::kRadio, Device::kGpio, Device::kCamera};
 static_assert(kOpeningOrder.size() == kDeviceCount);
 
 Result<void> open_camera(hal::Camera& camera) {
   TOUCHLINE_TRY(camera.open());
   Result<void> started = camera.start();
-  // A camera that stays open until the next attempt would keep its device number, and its kernel module could not be
-  // unloaded.
+  // The camera is closed until the next attempt: while open, it would keep its device number, and its kernel module
+  // could not be unloaded.
   if (!started.ok()) camera.close();
   return started;
 }

@@ -13,7 +13,7 @@
 
 namespace touchline {
 
-/// The devices of a board, whatever implements them.
+/// The interfaces of a board's devices, whatever implements them.
 struct HalDevices {
   hal::Camera& camera;
   hal::Radio& radio;
@@ -22,8 +22,8 @@ struct HalDevices {
   bool simulated_time = false;  // the clock stands still while the processor works
 };
 
-/// The loop's camera, radio and GPIO: opens and closes them, and reopens those that are lost, each on the thread of its
-/// own DeviceReconnector.
+/// Opens and closes the loop's camera, radio and GPIO, and reopens lost ones, each on the thread of its
+/// DeviceReconnector.
 class LoopDevices {
  public:
   explicit LoopDevices(const HalDevices& devices) : hal_(devices) {}
@@ -34,23 +34,24 @@ class LoopDevices {
   using OpenResults = std::array<Result<void>, kDeviceCount>;  // by Device
 
   /// Opens radio, GPIO and camera, in this order, and starts the camera. A device of `awaited` that cannot be opened
-  /// counts as lost from now on, and the result says why; poll() tries again. Any other one is an error, after which
-  /// nothing is open.
+  /// counts as lost from now on, and the result says why; poll() tries again. If any other device cannot be opened,
+  /// that is an error, and nothing stays open.
   Result<OpenResults> open(Duration first_pause, const DeviceFlags& awaited = {});
-  /// Waits for attempts in progress, then closes all.
+  /// Waits for attempts in progress, then closes all devices.
   void close();
   [[nodiscard]] hal::Camera& camera() const { return hal_.camera; }
   [[nodiscard]] hal::Radio& radio() const { return hal_.radio; }
   [[nodiscard]] hal::Gpio& gpio() const { return hal_.gpio; }
   [[nodiscard]] hal::Clock& clock() const { return hal_.clock; }
 
-  /// Between open() and close().
+  /// Returns true between open() and close().
   [[nodiscard]] bool are_open() const { return are_open_; }
 
   [[nodiscard]] bool is_open(Device device) const { return at(device).is_open(); }
   void mark_lost(Device device, Instant now) { at(device).mark_lost(now); }
   [[nodiscard]] Duration time_lost(Device device, Instant now) const { return at(device).time_lost(now); }
-  /// The result of an attempt to reopen the device that has ended since the last call; see DeviceReconnector::poll.
+  /// Returns the result of an attempt to reopen the device if it has ended since the last call; see
+  /// DeviceReconnector::poll.
   std::optional<Result<void>> poll(Device device, Instant now) { return at(device).poll(now); }
   /// Sets the pause before the first attempt after the next loss.
   void set_first_pause(Duration pause);

@@ -5,7 +5,7 @@
 
 namespace touchline {
 
-/// Counters that show other threads that the loop is running.
+/// Holds counters that show other threads that the loop is running.
 struct LoopHeartbeat {
   std::atomic<std::uint64_t> iterations{0};
   std::atomic<std::uint64_t> good_frames{0};

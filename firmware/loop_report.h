@@ -41,7 +41,7 @@ struct RobotStatus {
   bool battery_low = false;
 };
 
-// Maximum length of an error text; the rest is cut off.
+// Maximum length of an error text; longer texts are cut off.
 inline constexpr std::size_t kMaxReasonBytes = 240;
 
 /// Text of fixed size, which may be cut off.
@@ -57,10 +57,10 @@ class ReasonText {
   std::array<char, kMaxReasonBytes> bytes_{};
 };
 
-/// Status, once per interval.
+/// Status of the game, sent once per interval.
 struct StatusReport {
   double elapsed_s = 0.0;
-  double rate_hz = 0.0;  // of good frames, over the interval
+  double rate_hz = 0.0;  // rate of good frames over the interval
   std::uint32_t own_seen = 0, opponents_seen = 0;
   bool ball_seen = false;
   FieldPoint ball;
@@ -68,21 +68,21 @@ struct StatusReport {
   std::uint64_t packets = 0;     // since the start, like all counts below
   std::uint64_t packets_dropped = 0, packets_refused = 0, stop_packets = 0, frames_lost = 0, future_stamps = 0,
                 overloads = 0, faults = 0;
-  std::optional<Score> score;          // nullopt: nobody tells it
-  bool own_on_positive_half = false;   // then the own team plays towards negative x
+  std::optional<Score> score;          // nullopt: neither a referee nor an arena tells it
+  bool own_on_positive_half = false;   // if true, the own team plays towards negative x
   std::uint64_t commands_expired = 0;  // times that a robot stopped because its external command was too old
   std::uint32_t halt = kHaltNone;
   std::uint32_t stop_number = 0;  // ExternalInput::stop_number()
   AdaptationMode adaptation = AdaptationMode::kFollow;
   std::array<ReasonText, kDeviceCount> lost;  // by Device: why it cannot be used; "": it is open
   PictureTrace picture{};                     // of the last frame
-  float brightness = 1.0f;                    // of the light, relative to the calibration
+  float brightness = 1.0f;                    // brightness of the light relative to the calibration
   FixedVector<SeenRobot, kMaxRobots> robots;
   FixedVector<RobotStatus, kMaxRobotsPerTeam> robot_status;
 };
 
-/// First failure of a device with this code in this interval and, while the device is lost, with this reason; or the
-/// device was reopened (code kOk).
+/// Reports the first failure of a device with this code in an interval (while the device is lost, also only once per
+/// reason), or that the device was reopened (code kOk).
 struct FaultReport {
   double elapsed_s = 0.0;
   Device device = Device::kCamera;
@@ -91,7 +91,8 @@ struct FaultReport {
   ReasonText reason;
 };
 
-/// Robots were stopped, or may move again; or they are stopped as before and by another stop.
+/// Reports that robots were stopped or may move again, or that the number of the stop has changed while they stay
+/// stopped.
 struct HaltReport {
   double elapsed_s = 0.0;
   std::uint32_t halt = kHaltNone, before = kHaltNone;
@@ -99,13 +100,13 @@ struct HaltReport {
   PictureTrace picture{};  // of the last frame
 };
 
-/// All commanded robots have begun to stand: a warning.
+/// Warns that all robots have begun to stand although they are commanded to move.
 struct StandingReport {
   double elapsed_s = 0.0;
   int robots = 0;
 };
 
-/// A robot's battery has become low.
+/// Reports that a robot's battery has become low.
 struct BatteryReport {
   double elapsed_s = 0.0;
   RobotId id = kUnknownId;
@@ -121,7 +122,7 @@ struct Report {
   StandingReport standing;
 };
 
-// One minute of status reports while the terminal is blocked.
+// Holds one minute of status reports while the terminal is blocked.
 using ReportRing = SpscRing<Report, 64>;
 
 }  // namespace touchline

@@ -13,9 +13,9 @@ namespace touchline {
 
 inline constexpr std::size_t kErrorCodeCount = static_cast<std::size_t>(ErrorCode::kStopped) + 1;
 
-/// What other programs and the referee sent.
+/// Counts what other programs and the referee sent.
 struct ExternalCounts {
-  std::uint64_t commands = 0;          // for single robots
+  std::uint64_t commands = 0;          // commands for single robots
   std::uint64_t commands_expired = 0;  // times that a robot stopped because its last command was too old
   std::uint64_t referee_messages = 0;
 };
@@ -24,18 +24,18 @@ struct ExternalCounts {
 struct LoopStatistics {
   Instant begin{}, end{};
   std::uint64_t frames = 0;         // processed by the pipeline
-  std::uint64_t good_frames = 0;    // of these, readable and fresh enough
+  std::uint64_t good_frames = 0;    // frames of these that were readable and fresh enough
   std::uint64_t frames_lost = 0;    // gaps in the driver's sequence numbers
   std::uint64_t future_stamps = 0;  // frames stamped later than their arrival; the time of arrival is used
   std::uint64_t overloads = 0;      // frames that exceeded some capacity
   std::uint64_t runs_dropped = 0, regions_dropped = 0;
   std::uint64_t packets = 0;          // accepted by the radio
-  std::uint64_t packets_dropped = 0;  // of these, replaced by a newer one before they were sent
+  std::uint64_t packets_dropped = 0;  // packets of these that a newer one replaced before they were sent
   std::uint64_t packets_refused = 0;
-  std::uint64_t stop_packets = 0;  // of the accepted packets, those that stop all robots
+  std::uint64_t stop_packets = 0;  // accepted packets that stop all robots
   ExternalCounts external;
-  std::optional<Score> score;         // of the referee or the arena; nullopt: nobody tells it
-  bool own_on_positive_half = false;  // then the own team plays towards negative x
+  std::optional<Score> score;         // from the referee or the arena; nullopt: neither tells it
+  bool own_on_positive_half = false;  // if true, the own team plays towards negative x
   std::array<std::array<std::uint64_t, kErrorCodeCount>, kDeviceCount> faults{};
   std::array<std::uint64_t, kDeviceCount> reopened{};
   RobotReports robots;       // their telemetry

@@ -42,7 +42,7 @@ std::string calibration_steps(const config::Configuration& configuration) {
          " ...\n";
 }
 
-// What was asked for is the picture, which needs the team file only. The rest of the setup may still be missing.
+// Draws the layouts, for which only the team file is needed. The rest of the setup may still be missing.
 int draw_command(const CommandLine& command_line) {
   Session session;
   Result<void> loaded = session.load(command_line.session);
@@ -67,7 +67,7 @@ int check_command(const CommandLine& command_line) {
   // The other values are useful even if one is wrong.
   int code = kExitOk;
   if (command_line.dump && loaded.code() != ErrorCode::kNotFound) code = print(config::dump(configuration));
-  // A drawing was made before the calibration, as `touchline init` advises.
+  // `touchline init` advises to draw the layouts before the calibration, so the missing calibration is no error here.
   if (!command_line.drawing.empty() && !loaded.ok()) return code;
   const Result<network::NetworkPlan> plan =
       loaded.ok() ? network::plan_network(configuration, command_line.network) : loaded.error();

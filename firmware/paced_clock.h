@@ -7,8 +7,8 @@
 
 namespace touchline {
 
-/// Slows simulated time down to real time: before the simulation jumps to an instant, the thread sleeps as long. The
-/// instants are the same as without it, and so are all results of the simulation.
+/// Slows simulated time down to real time: before the simulation jumps ahead, the thread sleeps for the length of the
+/// jump. The simulated instants, and so all results of the simulation, are the same as without this clock.
 class PacedClock final : public hal::Clock {
  public:
   explicit PacedClock(hal::Clock& simulated) : simulated_(simulated) {}
@@ -17,7 +17,8 @@ class PacedClock final : public hal::Clock {
   void sleep_until(Instant instant) override {
     const Instant machine_now = hal::MonotonicClock::read();
     if (!offset_) offset_ = machine_now - simulated_.now();
-    // A computer that was suspended does not catch up.
+    // Largest lag behind real time that is made up. After a longer one, for example after the computer was suspended,
+    // simulated time does not catch up.
     constexpr Duration kLargestLag = std::chrono::milliseconds(500);
     if (const Duration lag = machine_now - (instant + *offset_); lag > kLargestLag) *offset_ += lag;
     hal::MonotonicClock::wait_for(instant + *offset_);

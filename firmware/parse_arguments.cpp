@@ -14,7 +14,7 @@
 namespace touchline {
 namespace {
 
-// "--bord" of "--bord=x".
+// Returns the name of an option: "--bord" of "--bord=x".
 std::string option_of(const std::string& argument) { return argument.substr(0, argument.find('=')); }
 
 bool is_option(const std::string& argument) { return argument.size() > 1 && argument[0] == '-'; }
@@ -34,7 +34,7 @@ std::vector<std::string> commands_of(const CLI::App& app) {
   return names;
 }
 
-// Another command of the program that has this option: "touchline run".
+// Returns another command of the program that has this option, such as "touchline run".
 std::string command_with(const CLI::App& program, const std::string& option) {
   for (const CLI::App* command : program.get_subcommands(nullptr)) {
     for (const std::string& name : options_of(*command)) {
@@ -44,7 +44,7 @@ std::string command_with(const CLI::App& program, const std::string& option) {
   return {};
 }
 
-// What is wrong with the first word that nothing has taken; "" if every word was.
+// Says what is wrong with the first word that no option or command has taken; "" if all words were taken.
 std::string unknown_word(const CLI::App& program) {
   const std::vector<std::string> unknown = program.remaining(true);
   if (unknown.empty()) return {};

@@ -13,7 +13,7 @@ namespace touchline {
 
 class Pipeline;
 
-/// How a picture was understood, for the threads beside the loop. 1 MB: not for the stack.
+/// Findings of the pipeline in a picture, for other threads than the loop's. Takes 1 MB, so do not put it on the stack.
 struct PictureFindings {
   Regions regions;
   FixedVector<Verdict, kMaxRegions> verdicts;  // one per region
@@ -21,19 +21,20 @@ struct PictureFindings {
 };
 
 /// Passes single pictures from the loop to one thread that asks for them. The loop copies a picture only if one was
-/// asked for; it never waits, locks or allocates. Memory for one picture: whoever asks owns it from the arrival of the
-/// picture until it asks for the next one.
+/// asked for; it never waits, locks or allocates. There is memory for one picture. The asking thread owns it from the
+/// arrival of a picture until it asks for the next one.
 class PictureExchange {
  public:
-  /// For the asking thread, before the first request(). `bytes`: of the largest picture without padding of rows.
+  /// Allocates the memory. For the asking thread, before the first request(). `bytes` is the size of the largest
+  /// picture without padding of rows.
   void allocate(std::size_t bytes) { memory_.assign(bytes, 0); }
-  /// As allocate(), while no loop runs; an open request is forgotten.
+  /// Does the same as allocate() while no loop runs; an open request is forgotten.
   void reallocate(std::size_t bytes) {
     state_.store(State::kIdle, std::memory_order_release);
     if (bytes > memory_.size()) allocate(bytes);
   }
-  /// For the asking thread: asks for the next picture, and gives the last one back. `with_findings`: also for its
-  /// regions and classes.
+  /// For the asking thread: asks for the next picture, and gives the last one back. `with_findings` asks for its
+  /// regions and classes as well.
   void request(bool with_findings = false) noexcept {
     wants_findings_ = with_findings;
     has_findings_ = false;
@@ -41,17 +42,18 @@ class PictureExchange {
   }
   /// For the asking thread: whether a picture has arrived since request().
   [[nodiscard]] bool has_arrived() const noexcept { return state_.load(std::memory_order_acquire) == State::kArrived; }
-  /// After has_arrived(), until request(). A width of 0: the picture was larger than the memory.
+  /// The picture. Valid after has_arrived() until request(). A width of 0 means that the picture was larger than the
+  /// memory.
   [[nodiscard]] const Frame& frame() const noexcept { return frame_; }
-  /// The same; null: they were not asked for, or the pipeline rejected the frame.
+  /// The findings, valid as long as frame(); null if they were not asked for or the pipeline rejected the frame.
   [[nodiscard]] const PictureFindings* findings() const noexcept { return has_findings_ ? findings_.get() : nullptr; }
-  /// Snapshot::number of the frame.
+  /// Returns Snapshot::number of the frame.
   [[nodiscard]] std::uint64_t number() const noexcept { return number_; }
 
-  /// For the loop.
+  /// For the loop: whether a picture is asked for.
   [[nodiscard]] bool is_wanted() const noexcept { return state_.load(std::memory_order_acquire) == State::kWanted; }
-  /// For the loop, if is_wanted(), before Pipeline::adapt() and put(): copies the findings of the last step if they
-  /// were asked for, about 0.5 MB.
+  /// For the loop, if is_wanted(), before Pipeline::adapt() and put(): copies the findings of the last step (about 0.5
+  /// MB) if they were asked for.
   void put_findings(const Pipeline& pipeline, const StepTrace& trace) noexcept;
   /// For the loop, if is_wanted(): copies the picture. 640 x 480 pixels of 3 bytes take about 0.1 ms.
   void put(const Frame& frame, std::uint64_t number) noexcept;

@@ -25,12 +25,12 @@ std::string refusal(const std::string& what, int error, const std::string& remed
   constexpr std::size_t kPage = 4096;
   std::byte stack[kStackBytes];
   for (std::size_t i = 0; i < kStackBytes; i += kPage) stack[i] = std::byte{0};
-  asm volatile("" : : "r"(stack) : "memory");  // otherwise the compiler removes the writes
+  asm volatile("" : : "r"(stack) : "memory");  // without this, the compiler removes the writes
 }
 
 std::vector<std::string> lock_memory(const config::RealtimeSettings& settings) {
   if (!settings.lock_memory) return {};
-  // If memory were returned to the kernel, its next use would cause page faults.
+  // Freed memory stays with the process: after a return to the kernel, its next use would cause page faults.
   mallopt(M_TRIM_THRESHOLD, -1);
   mallopt(M_MMAP_MAX, 0);
   if (mlockall(MCL_CURRENT | MCL_FUTURE) == 0) return {};
@@ -50,7 +50,7 @@ std::vector<std::string> become_realtime(const config::RealtimeSettings& setting
     }
   }
   prefault_stack();
-  // By default the kernel wakes ordinary threads up to 50 us late to combine wake-ups; 0 would mean that default.
+  // By default the kernel wakes ordinary threads up to 50 us late to combine wake-ups; 0 would select this default.
   if (prctl(PR_SET_TIMERSLACK, 1UL) != 0) {
     refused.push_back(refusal("the timer slack of the loop remains 50 us", errno,
                               "a real-time priority also removes it (realtime.priority)"));

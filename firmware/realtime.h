@@ -9,10 +9,11 @@
 
 namespace touchline {
 
-// Each function applies settings of the board file and returns one message for each setting that the system refuses:
-// what, why, and what to do. The program runs without it. `root`: prefix of the kernel's files; empty except in tests.
+// Each function applies settings of the board file. For each setting that the system refuses, it returns a message that
+// says what was refused, why, and what to do; the program runs without the setting. `root`: prefix of the kernel's
+// files; empty except in tests.
 
-/// Locks all present and future memory of the process in RAM. Takes some tenths of a second, so call it before the
+/// Locks all present and future memory of the process in RAM. This takes some tenths of a second, so call it before the
 /// camera is started.
 std::vector<std::string> lock_memory(const config::RealtimeSettings& settings);
 
@@ -20,8 +21,8 @@ std::vector<std::string> lock_memory(const config::RealtimeSettings& settings);
 /// Threads that it starts later inherit these settings.
 std::vector<std::string> become_realtime(const config::RealtimeSettings& settings);
 
-/// Remembers the processors and the priority of the calling thread, and restores them, so that threads that it starts
-/// later do not inherit those of the loop.
+/// Remembers the processors and the priority of the calling thread, and restores them, so that threads started later do
+/// not inherit the settings of the loop.
 class NormalScheduling {
  public:
   NormalScheduling();
@@ -33,7 +34,7 @@ class NormalScheduling {
   int policy_ = SCHED_OTHER;
 };
 
-/// Limits the wake-up latency of all processors (PM QoS) until it is destroyed.
+/// Limits the wake-up latency of all processors (PM QoS) while this object exists.
 class CpuLatencyRequest {
  public:
   explicit CpuLatencyRequest(const config::RealtimeSettings& settings, const std::string& root = "");
@@ -48,16 +49,17 @@ class CpuLatencyRequest {
   std::vector<std::string> refused_;
 };
 
-/// Whether the calling thread runs under SCHED_FIFO.
+/// Returns whether the calling thread runs under SCHED_FIFO.
 bool is_realtime();
 
 /// Returns hints about kernel settings that make the calling thread late; call it after become_realtime(). Checks the
-/// frequency governor of its processor and, if it runs under SCHED_FIFO (`realtime`), the limit of real-time run time.
-/// Empty if the board file sets neither a processor nor a priority.
+/// frequency governor of the thread's processor and, if the thread runs under SCHED_FIFO (`realtime`), the limit of
+/// real-time run time. Empty if the board file sets neither a processor nor a priority.
 std::vector<std::string> realtime_hints(const config::RealtimeSettings& settings, bool realtime,
                                         const std::string& root = "");
 
-/// Touches the stack to avoid page faults later. The deepest call of the loop needs less than an eighth of kStackBytes.
+/// Touches kStackBytes of the stack to avoid page faults later. The deepest call of the loop needs less than an eighth
+/// of them.
 inline constexpr std::size_t kStackBytes = std::size_t{512} * 1024;
 void prefault_stack();
 

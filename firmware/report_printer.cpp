@@ -5,7 +5,8 @@
 
 namespace touchline {
 
-// Fast enough for a reader, and the loop needs no system call to wake this thread.
+// Interval at which the ring is polled: fast enough for a reader, and the loop needs no system call to wake this
+// thread.
 constexpr auto kPrintPeriod = std::chrono::milliseconds(20);
 
 ReportPrinter::ReportPrinter(ReportRing& ring, const ReportPrinterSettings& settings, hal::TextOutput& output)
@@ -93,7 +94,7 @@ void ReportPrinter::print_event(const char* level, const std::string& line) {
 void ReportPrinter::print_map(const StatusReport& status) {
   std::string text = field_map(status, settings_.expected.field, settings_.map_columns, settings_.map_colors);
   std::string line = line_of(status);
-  // In several lines, because a line that the terminal wraps would move the map down.
+  // The status is split into several lines, because a line that the terminal wraps would move the map down.
   for (const char* const piece : {"  latency", "  robots", "  network"}) {
     if (const std::size_t cut = line.find(piece); cut != std::string::npos) line.replace(cut, 2, "\x1b[K\n");
   }

@@ -20,15 +20,16 @@ struct ReportPrinterSettings {
   bool map_colors = false;                   // hal::shows_color()
   const ServiceNotifier* service = nullptr;  // gets the status as well; null: none
   std::function<std::string()> network;      // end of the status line; called on the printer's thread
-  // Gets every line but the status, with its level: info, warning or error; on the printer's thread. Empty: nobody.
+  // Gets every line but the status, with its level (info, warning or error), on the printer's thread. Empty: not
+  // called.
   std::function<void(const char* level, const std::string& line)> on_event;
-  std::function<void(const StatusReport&)> on_status;  // the same for the status
-  std::function<void(const HaltReport&)> on_halt;      // and for a halt that has begun, changed or ended
+  std::function<void(const StatusReport&)> on_status;  // gets each status
+  std::function<void(const HaltReport&)> on_halt;      // gets each halt that has begun, changed or ended
 };
 
 /// Takes the loop's reports from the ring on its own thread and prints them: the status to standard output, events to
-/// standard error. Never waits for the terminal, so that service manager and console get every report, and the end of
-/// the program waits for nobody.
+/// standard error. Never waits for the terminal, so service manager and console get every report, and nothing delays
+/// the end of the program.
 class ReportPrinter {
  public:
   ReportPrinter(ReportRing& ring, const ReportPrinterSettings& settings, hal::TextOutput& output);

@@ -16,7 +16,7 @@ void ReportWriter::add_step(const StepTrace& trace, Duration latency) {
 
 void ReportWriter::report_halt(std::uint32_t halt, std::uint32_t stop_number, Instant now) {
   const bool is_known = halt == halt_reported_ && stop_number == stop_number_reported_;
-  // While robots may move, the number concerns nobody.
+  // While robots may move, a change of the number alone is not reported.
   if (is_known || (halt == kHaltNone && halt_reported_ == kHaltNone)) return;
   report_.kind = Report::Kind::kHalt;
   report_.halt = {elapsed_s(now), halt, halt_reported_, stop_number,
@@ -28,7 +28,7 @@ void ReportWriter::report_halt(std::uint32_t halt, std::uint32_t stop_number, In
 
 void ReportWriter::report_standing(Instant now) {
   if (last_trace_ == nullptr || !last_trace_->picture.stands) return;
-  // Robots that stand for long, or start and stall again, need no second line.
+  // Shortest time between two reports. Robots that stand for long, or start and stall again, need no second line.
   constexpr Duration kPause = std::chrono::seconds(10);
   const bool is_reported = standing_reported_ && now - *standing_reported_ < kPause;
   standing_reported_ = now;

@@ -31,7 +31,7 @@ class ReportWriter {
   void report_batteries(const RobotReports& robots, Instant now);
   void report_status_if_due(const LoopStatistics& statistics, std::uint32_t halt, std::uint32_t stop_number,
                             AdaptationMode adaptation, Instant now);
-  /// From now on the status does not call the device lost.
+  /// Removes the device from the lost devices of the status.
   void end_loss(Device device) { lost_[static_cast<std::size_t>(device)].set({}); }
 
   /// The last fault, without reports of reopened devices.

@@ -22,7 +22,7 @@
 namespace touchline {
 namespace {
 
-// With the usual shape of a field, map and status line fit into a terminal of 80 columns and 24 rows.
+// Width of the map. For the usual shape of a field, map and status line fit into a terminal of 80 columns and 24 rows.
 constexpr int kMapColumns = 52;
 
 bool is_paced(const CommandLine& command_line, const network::NetworkPlan& plan) {
@@ -30,7 +30,8 @@ bool is_paced(const CommandLine& command_line, const network::NetworkPlan& plan)
   return !command_line.headless || !plan.empty() || command_line.console.is_requested;
 }
 
-// While a simulation runs as fast as possible, there is nothing that a person could watch.
+// Returns whether the console is served. A simulation that runs as fast as possible shows nothing that a person could
+// watch.
 bool is_served(const console::ConsolePlan& plan, const config::BoardFile& board, bool is_paced) {
   return plan.is_enabled && (is_paced || board.camera.backend != hal::CameraBackend::kMock);
 }
@@ -79,7 +80,7 @@ class FinishAtEnd {
   hal::TextOutput& output_;
 };
 
-/// What all sessions of a run share.
+/// Objects and settings that all sessions of a run share.
 struct RunContext {
   const CommandLine& command_line;
   network::Connections& connections;
@@ -89,7 +90,7 @@ struct RunContext {
   AdaptationRequests& adaptation;
   const std::atomic<std::uint32_t>& reload_requests;
   const std::atomic<bool>& stop;
-  std::vector<std::string>& refused;        // by the system, of the real-time settings
+  std::vector<std::string>& refused;        // real-time settings that the system refuses
   std::shared_ptr<hal::TextOutput> output;  // shared with the console's thread for files, as `next` is
 
   // Shared with the console's thread for files, which outlives the run if the disk blocks it.
@@ -131,7 +132,7 @@ Result<std::unique_ptr<Session>> load_session(const SessionOptions& saved, const
   return session;
 }
 
-/// Owns all that it uses, because it is called on the console's thread for files.
+/// Returns a function that loads files. It owns all that it uses, because the console's thread for files calls it.
 console::UseFiles use_files(const SessionOptions& saved, const RunContext& run) {
   return [saved, next = run.next, reloader = run.reloader,
           output = run.output](const config::FilePaths& draft) -> Result<console::FilesUse> {
@@ -174,7 +175,7 @@ ReportPrinterSettings reporting_of(const Session& session, RunContext& run) {
   return reporting;
 }
 
-/// Runs the loop of an open session. `error`: why it is not the session that was wanted, or "".
+/// Runs the loop of an open session. `error` says why it is not the requested session, or is "".
 LoopEnd run_session(Session& session, RunContext& run, const std::string& error) {
   const config::RealtimeSettings& realtime = session.configuration().board.realtime;
   const bool is_first = !run.service.has_value();
@@ -268,7 +269,7 @@ Result<std::unique_ptr<Session>> begin_next(std::unique_ptr<Session> former, Run
   return saved;
 }
 
-/// Whether the console will be served, as far as command line and board file say so.
+/// Returns whether command line and board file demand the console.
 bool wants_console(const CommandLine& command_line) {
   if (command_line.console.is_requested) return true;
   const auto files = std::make_unique<config::Configuration>();
@@ -279,7 +280,7 @@ bool wants_console(const CommandLine& command_line) {
 }  // namespace
 
 int run_command(const CommandLine& command_line) {
-  // From here on nothing else is printed to: whoever holds up the terminal holds up no thread that stops robots.
+  // From here on, all output goes through this object, so that a blocked terminal holds up no thread that stops robots.
   const auto shared_output = std::make_shared<hal::TextOutput>();
   hal::TextOutput& output = *shared_output;
   // Not its destructor: a thread that a disk blocks may keep it.

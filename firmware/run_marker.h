@@ -15,7 +15,7 @@ namespace touchline {
 class RunMarker {
  public:
   explicit RunMarker(const std::string& folder) : path_(folder.empty() ? "" : folder + "/driving-robots") {}
-  /// In $RUNTIME_DIRECTORY.
+  /// Returns the marker in $RUNTIME_DIRECTORY.
   static RunMarker of_service();
 
   [[nodiscard]] bool exists() const;

@@ -14,9 +14,9 @@ namespace {
 
 using Microseconds = std::chrono::duration<std::uint64_t, std::micro>;
 
-// Short, because tools/deploy waits for the first frame.
+// Longest period of notifications. It is short, because tools/deploy waits for the first frame.
 constexpr Microseconds kLongestNotifyPeriod = std::chrono::milliseconds(50);
-// Three may be late before the watchdog acts.
+// Pings sent per watchdog time; three may be late before the watchdog acts.
 constexpr std::uint64_t kPingsPerWatchdogTime = 4;
 
 /// The file that shows that good frames have come; "": none.

@@ -24,7 +24,7 @@ class ServiceNotifier {
 
   /// Whether there is a service manager to notify.
   [[nodiscard]] bool is_enabled() const { return enabled_; }
-  /// The console's page answers: whatever the devices do, the service has started.
+  /// Call it when the console's page answers. The service then counts as started, whatever the devices do.
   void set_ready() { is_page_ready_.store(true, std::memory_order_release); }
   /// Sends one line; `line` has no line end. Callable from any thread but the loop's, because it may block.
   void status(const std::string& line) const;
@@ -36,7 +36,7 @@ class ServiceNotifier {
  private:
   void work();
 
-  // Opening a camera and setting its controls.
+  // Longest time for opening a camera and setting its controls.
   static constexpr std::chrono::seconds kLongestStart{15};
 
   std::mutex mutex_;

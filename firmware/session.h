@@ -25,7 +25,7 @@ struct SessionOptions {
   ArenaTime arena_time = ArenaTime::kFast;
 };
 
-/// A GPIO in front of another one.
+/// A GPIO that stands between its user and another GPIO.
 class GpioProxy : public hal::Gpio {
  public:
   /// `gpio` and `clock`, which stamps its edges, outlive this object's use.
@@ -38,8 +38,8 @@ class Session {
  public:
   /// Reads the files and configures the pipeline. Touches no device. Errors of config::load().
   Result<void> load(const SessionOptions& options);
-  /// As load(), for a venue without camera model or colors: pictures are taken and stop packets sent, nothing is
-  /// recognized, and robots never move. Any other error of the files is one here too.
+  /// Does the same as load() for a venue without camera model or colors: pictures are taken and stop packets are sent,
+  /// but nothing is recognized and robots never move. All other errors of the files are reported as by load().
   Result<void> load_uncalibrated(const SessionOptions& options);
   /// Uses the files of `former` as they were read, without reading them again. Touches no device. Errors as load().
   Result<void> load_again(const Session& former);
@@ -76,7 +76,7 @@ class Session {
   void set_gpio_proxy(GpioProxy& proxy) { gpio_proxy_ = &proxy; }
   /// Puts an LED into an arena's picture; call it after load() and before open().
   void set_arena_led(const hal::mock::ArenaLed& led) { configuration_->board.arena.led = led; }
-  /// Gets a snapshot of every frame; null: none. Call it before open().
+  /// Sets the ring that gets a snapshot of every frame; null: none. Call it before open().
   void set_snapshots(SnapshotRing* snapshots) { snapshots_ = snapshots; }
   /// Input of the console, and the pictures that it asks for; call it before open().
   void set_console(ConsoleLink* link, PictureExchange* pictures) {
@@ -92,7 +92,7 @@ class Session {
 
   [[nodiscard]] const config::FilePaths& files() const { return options_.files; }
   [[nodiscard]] const config::Configuration& configuration() const { return *configuration_; }
-  /// The same for those that may use it longer than this object.
+  /// Returns the configuration for users that may outlive this object.
   [[nodiscard]] std::shared_ptr<const config::Configuration> shared_configuration() const { return configuration_; }
   [[nodiscard]] const SessionOptions& options() const { return options_; }
   [[nodiscard]] Devices& devices() { return devices_; }
@@ -103,7 +103,7 @@ class Session {
   [[nodiscard]] Loop& loop() { return *loop_; }
   [[nodiscard]] ReportRing& reports() { return *reports_; }
   [[nodiscard]] Expectation expectation() const;
-  /// Of the devices as open() left them. Of a camera that is awaited: what the board file asks for.
+  /// Describes the camera as open() left it, or, if it is awaited, the camera that the board file asks for.
   [[nodiscard]] const hal::CameraInfo& camera_info() const { return camera_info_; }
   [[nodiscard]] const std::string& radio_description() const { return radio_description_; }
   [[nodiscard]] const std::string& gpio_description() const { return gpio_description_; }

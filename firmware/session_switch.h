@@ -12,7 +12,7 @@
 
 namespace touchline {
 
-/// Hands a session that was loaded on another thread to the thread of the loop, which ends the present one for it.
+/// Passes a session that was loaded on another thread to the loop's thread, which ends the current session for it.
 class SessionSwitch {
  public:
   /// For the loading thread. Replaces a session that was not taken.
@@ -36,8 +36,8 @@ class SessionSwitch {
   std::atomic<bool> is_waiting_{false};
 };
 
-/// Prints the lines of threads that live longer than the printer of a session. Between two sessions they wait for the
-/// next printer: the console's thread must not wait for a terminal.
+/// Prints the lines of threads that live longer than the printer of a session. Between two sessions, lines wait for the
+/// next printer, because the console's thread must not wait for a terminal.
 class LinePrinter {
  public:
   /// Null: there is none at the moment.
@@ -60,7 +60,7 @@ class LinePrinter {
   std::mutex mutex_;
   ReportPrinter* printer_ = nullptr;
   std::vector<std::string> waiting_;
-  // Clients that come and go while devices are opened.
+  // Enough for the lines about clients that connect and leave while devices are opened.
   static constexpr std::size_t kMaxWaiting = 100;
 };
 

@@ -10,13 +10,13 @@
 
 namespace touchline {
 
-/// What one frame led to, for the threads beside the loop: its StepTrace without pixels, runs and regions. Fixed size,
+/// Results of one frame for other threads than the loop's: its StepTrace without pixels, runs and regions. Fixed size,
 /// so that it passes through a SnapshotRing.
 struct Snapshot {
   std::uint64_t number = 0;          // of processed frames: 0, 1, 2, ... without gaps, also across sessions
   std::uint32_t frame_sequence = 0;  // number from the driver; gaps are lost frames
   std::uint16_t width_px = 0, height_px = 0;
-  // Capture is the middle of the exposure; `sent`: the radio accepted the packet. Of the loop's clock.
+  // Times on the loop's clock. `captured` is the middle of the exposure; at `sent` the radio accepted the packet.
   Instant captured{}, received{}, sent{};
   Instant machine_sent{};  // CLOCK_MONOTONIC at `sent`; differs from it in simulated time
   Duration latency{};      // from capture to `sent`, with the time that the machine took (StepTiming::latency)

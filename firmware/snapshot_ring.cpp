@@ -7,7 +7,8 @@
 #include <cstring>
 #include <ctime>
 
-// The thread sanitizer does not model fences, and gcc warns about them. It needs none here: all words are atomic.
+// The thread sanitizer does not model fences, and gcc warns about them. The thread sanitizer needs no fence here,
+// because all words are atomic.
 #if defined(__SANITIZE_THREAD__) && !defined(__clang__)
 #pragma GCC diagnostic ignored "-Wtsan"
 #endif
@@ -32,7 +33,8 @@ void SnapshotRing::write(const Snapshot& snapshot) noexcept {
 }
 
 void SnapshotRing::wake_readers() noexcept {
-  // Sequentially consistent, as in wait(): either the reader sees the new count or this thread sees the reader.
+  // The order is sequentially consistent, as in wait(), so that either the reader sees the new count or this thread
+  // sees the reader.
   wake_count_.fetch_add(1, std::memory_order_seq_cst);
   if (waiting_.load(std::memory_order_seq_cst) == 0) return;
   ::syscall(SYS_futex, &wake_count_, FUTEX_WAKE_PRIVATE, INT_MAX, nullptr, nullptr, 0);

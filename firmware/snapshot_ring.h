@@ -17,7 +17,7 @@ namespace touchline {
 /// Programming Language Memory Models?, MSPC 2012). 370 KB: not for the stack.
 class SnapshotRing {
  public:
-  // One second at 60 frames a second, half a second at 120.
+  // Number of snapshots kept: one second at 60 frames a second, half a second at 120.
   static constexpr std::size_t kSlots = 64;
 
   /// For one thread, the loop's. Copies 5.8 KB, which takes 0.3 us (tests/firmware/snapshot_ring_test.cpp), and makes

@@ -25,7 +25,7 @@ constexpr double kStaleRobotStatusS = 2.0;
 
 double milliseconds(Duration d) { return seconds(d) * 1e3; }
 
-// The figure that explains a reason; "" if there is none.
+// Returns the number that explains a reason; "" if there is none.
 std::string figure(Halt reason, const PictureTrace& picture) {
   std::string text;
   const auto percent = [](float share) { return 100.0 * static_cast<double>(share); };
@@ -73,8 +73,8 @@ std::string halt_reasons(std::uint32_t halt, const PictureTrace& picture) {
 // On the map and in the picture's usual orientation, positive x is to the right.
 const char* direction(bool own_on_positive_half) { return own_on_positive_half ? "left" : "right"; }
 
-// Upper limit of the bytes that noise on the link explains: a damaged report leaves its bytes, and its number is
-// missing in the next report. Each robot's last report may be damaged or incomplete, too.
+// Returns the largest number of bytes that noise on the link explains. A damaged report leaves its bytes, and the next
+// report shows that its number is missing. The last report of each robot may be damaged or incomplete, too.
 std::uint64_t bytes_of_damaged_reports(const RobotReports& reports) {
   std::uint64_t damaged = 0;
   for (const RobotReport& robot : reports.robots) damaged += robot.missed + 1U;
@@ -145,7 +145,7 @@ std::string status_line(const StatusReport& status, const Expectation& expected)
   count("frames stamped in the future", status.future_stamps);
   count("overloads", status.overloads);
   count("faults", status.faults);
-  // Noise changes the brightness by some percent.
+  // Changes below this are not shown, because noise changes the brightness by some percent.
   constexpr double kNoise_percent = 4.5;
   const double brighter = 100.0 * (static_cast<double>(status.brightness) - 1.0);
   if (std::abs(brighter) > kNoise_percent) print(line, "  light %+.0f %%", brighter);

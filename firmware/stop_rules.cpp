@@ -45,8 +45,8 @@ void StopRules::hold(Halt reason, bool cause) {
   if (cause == ((causes_ & reason) != 0)) return;
   causes_ = static_cast<std::uint32_t>(causes_ ^ reason);
   held_ |= causes_;
-  // A start from before the end of a cause was meant for robots that could not move. A silent driver is heard again
-  // with its start.
+  // The number changes when a cause ends, because an earlier start was meant for robots that could not move.
+  // kHaltDriver is an exception: the start of a silent driver itself ends the silence.
   if (cause || reason != kHaltDriver) ++held_number_;
 }
 

@@ -39,10 +39,10 @@ enum Halt : std::uint32_t {
 constexpr std::uint32_t kExternalHalts =
     kHaltReferee | kHaltTeams | kHaltSilence | kHaltConsole | kHaltSetup | kHaltSetupEnded;
 
-/// Those that follow from StepTrace::picture.
+/// Reasons that follow from StepTrace::picture.
 constexpr std::uint32_t kPictureHalts = kHaltRepeats | kHaltOverload | kHaltField | kHaltMotion;
 
-/// What a reason means to a person. Robots get stop packets while any reason holds.
+/// Describes a reason to a person. Robots get stop packets while any reason holds.
 struct HaltDescription {
   Halt bit;
   std::string_view word;     // in messages of the console
@@ -50,7 +50,7 @@ struct HaltDescription {
   std::string_view robots;   // what they do until they stop
   std::string_view ends_by;  // what ends it
 };
-/// In the order in which the status line lists them.
+/// Descriptions in the order in which the status line lists the reasons.
 inline constexpr std::array kHaltDescriptions{
     HaltDescription{kHaltNoFrames, "no_frames", "no good frame",
                     "drive on with their last commands for faults.stop_after_s", "the next good frame"},
@@ -99,7 +99,7 @@ static_assert([] {
   return described == 2 * (kHaltEnd - 1) - 1;
 }());
 
-/// What a session hands to the next one: the reasons that hold until a start.
+/// Reasons that hold until a start. A session passes them to the next one.
 struct HeldStops {
   std::uint32_t reasons = kHaltNone;  // bits of Halt
   std::uint32_t number = 0;           // see StopRules::held_number()
@@ -107,8 +107,8 @@ struct HeldStops {
 };
 
 struct StopRuleSettings {
-  Duration stop_after{};                // robots stop when the last good frame is older
-  Duration radio_outage{};              // after a longer one a start is needed
+  Duration stop_after{};                // robots stop when the last good frame is older than this
+  Duration radio_outage{};              // after a longer outage a start is needed
   bool resume_after_emergency = false;  // on release of the emergency stop; else a start is needed
   bool has_emergency_stop = true;
   bool has_start_button = false;
@@ -123,13 +123,13 @@ struct StopRuleSettings {
 /// the start button, or Start of the console's driver. Both call start().
 class StopRules {
  public:
-  /// An emergency ends only after the line has been inactive for this time. The contacts of a switch bounce for some
+  /// Time for which the line must be inactive before an emergency ends. The contacts of a switch bounce for some
   /// milliseconds, and nobody releases a switch and pulls it again within a tenth of a second.
   static constexpr Duration kEmergencyReleaseTime = std::chrono::milliseconds(100);
 
   explicit StopRules(const StopRuleSettings& settings);
 
-  /// What holds now is not released by other settings.
+  /// Changes the limits. New limits do not release robots that are held now.
   void set_limits(Duration stop_after, Duration radio_outage, bool resume_after_emergency);
 
   /// Applies the input lines as read at `now`. nullopt: they cannot be read, which counts as a pulled emergency stop if
@@ -137,16 +137,16 @@ class StopRules {
   void apply_inputs(const std::optional<hal::GpioInputs>& inputs, Instant now);
   /// `reasons`: the bits of kExternalHalts that hold.
   void apply_external(std::uint32_t reasons);
-  /// `away`: since when the radio has been lost; nullopt: it is open.
+  /// `away`: time for which the radio has been lost; nullopt: it is open.
   void apply_radio(std::optional<Duration> away);
   /// `reason` holds from the first call with `cause` true until a start while `cause` is false.
   void hold(Halt reason, bool cause);
-  /// A person starts the robots. Ends the held reasons whose cause is gone.
+  /// Starts the robots for a person: ends the held reasons whose cause is gone.
   void start();
   /// Whether somebody has started the robots since the last call.
   [[nodiscard]] bool take_start() { return std::exchange(was_started_, false); }
-  /// `picture`: of the last frame. What contradicts the commands, and an older picture that went on in a part, cannot
-  /// be checked while robots stand, and hold until a start.
+  /// `picture` is that of the last frame. Two reasons hold until a start, because they cannot be checked while robots
+  /// stand: motion that contradicts the commands, and an older picture that went on in a part.
   void apply_picture(const PictureTrace& picture);
   /// Call it before a frame is processed: commands computed from an old frame must not drive robots.
   void check_frame(Instant capture_time, Instant now) { set(kHaltNoFrames, is_stale(capture_time, now)); }
@@ -165,8 +165,8 @@ class StopRules {
   }
   /// Whether the start button was pressed, or there is none.
   [[nodiscard]] bool is_started() const { return (held_ & kHaltStart) == 0; }
-  /// Changes when something begins to hold robots until a start, and when its cause comes back or ends. A start from
-  /// elsewhere that was meant for another number came too late.
+  /// Returns a number that changes when a reason begins to hold robots until a start, and when the cause of the reason
+  /// comes back or ends. A start of the console that names another number came too late and has no effect.
   [[nodiscard]] std::uint32_t held_number() const { return held_number_; }
   /// Whether a start is needed.
   [[nodiscard]] bool is_held() const { return held_ != kHaltNone; }
@@ -180,9 +180,9 @@ class StopRules {
   void set(std::uint32_t reason, bool holds);
 
   StopRuleSettings settings_;
-  std::uint32_t lasting_ = kHaltNoFrames;  // as long as their causes
+  std::uint32_t lasting_ = kHaltNoFrames;  // reasons that hold as long as their causes
   std::uint32_t held_;                     // until a start
-  std::uint32_t causes_ = kHaltNone;       // of held reasons: present
+  std::uint32_t causes_ = kHaltNone;       // causes of held reasons that are present
   std::uint32_t held_number_;
   std::optional<Instant> last_good_;  // capture time; none: there has been no good frame
   bool emergency_ = false;            // pulled, or released a moment ago

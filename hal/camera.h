@@ -40,8 +40,8 @@ class FrameLease {
   ~FrameLease();
 
   [[nodiscard]] const Frame& frame() const { return frame_; }
-  /// Owned by the camera and open until its close(). To keep them longer, duplicate them. Read only. The picture does
-  /// not change during the lifetime of the lease.
+  /// Owned by the camera and open until its close(). To keep the descriptors longer, duplicate them. They are for
+  /// reading only. The picture does not change during the lifetime of the lease.
   [[nodiscard]] const DmaBufs& dma_bufs() const { return dma_bufs_; }
 
  private:
@@ -64,7 +64,7 @@ struct CameraInfo {
   double rate_hz = 0.0;  // 0: the input has no frame rate
   // One line: device, format, and the values of its controls; empty if the camera has no settings.
   std::string description{};
-  // Device, and what differs from the settings; empty if nothing does.
+  // The device, and the values that differ from the settings; empty if all values are as set.
   std::string negotiated{};
 };
 
@@ -84,9 +84,9 @@ class Camera {
   /// kEndOfStream: a recording has ended.
   Result<FrameLease> wait(Instant deadline) { return do_wait(deadline); }
   /// Sets exposure, gain, white balance, focus and the flicker filter to the values in `settings`, now and after the
-  /// next open(); ignores all other settings. May block. Any thread may call it at any time; streaming goes on.
-  /// Returns the device and what differs from the settings; "" if nothing does, or if the camera is not open (open()
-  /// then reports it in info()). kUnsupported: the camera has no such controls.
+  /// next open(); ignores all other settings. May block. Any thread may call it at any time; streaming goes on. Returns
+  /// the device and the values that differ from the settings. Returns "" if all values are as set, or if the camera is
+  /// not open; open() then reports differences in info(). kUnsupported: the camera has no such controls.
   Result<std::string> adjust(const CameraSettings& settings) { return do_adjust(settings); }
   void stop() { do_stop(); }
   void close() { do_close(); }

@@ -5,7 +5,8 @@
 namespace touchline::hal {
 namespace {
 
-// Contacts bounce for some milliseconds; an input that changes for longer has a loose wire.
+// Longest time that a contact bounces: usually some milliseconds. An input that keeps changing for longer has a loose
+// wire.
 constexpr Duration kMaxBounce = std::chrono::milliseconds(50);
 
 }  // namespace

@@ -41,7 +41,8 @@ constexpr PixelFormat pixel_format(CameraFormat format) {
   return format == CameraFormat::kMjpg ? PixelFormat::kYuvj422p : static_cast<PixelFormat>(format);
 }
 
-/// What to report about a camera that delivers YUV of limited or full range; null: nothing, it is that of the format.
+/// Returns the note about a camera whose YUV has another range (limited or full) than the format; null if the range is
+/// that of the format.
 constexpr const char* note_on_range(PixelFormat format, bool full_range) {
   switch (color_space(format)) {
     case ColorSpace::kRgb:
@@ -61,10 +62,10 @@ enum class PowerLine : std::uint8_t { kLeave, kOff, k50Hz, k60Hz };
 inline constexpr std::array<Choice<PowerLine>, 4> kPowerLines{
     {{"leave", PowerLine::kLeave}, {"off", PowerLine::kOff}, {"50hz", PowerLine::k50Hz}, {"60hz", PowerLine::k60Hz}}};
 
-/// camera.focus is not set: the driver keeps its value. 0 is a valid focus (usually infinity).
+/// Means that camera.focus is not set: the driver keeps its value. 0 is a valid focus (usually infinity).
 inline constexpr int kFocusUnset = -1;
 
-/// camera.exposure_steps is not set: exposure_us applies.
+/// Means that camera.exposure_steps is not set: exposure_us applies.
 inline constexpr int kExposureStepsUnset = -1;
 
 struct CameraSettings {
@@ -102,7 +103,8 @@ struct CameraSettings {
          .range = {0.0, 1000.0},
          .unit = "Hz",
          .help = "Requested frame rate; replay: 0 or absent means the time stamps of a video, 30 for pictures"});
-    // Three are needed to lose no frame: one is filled, one waits, the loop holds one. V4L2 allows at most 32.
+    // At least three buffers are needed to lose no frame: one is being filled, one waits, and the loop holds one. V4L2
+    // allows at most 32.
     visit.number(self.buffers, {.name = "buffers", .range = {3, 32}, .help = "Number of frame buffers"});
     visit.number(self.exposure_us,
                  {.name = "exposure_us",
@@ -172,7 +174,7 @@ struct RadioSettings {
   }
 };
 
-/// Time of a byte on the radio's line: 8 data bits, start and stop bit. Zero without a radio.
+/// Returns the duration of a byte on the radio's line: 8 data bits, start and stop bit. Zero without a radio.
 inline Duration byte_time(const RadioSettings& radio) {
   return radio.backend == RadioBackend::kNone ? Duration{} : from_seconds(10.0 / radio.baud);
 }
@@ -185,7 +187,7 @@ enum class GpioBias : std::uint8_t { kNone, kPullUp, kPullDown };
 inline constexpr std::array<Choice<GpioBias>, 3> kGpioBiases{
     {{"none", GpioBias::kNone}, {"pull_up", GpioBias::kPullUp}, {"pull_down", GpioBias::kPullDown}}};
 
-/// The line is not connected.
+/// Means that the line is not connected.
 inline constexpr int kNoLine = -1;
 
 struct GpioSettings {
@@ -195,8 +197,8 @@ struct GpioSettings {
   int strobe_line = kNoLine;
   int emergency_stop_line = kNoLine;
   bool emergency_stop_active_low = true;
-  // Independent of the polarity: a normally closed switch to ground is active high and still needs the pull-up, so
-  // that a broken wire stops the robots.
+  // The bias does not depend on the polarity. A normally closed switch to ground is active high and still needs the
+  // pull-up, so that a broken wire stops the robots.
   GpioBias emergency_stop_bias = GpioBias::kPullUp;
   int start_line = kNoLine;
   bool start_active_low = true;

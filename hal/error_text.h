@@ -15,8 +15,8 @@ namespace touchline {
 /// errors) use the heap; if there is no memory left, the message is cut off. Never throws.
 class ErrorText {
  public:
-  // A message of the loop has one line: a device's path below /dev/v4l/by-path (about 90 bytes), sometimes twice, and
-  // a sentence.
+  // Bytes stored in the object. A message of the loop is one line: a sentence with a device's path below
+  // /dev/v4l/by-path (about 90 bytes), which may occur twice.
   static constexpr std::size_t kInlineCapacity = 383;
 
   ErrorText() noexcept { inline_[0] = '\0'; }
@@ -49,7 +49,7 @@ class ErrorText {
   [[nodiscard]] std::string_view view() const noexcept { return {c_str(), size_}; }
   /// A copy on the heap.
   [[nodiscard]] std::string str() const { return std::string(view()); }
-  /// "; " if there is text already, else "". For lists.
+  /// Returns the separator for the next element of a list: "; " if there is text already, else "".
   [[nodiscard]] const char* separator() const noexcept { return empty() ? "" : "; "; }
 
   friend bool operator==(const ErrorText& a, const ErrorText& b) noexcept { return a.view() == b.view(); }

@@ -43,7 +43,8 @@ class [[nodiscard]] Result {
   [[nodiscard]] std::string text() const { return ok() ? std::string() : error().text.str(); }
 
  private:
-  // One of the two. Not std::variant: gcc 12 warns of null pointers where its std::get_if is inlined.
+  // Exactly one of the two is set. std::variant is not used, because gcc 12 warns of null pointers where its
+  // std::get_if is inlined.
   std::optional<T> value_;
   std::optional<Error> error_;
 };
@@ -76,7 +77,8 @@ class [[nodiscard]] Result<void> {
     }                                                                   \
   } while (false)
 
-/// The same, but on success assigns the value to `target`: TOUCHLINE_TRY_ASSIGN(const Settings settings, read(file));
+/// Does the same as TOUCHLINE_TRY, but on success assigns the value to `target`: TOUCHLINE_TRY_ASSIGN(const Settings
+/// settings, read(file));
 #define TOUCHLINE_TRY_ASSIGN(target, expression) \
   TOUCHLINE_TRY_ASSIGN_AS(TOUCHLINE_JOINED(touchline_result_, __LINE__), target, expression)
 // NOLINTBEGIN(bugprone-macro-parentheses): `result` and `target` are declared here.

@@ -48,7 +48,8 @@ void read_if_named(const std::string& path, std::string_view remedy, const std::
   if (!path.empty()) errors.add(read_toml(path, remedy, overrides, out, where));
 }
 
-// A recording has its own frame rate, which the default must not replace. A camera needs a requested rate.
+// Checks the frame rate. A recording has its own rate, which the default must not replace; a camera needs a requested
+// rate.
 void check_rate(Configuration& configuration, ErrorList& errors) {
   hal::CameraSettings& camera = configuration.board.camera;
   const Locations& where = configuration.board_where;
@@ -61,10 +62,10 @@ void check_rate(Configuration& configuration, ErrorList& errors) {
 }
 
 // No sensor exposes shorter than one row, which the fastest take 9 us for (OV9281); V4L2 counts in 100 us. Lamps of
-// less than 1000 K do not shine. Smaller numbers are meant in other units.
+// less than 1000 K do not shine. Smaller numbers are therefore meant in other units.
 constexpr int kShortestExposure_us = 10, kLowestWhiteBalance_k = 1000;
 
-// What no camera can do. What this one cannot, it says when it is opened.
+// Refuses values that no camera supports. The camera itself reports at its opening what it does not support.
 void check_exposure(const Configuration& configuration, ErrorList& errors) {
   const hal::CameraSettings& camera = configuration.board.camera;
   const auto add = [&](const char* key, const std::string& message) {
@@ -91,7 +92,7 @@ void check_exposure(const Configuration& configuration, ErrorList& errors) {
   }
 }
 
-// Overrides by file.
+// Overrides, sorted by file.
 struct SortedOverrides {
   std::vector<Override> board, venue, team;
 };

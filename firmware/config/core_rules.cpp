@@ -15,9 +15,10 @@
 namespace touchline::config {
 namespace {
 
-// A stage of the pipeline, or a part of one: the section of a file that it is configured with, and its answer.
+// Checks a stage of the pipeline or a part of it: the section of a file that configures the stage, and the answer of
+// the stage.
 struct CoreRule {
-  std::string_view stage;  // of the rules of a stage, the first that is broken is reported
+  std::string_view stage;  // only the first broken rule of a stage is reported
   const Locations Configuration::*file;
   std::string (*key)(const PipelineParameters& parameters);
   std::string_view message;  // what to correct; empty: only the status of the core is known

@@ -113,7 +113,7 @@ std::vector<Change> difference(const Configuration& before, const Configuration&
   std::vector<Change> changes;
   compare(FileKind::kBoard, before.board, after.board, changes);
   compare(FileKind::kVenue, before.venue, after.venue, changes);
-  // The folder may have another picture under the same name.
+  // The folders may contain different pictures under the same name.
   const auto add_picture = [&changes](const char* key, const std::string& old_name, const std::string& new_name,
                                       const auto& old_picture, const auto& new_picture) {
     if (old_name.empty() || old_name != new_name || same(old_picture, new_picture)) return;

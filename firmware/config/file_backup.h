@@ -10,7 +10,7 @@ namespace touchline::config {
 
 /// Reads a text file. Empty if it does not exist. Errors: those of hal::read_file() except kNotFound.
 Result<std::optional<std::string>> read_text(const std::string& path);
-/// The same for any file, up to hal::kMaxDataFileBytes.
+/// Reads any file of at most hal::kMaxDataFileBytes in the same way.
 Result<std::optional<std::string>> read_data(const std::string& path);
 
 /// Copies the file to PATH.bak. If it is a symbolic link, the copy is beside its target. Does nothing if there is no

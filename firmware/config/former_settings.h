@@ -12,7 +12,7 @@ struct FormerSetting {
   std::string_view advice;
 };
 
-/// Files that were written for an earlier version get the advice instead of "unknown key" or "is not one of".
+/// Advice for files that were written for an earlier version. It replaces "unknown key" or "is not one of".
 inline constexpr std::array kFormerSettings{
     FormerSetting{"scan.kernel", "avx512",
                   "the kernels for AVX-512 are gone, because they were no faster than those for AVX2; remove the line"},

@@ -11,7 +11,7 @@
 
 namespace touchline::config {
 
-/// Description of one key, for the key reference and for finding keys by name.
+/// Describes one key, for the key reference and for finding keys by name.
 struct KeyInfo {
   std::string path;          // "camera.exposure_us"; elements of lists as "color[].name"
   std::string type;          // "integer", "number", "text", "true or false", "one of a, b", "list of ..."
@@ -25,7 +25,7 @@ struct KeyInfo {
 /// Visitor of core/parameter.h that lists all keys of a struct with their defaults.
 class KeyLister {
  public:
-  /// All keys of a file, and which of them it requires.
+  /// Returns all keys of a file, and marks those that the file requires.
   template <class File>
   static std::vector<KeyInfo> keys_of_file() {
     std::vector<KeyInfo> keys = keys_of<File>();

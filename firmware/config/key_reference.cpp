@@ -56,7 +56,7 @@ std::string header_of(const KeyInfo& section) {
   return section.type == "section" ? "[" + path + "]" : "[[" + path + "]]";
 }
 
-// A vertical bar would end the cell.
+// Escapes vertical bars, which would end the cell.
 std::string cell(std::string_view text) {
   std::string out;
   for (const char c : text) out.append(c == '|' ? "\\|" : std::string(1, c));
@@ -96,7 +96,7 @@ std::string lower_case(std::string text) {
   return text;
 }
 
-// What the terminal shows of one key or layout, and where words are searched.
+// Text that the terminal shows for one key or layout, and the text in which words are searched.
 struct Entry {
   std::string file, name, text, searched;
 };

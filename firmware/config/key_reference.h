@@ -8,16 +8,16 @@
 // The reference of all keys, generated from their declarations.
 namespace touchline::config {
 
-/// For the terminal: two or three lines for each key of the three files and each standard layout that has all of
-/// `words` in its file, path or meaning, in upper or lower case. kNotFound: there is none; the text says which word is
-/// unknown.
+/// Returns text for the terminal: two or three lines for each key of the three files and each standard layout whose
+/// file, path or meaning contains all of `words`, in upper or lower case. kNotFound: nothing contains them; the text
+/// says which word is unknown.
 Result<std::string> key_reference_text(std::span<const std::string> words);
 
-/// For docs/files.md: a table for each section of the three files.
+/// Returns the text for docs/files.md: a table for each section of the three files.
 std::string key_reference_markdown();
 
-/// The page with key_reference_markdown() between the lines kReferenceBegin and kReferenceEnd.
-/// kNotFound: the page does not have both lines.
+/// Returns the page with key_reference_markdown() between the lines kReferenceBegin and kReferenceEnd. kNotFound: the
+/// page does not have both lines.
 Result<std::string> updated_key_reference(std::string page);
 
 inline constexpr const char* kReferenceBegin =

@@ -14,7 +14,7 @@ struct Disk {
   float x_m, y_m, radius_m;
 };
 
-// A circle, or the corners of another outline, in the robot's axes.
+// Returns the patch as a circle, or the corners of another outline, in the robot's axes.
 std::vector<Disk> corners_of(const PatchPlace& patch) {
   if (patch.outline == PatchOutline::kCircle) return {{patch.x_m, patch.y_m, patch.length_m / 2}};
   const float l = patch.length_m / 2, w = patch.width_m / 2;
@@ -56,7 +56,7 @@ std::optional<MarkerLayout> chosen_layout(const TeamFile& file, const TeamEntry&
 }
 
 float body_turn_rad(const MarkerLayout& layout) {
-  constexpr int kSteps = 90;  // of a degree
+  constexpr int kSteps = 90;  // steps of a degree
   const auto half_side = [&](float turn_rad) {
     const float c = std::cos(turn_rad), s = std::sin(turn_rad);
     float most = 0;

@@ -7,15 +7,16 @@
 
 namespace touchline::config {
 
-/// The layout that a [[layout]] declares. Patches beyond kMaxPatches are left out; the caller reports them.
+/// Returns the layout that a [[layout]] declares. Patches beyond kMaxPatches are left out; the caller reports them.
 MarkerLayout layout_of(const LayoutEntry& entry);
 
-/// The layout that a team names: a [[layout]] of the file, or a standard layout; with the height of the team if it
-/// gives one. Empty if there is no layout of this name.
+/// Returns the layout that a team names: a [[layout]] of the file, or a standard layout. Its height is that of the team
+/// if the team gives one. Empty if there is no layout of this name.
 std::optional<MarkerLayout> chosen_layout(const TeamFile& file, const TeamEntry& team);
 
-/// Angle from the robot's axes to the sides of its square body, 0 to pi/2: 0 if the body then contains all patches,
-/// otherwise the angle at which the smallest square does (mirosot-triangles: forward is a corner of the body).
+/// Returns the angle from the robot's axes to the sides of its square body, 0 to pi/2. It is 0 if the body then
+/// contains all patches, otherwise the angle at which the smallest square contains them (mirosot-triangles: forward is
+/// a corner of the body).
 float body_turn_rad(const MarkerLayout& layout);
 
 }  // namespace touchline::config

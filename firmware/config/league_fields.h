@@ -7,7 +7,7 @@
 
 namespace touchline::config {
 
-/// The field of a league, by the name that `touchline-calibrate field --field-preset` takes.
+/// The field of a league, with the name that `touchline-calibrate field --field-preset` accepts.
 struct LeagueField {
   std::string_view name;
   FieldParameters field;
@@ -16,7 +16,7 @@ struct LeagueField {
 /// Rules of FIRA MiroSot middle league, IEEE very small size, and RoboCup small size (divisions A and B). The figures
 /// are those of VSSSLeague/VSSReferee (src/utils/types/field/field_default_5v5.h and field_default_3v3.h; its lines are
 /// drawn 6 mm wide, the rules say 3 mm) and of the default geometry of RoboCup-SSL/ssl-game-controller. MiroSot's goal
-/// area, 0.15 m x 0.5 m, lies inside the penalty area; only the larger one is published.
+/// area, 0.15 m x 0.5 m, lies inside the penalty area; only the larger one, the penalty area, is published.
 inline constexpr std::array kLeagueFields{LeagueField{"mirosot-middle",
                                                       {.length_m = 2.2f,
                                                        .width_m = 1.8f,

@@ -5,9 +5,10 @@
 namespace touchline::config {
 namespace {
 
-// Larger files are refused before memory is allocated for their pixels, smaller ones later with their size.
+// Limit of pixels above which a file is refused before memory is allocated for it. Smaller files with a wrong size are
+// refused later, with their size in the message.
 constexpr std::int64_t kMaxPixels = 1 << 20;
-// Of a sum of four pixels to the value in the file.
+// Ratio of the value in the file to a sum of four pixels.
 constexpr std::uint16_t kReferenceScale = 64;
 
 }  // namespace

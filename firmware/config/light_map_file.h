@@ -8,7 +8,7 @@
 
 namespace touchline::config {
 
-/// The value in the file that means illumination 1.
+/// Value in the file that stands for illumination 1.
 inline constexpr double kUnitIllumination = 32768.0;
 
 /// Reads an illumination map: a PNG with 16 bits per channel, one pixel per cell, at most kMaxLightCells cells.

@@ -14,7 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The map that a venue file names; empty if it names none. The text is valid TOML.
+// Returns the map that the venue file names; empty if it names none. The text must be valid TOML.
 std::string map_of(const std::string& text) { return toml::parse(text)["light"]["map"].value_or(std::string()); }
 
 bool same_file(const fs::path& a, const fs::path& b) {

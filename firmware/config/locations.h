@@ -7,7 +7,7 @@
 
 namespace touchline::config {
 
-/// File and line of each key, for the messages of checks after reading.
+/// Stores file and line of each key, for the messages of checks after reading.
 class Locations {
  public:
   explicit Locations(std::string file = {}) : file_(std::move(file)) {}

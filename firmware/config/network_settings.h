@@ -14,20 +14,20 @@ namespace touchline::config {
 enum class OutputProtocol : std::uint8_t { kSslVision, kSslTracked, kFirasim, kJson };
 enum class InputProtocol : std::uint8_t { kFirasim, kJson, kSslReferee, kVsssReferee };
 
-/// A protocol's word in the board file and on the command line, and the address that programs of that league use.
+/// Word of a protocol in the board file and on the command line, and the usual address in the league of the protocol.
 template <class Protocol>
 struct ProtocolInfo {
   Protocol protocol;
   std::string_view word, default_address;
 };
 
-// JSON: PlotJuggler's UDP port.
+// The address of JSON is PlotJuggler's UDP port.
 inline constexpr std::array<ProtocolInfo<OutputProtocol>, 4> kOutputProtocolTable{
     {{OutputProtocol::kSslVision, "ssl-vision", "udp://224.5.23.2:10006"},
      {OutputProtocol::kSslTracked, "ssl-tracked", "udp://224.5.23.2:10010"},
      {OutputProtocol::kFirasim, "firasim", "udp://224.0.0.1:10002"},
      {OutputProtocol::kJson, "json", "udp://127.0.0.1:9870"}}};
-// Commands arrive at all addresses of this computer; `senders` decides which ones are obeyed.
+// Commands are received at all addresses of this computer; `senders` decides whose commands are obeyed.
 inline constexpr std::array<ProtocolInfo<InputProtocol>, 4> kInputProtocolTable{
     {{InputProtocol::kFirasim, "firasim", "udp://0.0.0.0:20011"},
      {InputProtocol::kJson, "json", "udp://0.0.0.0:20012"},

@@ -20,7 +20,7 @@ constexpr std::pair<std::string_view, Rgb> kPaints[] = {
     {"beige", {220, 200, 165}},     {"white", {240, 240, 240}},    {"grey", {130, 130, 130}},
     {"gray", {130, 130, 130}},      {"black", {25, 25, 25}}};
 
-// Further names of paints, which are not suggested to anybody.
+// Further names of paints. They are understood, but never suggested.
 constexpr std::pair<std::string_view, Rgb> kFurtherPaints[] = {
     {"cream", {245, 235, 200}},  {"ivory", {245, 240, 220}},  {"sand", {215, 190, 145}},  {"tan", {205, 170, 125}},
     {"khaki", {185, 170, 115}},  {"mustard", {205, 165, 55}}, {"amber", {245, 180, 45}},  {"apricot", {250, 180, 125}},
@@ -38,7 +38,7 @@ std::optional<Rgb> paint(std::string_view word) {
   return found->second;
 }
 
-// The paint of a single word, which "light" or "dark" may begin.
+// Returns the color of a single word, which may begin with "light" or "dark".
 std::optional<Rgb> shade(std::string_view word) {
   if (const auto known = paint(word)) return known;
   const bool light = word.rfind("light", 0) == 0, dark = word.rfind("dark", 0) == 0;

@@ -7,7 +7,7 @@
 #include "firmware/config/difference.h"
 #include "hal/result.h"
 
-// Reloading of the files while robots play. The declaration of a key says whether it can change (Reload in
+// Reloads the files while robots play. The declaration of a key says whether its value can change (Reload in
 // core/parameter.h).
 namespace touchline::config {
 
@@ -17,14 +17,14 @@ struct ReloadChanges {
   std::vector<Change> need_restart;
 
   [[nodiscard]] bool empty() const { return applied.empty() && need_restart.empty(); }
-  /// True if the part `by` of the program must apply one of the applied changes.
+  /// Returns whether the part `by` of the program has to act on one of the changes.
   [[nodiscard]] bool concern(Reload by) const;
 };
 
-/// Copies the values that can change while robots play from `next` to `running` and keeps the others. Both must have
-/// been loaded without errors. Thresholds, light map and region of interest also need a restart if the new files are
-/// for pictures of another size or format or have another list of colors. kInconsistent: the combination of old and new
-/// values is contradictory; `running` must not be used.
+/// Copies the values that can change while robots play from `next` to `running`; all other values of `running` stay.
+/// Both must have been loaded without errors. Thresholds, light map and region of interest also need a restart if the
+/// new files are for pictures of another size or format or have another list of colors. kInconsistent: the combination
+/// of old and new values is contradictory; `running` must not be used.
 Result<ReloadChanges> apply_reloadable(const Configuration& next, Configuration& running);
 
 }  // namespace touchline::config

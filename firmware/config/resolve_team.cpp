@@ -19,7 +19,7 @@ class TeamResolver {
     if (name.empty()) return kBackground;
     const ColorId id = color_id(venue_, name);
     if (venue_.color.empty()) {
-      // One message instead of one for each color.
+      // Reports the missing colors once instead of once for each color.
       if (!std::exchange(told_of_no_colors_, true)) {
         add(key, venue_where_.file() + " has no colors yet; calibrate them with touchline-calibrate colors --venue " +
                      venue_where_.file() + " --team " + where_.file() + " --picture ...");
@@ -161,7 +161,7 @@ void check_identification(TeamResolver& resolver, const TeamFile& team, const Lo
   }
 }
 
-// Independent errors: the variances add.
+// Adds the variances, because the errors are independent.
 void add_noise(const NoiseEntry& noise, TrackParameters& track) {
   track.robot.position_jitter_m = std::hypot(track.robot.position_jitter_m, noise.robot_position_m);
   track.robot.heading_jitter_rad = std::hypot(track.robot.heading_jitter_rad, noise.robot_heading_rad);

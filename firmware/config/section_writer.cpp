@@ -61,7 +61,7 @@ std::string_view trimmed(std::string_view text) {
   return text.substr(begin, text.find_last_not_of(" \t\r\n") - begin + 1);
 }
 
-// First part of "[a.b]" or "[[a.b]]" without quotes; "" if the line is not a header.
+// Returns the first part of "[a.b]" or "[[a.b]]" without quotes; "" if the line is not a header.
 std::string header_of(std::string_view line) {
   line = trimmed(line);
   if (!line.starts_with('[')) return {};
@@ -81,8 +81,8 @@ std::vector<std::string_view> lines_of(std::string_view text) {
   return lines;
 }
 
-// The section of each line. A block of comments directly above a header belongs to that header; blank lines belong to
-// the section above.
+// Returns the section of each line. A block of comments directly above a header belongs to the section of the header;
+// blank lines belong to the section above.
 std::vector<std::string> owners_of(const std::vector<std::string_view>& lines) {
   std::vector<std::string> owner(lines.size());
   LineScanner scanner;
@@ -159,7 +159,7 @@ Result<std::string> replace_section(const std::string& text, std::string_view se
       for (; i < end; ++i) out += lines[i];
       continue;
     }
-    // Blank lines at the end of the section separate it from the next one: keep them.
+    // Keeps blank lines at the end of the section, because they separate it from the next one.
     std::size_t blank = end;
     while (blank > i && trimmed(lines[blank - 1]).empty()) --blank;
     if (!done) out += replacement;
@@ -174,7 +174,7 @@ Result<std::string> replace_section(const std::string& text, std::string_view se
     if (!out.empty()) out += line_end;
     out += replacement;
   }
-  // The scanner above only knows lines. The parser checks that nothing but this section has changed.
+  // LineScanner only knows lines. The parser checks that nothing but this section has changed.
   const Result<toml::table> after = parse(out, "the changed file");
   if (after.ok() && same_but(before, after.value(), section) && same_at(added, after.value(), section)) return out;
   const std::string cause = after.ok() ? std::string() : " (" + after.text() + ")";

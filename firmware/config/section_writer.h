@@ -19,7 +19,7 @@ namespace touchline::config {
 /// unchanged.
 Result<void> write_section(const std::string& path, std::string_view section, std::string_view toml);
 
-/// Content of a new file before its first section is added.
+/// Content of a new file before the first section is added.
 inline constexpr const char* kNewFile = "version = 1\n";
 
 /// Returns the text that write_section() would write.

@@ -26,7 +26,8 @@ constexpr PatchPlace identification(PatchOutline outline, float x_m, float y_m, 
   return {PatchRole::kIdentification, outline, x_m, y_m, length_m, width_m, turn_rad};
 }
 
-// The SSL rules draw a dot of 50 mm in the center and four of 40 mm, 65 mm from it; those in front are farther apart.
+// Returns the butterfly of the SSL rules: a dot of 50 mm in the center and four dots of 40 mm, 65 mm from the center.
+// The two dots in front are farther apart.
 MarkerLayout butterfly() {
   constexpr float kNarrow = 0.035f, kWide = 0.054772f, kDot = 0.04f;
   return layout_of(

@@ -15,10 +15,11 @@ struct StandardLayout {
   MarkerLayout layout;
 };
 
-/// All of them. This table is the only declaration: the resolver, `touchline init` and docs/files.md use it.
+/// Returns all standard layouts. Their table is the only declaration: the resolver, `touchline init` and docs/files.md
+/// use it.
 std::span<const StandardLayout> standard_layouts();
 
-/// The layout of this name, or nullptr. "paper" is another name of "two-squares".
+/// Returns the layout of this name, or nullptr. "paper" is another name of "two-squares".
 const StandardLayout* find_standard_layout(std::string_view name);
 
 }  // namespace touchline::config

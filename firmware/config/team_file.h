@@ -23,7 +23,8 @@ inline constexpr std::array<Choice<PatchOutline>, 4> kPatchOutlines{{{"square", 
                                                                      {"bar", PatchOutline::kBar},
                                                                      {"triangle", PatchOutline::kTriangle},
                                                                      {"circle", PatchOutline::kCircle}}};
-// The largest robots of the leagues (SSL) are 0.18 m wide. Twice that leaves room for larger machines.
+// Range of a robot's lengths. The largest robots of the leagues (SSL) are 0.18 m wide, and twice that width leaves room
+// for larger machines.
 inline constexpr Range kRobotLengths{0.0, 0.4};
 inline constexpr Range kPatchPlaces{-0.2, 0.2};
 
@@ -60,7 +61,7 @@ struct PatchEntry {
   }
 };
 
-/// [[layout]]: positions of the patches on a robot. Those of standard_layouts() are built in.
+/// [[layout]]: positions of the patches on a robot. The layouts of standard_layouts() are built in.
 struct LayoutEntry {
   std::string name;
   float robot_side_m = MarkerLayout{}.robot_side_m;

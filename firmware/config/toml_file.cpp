@@ -52,7 +52,7 @@ bool parse_steps(std::string_view path, std::vector<Step>& steps) {
   }
 }
 
-// The file as a whole cannot be used.
+// Returns the error for a file that cannot be used as a whole.
 Error unusable(std::string_view where, std::string_view key, std::string_view message) {
   return {ErrorCode::kNotFound, error_line(where, key, message)};
 }

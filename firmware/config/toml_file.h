@@ -21,7 +21,7 @@ struct Override {
 /// Parses a file and checks its version. kNotFound: see read_toml(). `remedy` is added to the message if there is no
 /// file.
 Result<toml::table> parse_file(const std::string& path, std::string_view remedy);
-/// The same with the content of the file `path`.
+/// Parses `content`, the content of the file `path`, in the same way.
 Result<toml::table> parse_text(std::string_view content, const std::string& path);
 
 /// Stores the value in the table. The reader checks it later like a value from the file.

@@ -19,7 +19,7 @@ namespace touchline::config {
 /// to the list with its line, and reading continues, so that all errors of a file are reported together.
 class TomlReader {
  public:
-  /// `required`: paths of keys that must be present if the table around them is, without list indices
+  /// `required`: paths of keys that must be present if the table around them is present, without list indices
   /// ("color.box.low").
   TomlReader(const toml::table& root, std::span<const std::string_view> required, Locations& locations,
              ErrorList& errors);
@@ -106,7 +106,7 @@ class TomlReader {
     return range;
   }
 
-  // Exact length for std::array, at most the capacity for fixed containers, any for std::vector.
+  // Checks the length of a list: exact for std::array, at most the capacity for fixed containers, any for std::vector.
   template <class Container>
   bool resize(const toml::array& array, const std::string& path, Container& values) {
     if constexpr (requires {

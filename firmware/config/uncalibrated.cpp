@@ -12,12 +12,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// A table with its camera as most teams have it.
+// Size of the field and height of the camera that most teams have.
 constexpr float kUsualLengthM = 1.5f, kUsualWidthM = 1.3f, kUsualHeightM = 2.0f;
-// The field fills most of the picture.
+// Ratio of focal length to picture width with which the field fills most of the picture.
 constexpr float kFocalOfWidth = 0.9f;
 
-// As resolve_venue() compares them.
+// Compares the sizes as resolve_venue() does.
 bool has_other_size(const Configuration& configuration) {
   const PictureEntry& calibrated = configuration.venue.picture;
   const hal::CameraSettings& camera = configuration.board.camera;

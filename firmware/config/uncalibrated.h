@@ -4,9 +4,9 @@
 
 namespace touchline::config {
 
-/// Whether the venue file does not exist, or was read and lacks its camera model or its colors, or has those of
-/// pictures of another size or color space, because another camera was chosen: all that a guided setup has to find. For
-/// a configuration that load() refused.
+/// Returns whether a guided setup has to calibrate the venue, for a configuration that load() refused. This is the case
+/// if the venue file does not exist, if it lacks the camera model or the colors, or if these belong to pictures of
+/// another size or color space because another camera was chosen.
 bool lacks_calibration(const Configuration& configuration);
 
 /// Replaces `configuration.pipeline` by parameters with which nothing is recognized, for pictures as the board file

@@ -9,7 +9,7 @@
 namespace touchline::config {
 namespace {
 
-// The offset of each line's first byte, and of the end.
+// Returns the offset of the first byte of each line, and of the end.
 std::vector<std::size_t> line_offsets(const std::string& text) {
   std::vector<std::size_t> offsets{0};
   for (std::size_t i = 0; i < text.size(); ++i) {
@@ -29,7 +29,7 @@ std::size_t offset_of(const std::string& text, const std::vector<std::size_t>& l
   return offset;
 }
 
-// A comment behind the value stays in its column if there is room.
+// Replaces a value. A comment behind the value stays in its column if there is room.
 void replace_and_align(std::string& text, std::size_t begin, std::size_t end, const std::string& value) {
   std::size_t spaces = end;
   while (spaces < text.size() && text[spaces] == ' ') ++spaces;
@@ -50,7 +50,7 @@ bool is_written_inside(const toml::node& node) {
   return !node.is_array_of_tables() && (table == nullptr || table->is_inline());
 }
 
-// Line, from 0, before which the table's next key belongs.
+// Returns the line, counted from 0, before which the table's next key belongs.
 std::size_t line_after(const toml::table& table, bool is_root) {
   std::size_t line = is_root ? 0 : table.source().begin.line;
   for (const auto& [name, node] : table) {
@@ -59,7 +59,7 @@ std::size_t line_after(const toml::table& table, bool is_root) {
   return line;
 }
 
-// What the parser must read afterwards.
+// Returns the table that the parser must read after the change.
 Result<toml::table> changed(toml::table root, const std::string& table, const std::string& key,
                             const std::string& value) {
   if (!value.empty()) {
@@ -106,7 +106,8 @@ Result<std::string> replace_value(const std::string& text, const std::string& ta
     const toml::table before = toml::parse(text);
     TOUCHLINE_TRY_ASSIGN(const toml::table wanted, changed(before, table, key, value));
     std::string out = edited(text, before, table, key, value);
-    // Only the parser knows every way to write a table: whatever the edit did not foresee is refused.
+    // Only the parser knows every way to write a table: an edit after which the parser does not read the wanted table
+    // is refused.
     if (toml::parse(out) == wanted) return out;
   } catch (const toml::parse_error& fault) {
     return failure(ErrorCode::kInconsistent, "line %u: %s", fault.source().begin.line,

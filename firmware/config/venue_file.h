@@ -19,7 +19,7 @@ namespace touchline::config {
 /// [picture]: the picture that the calibration was made for.
 struct PictureEntry {
   std::uint16_t width_px = 640, height_px = 480;
-  // No patch is a single pixel or a single row.
+  // Defaults that exclude single pixels and single rows, because no patch is so small.
   std::uint32_t min_area_px = 2, min_height_px = 2;
 
   template <class Self, class Visitor>
@@ -133,7 +133,8 @@ struct ColorsEntry {
   }
 };
 
-/// [noise]: scatter of standing objects that their pictures do not show, for example because the camera shakes.
+/// [noise]: scatter of the poses of standing objects that their pictures do not show, for example because the camera
+/// shakes.
 struct NoiseEntry {
   double robot_position_m = 0.0, robot_heading_rad = 0.0, ball_position_m = 0.0;
 

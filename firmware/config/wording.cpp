@@ -24,7 +24,8 @@ std::string with_point(T value) {
   return text;
 }
 
-// Damerau 1964: insertions, deletions, replacements and swaps of neighbors (optimal string alignment).
+// Returns the number of insertions, deletions, replacements and swaps of neighbors (Damerau 1964, optimal string
+// alignment).
 std::size_t edit_distance(std::string_view a, std::string_view b) {
   const std::size_t columns = b.size() + 1;
   std::vector<std::size_t> table((a.size() + 1) * columns);
@@ -45,7 +46,7 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
   return table[a.size() * columns + b.size()];
 }
 
-// Limits are for people: "1000000", not "1e+06".
+// Formats a limit for a person: "1000000", not "1e+06".
 std::string bound_text(double value) {
   constexpr double kWholeBelow = 1e12;
   const bool whole = std::abs(value) < kWholeBelow && value == std::trunc(value);
@@ -91,7 +92,7 @@ std::string_view nearest_word(std::string_view word, std::span<const std::string
   std::string_view best;
   std::size_t best_distance = std::max<std::size_t>(1, word.size() / 3) + 1;
   for (const std::string_view candidate : known) {
-    // The beginning of a word counts as one wrong letter: "exposure" for "exposure_us".
+    // An incomplete word counts as one wrong letter: "exposure" for "exposure_us".
     const bool begun = word.size() >= 3 && candidate.starts_with(word);
     const std::size_t distance = begun ? 1 : edit_distance(word, candidate);
     if (distance < best_distance) {

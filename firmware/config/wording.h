@@ -8,7 +8,7 @@
 
 #include "core/parameter.h"
 
-// Text of numbers, ranges and lists of words in messages, dumps and documentation.
+// Formats numbers, ranges and lists of words for messages, dumps and documentation.
 namespace touchline::config {
 
 /// The shortest text in TOML that reads back as the same value. A floating-point number has a point or an exponent.
@@ -47,8 +47,8 @@ std::string_view word_of(Enum value, const Choices& choices) {
   return {};
 }
 
-/// The known word with the smallest edit distance, or one that begins with `word`. "" if more than a third of the
-/// letters differ.
+/// Returns the known word with the smallest edit distance, or one that begins with `word`. "" if more than a third of
+/// the letters differ.
 std::string_view nearest_word(std::string_view word, std::span<const std::string_view> known);
 
 /// `; did you mean "x"?`, `; known <what>: a, b, c` if no word is similar, or "" if there are no known words.

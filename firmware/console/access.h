@@ -6,11 +6,11 @@
 
 #include "hal/result.h"
 
-// Who may use the console. The page can stop and drive robots, so that no other web site and no other computer may
-// reach it unasked.
+// Decides who may use the console. The page can stop and drive robots, so other web sites and other computers must not
+// reach it without permission.
 namespace touchline::console {
 
-/// What a browser says about a request. Empty: it says nothing.
+/// What a browser says about the origin of a request. A member is empty if the browser does not say it.
 struct RequestOrigin {
   std::string_view host;        // header Host: what stands in the browser's address line
   std::string_view origin;      // header Origin: the site whose page sent the request
@@ -21,8 +21,8 @@ struct RequestOrigin {
 
 struct AccessRules {
   std::vector<std::string> hosts;      // permitted names beside localhost and addresses in numbers
-  std::string token;                   // of clients on other computers; empty: they are refused
-  std::vector<std::string> origins{};  // of other programs' pages that may look with Foxglove's protocol
+  std::string token;                   // token that clients on other computers need; empty: they are refused
+  std::vector<std::string> origins{};  // origins of other programs' pages that may watch with Foxglove's protocol
 };
 
 inline constexpr std::string_view kTokenCookie = "touchline_token";
@@ -30,15 +30,15 @@ inline constexpr std::string_view kTokenCookie = "touchline_token";
 /// Whether the address, such as 127.0.0.1 or ::1, belongs to this computer's loopback.
 bool is_loopback(std::string_view address);
 
-/// Whether a browser may have sent this request on behalf of this console's page. A name that is not listed may belong
-/// to a site that made its name point to this computer (DNS rebinding); an address in numbers cannot.
+/// Returns whether a browser may have sent this request on behalf of this console's page. A name that is not listed may
+/// belong to a site that made the name point to this computer (DNS rebinding); an address in numbers is safe from this.
 bool is_host_permitted(std::string_view host, const std::vector<std::string>& hosts);
 /// Whether the request comes from the console's own page, or from no page at all. `is_navigation`: a request for the
 /// page itself, to which other sites may link.
 bool is_origin_permitted(const RequestOrigin& request, bool is_navigation);
-/// Whether a page of this origin may look, although it is not the console's.
+/// Returns whether a page of this origin may watch, although it is not the console's page.
 bool is_viewer_permitted(std::string_view origin, const std::vector<std::string>& origins);
-/// Whether the two texts are equal. Takes equally long for all texts of `expected`'s length.
+/// Returns whether the two texts are equal. Takes the same time for all texts of the length of `expected`.
 bool equal_in_constant_time(std::string_view given, std::string_view expected);
 /// The token in a Cookie header; "" if there is none.
 std::string_view token_of_cookie(std::string_view cookie);

@@ -15,14 +15,14 @@ struct MadeAnswer {
 /// Makes answers that take long, one at a time, on a thread of the lowest priority. For the console's thread.
 class AnswerWorker {
  public:
-  /// Until take().
+  /// Returns whether an answer is being made or waits for take().
   [[nodiscard]] bool is_busy() const { return is_busy_; }
   /// Whether take() has an answer.
   [[nodiscard]] bool is_done();
   /// Call it only if it is not busy. `make` owns all that it uses; if it throws, the answer is empty. Throws
   /// std::system_error if there is no thread.
   void start(std::function<MadeAnswer()> make);
-  /// After is_done().
+  /// Returns the answer; call it after is_done().
   MadeAnswer take();
 
  private:

@@ -17,7 +17,7 @@ namespace {
 
 // A light map has at most some 100 KB; this leaves room for any picture with one pixel per cell.
 constexpr std::size_t kMaxVenuePictureBytes = std::size_t{8} << 20;
-// A state of 22 robots has 12 KB.
+// Buffer for one state; that of 22 robots has 12 KB.
 constexpr std::size_t kStateBytes = std::size_t{64} * 1024;
 
 constexpr const char* kReadme =
@@ -104,7 +104,7 @@ void add_results(ReportFiles& files, const BugReportContent& content) {
 void add_events(ReportFiles& files, const BugReportContent& content) {
   std::string text, line;
   for (const Event& event : content.events) {
-    // A byte becomes at most six, "\u001f".
+    // Escaping makes at most six bytes of one, as in "\u001f".
     line.resize(6 * event.text.size() + 256);
     report::JsonWriter json(line);
     write_event(json, event);

@@ -9,10 +9,10 @@
 
 namespace touchline::console {
 
-/// How far the results of a bug report reach back.
+/// Time before a bug report whose results it contains.
 inline constexpr Duration kBugReportTime = std::chrono::seconds(10);
 
-/// What a bug report is made of; copied from what the console's thread knows, so that another one can work on it.
+/// Content of a bug report. It is a copy of what the console's thread knows, so that another thread can work on it.
 struct BugReportContent {
   Scene scene;
   Instant made{};
@@ -29,7 +29,7 @@ struct BugReportContent {
 /// "touchline-bug-report-20261123-211502", UTC: the archive's name without its extension, and the folder in it.
 std::string bug_report_name(const BugReportContent& content);
 /// A .tar.gz file (docs/console.md). Reads the files that the configuration names, and facts about the machine; writes
-/// nothing. What cannot be read is missing, and README.txt says why. Throws std::bad_alloc if memory is short.
+/// nothing. Files that cannot be read are missing, and README.txt says why. Throws std::bad_alloc if memory is short.
 std::string make_bug_report(const BugReportContent& content);
 
 }  // namespace touchline::console

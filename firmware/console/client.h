@@ -17,11 +17,12 @@
 
 namespace touchline::console {
 
-// A page drives at 20 Hz, acknowledges 15 pictures a second and pings. Several keys change at once.
+// Limit of a client's messages. A page sends commands at 20 Hz, acknowledges 15 pictures a second and pings, and
+// several keys may change at once.
 inline constexpr double kMaxMessagesPerSecond = 100.0;
-// A link that stood still delivers everything at once.
+// Time whose messages may arrive at once, as they do after a link stood still.
 inline constexpr double kMessageBurstS = 2.0;
-// A client that sends requests without reading the answers is dropped.
+// A client with more unread answers is dropped, because it sends requests without reading.
 inline constexpr std::size_t kMaxWaitingAnswers = 64;
 
 /// A message of the setup program for one or several clients.
@@ -30,17 +31,18 @@ struct Parcel {
   bool is_binary = false;
   bool is_answer = false;  // to a request; must not be lost
 };
-// Pictures of a click come one by one; a client that is slower than that misses some.
+// Limit of the setup program's messages that wait for a client. Pictures arrive one at a time, and a client that is too
+// slow misses some.
 inline constexpr std::size_t kMaxWaitingParcels = 16;
 
 /// A pixel that a client asked about.
 struct Probe {
   std::int64_t request = 0;
   PixelPoint pixel;
-  std::uint64_t from = 0;  // number of the first picture that answers it
+  std::uint64_t from = 0;  // number of the first picture that can answer the question
   Instant deadline{};
 };
-// A page asks about the next pixel when it has the answer.
+// Limit of a client's open questions about pixels. A page asks about the next pixel after the answer to the last one.
 inline constexpr std::size_t kMaxWaitingProbes = 4;
 
 /// What a client watches, and what it has been sent.
@@ -52,13 +54,13 @@ struct Client {
   LinkControl link;
   std::uint64_t written = 0;  // bytes that it was sent
 
-  // From the last `watch`; zero: nothing.
+  // Periods that the last `watch` set; zero: the client does not watch.
   Duration state_period{}, picture_period{};
   std::uint16_t picture_width_px = 0;
   Instant next_state{}, next_picture{};
 
   Instant heard{};            // its last message, or its connection
-  bool is_stop_line = false;  // it may only stop, and is told nothing but answers
+  bool is_stop_line = false;  // it may only stop, and gets only answers
   bool wants_hello = true, wants_driver = true, wants_status = true;
   std::deque<Answer> answers;
   std::uint64_t last_event = 0;
@@ -76,7 +78,7 @@ struct Client {
   std::deque<std::shared_ptr<Parcel>> parcels;  // other messages of the setup program
 };
 
-/// Keeps the rate although frames do not come exactly on time.
+/// Computes the next due time. The mean rate is kept although frames do not come exactly on time.
 inline void advance(Instant& next, Duration period, Instant now) { next = std::max(next + period, now - period / 2); }
 
 }  // namespace touchline::console

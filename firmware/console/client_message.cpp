@@ -32,8 +32,8 @@ constexpr std::array<MessageWord, 14> kMessageWords{{{"watch", MessageKind::kWat
 // Of a team in a game.
 constexpr std::int64_t kMaxGoals = 999;
 
-// Reads members of an object and keeps the first error. Members that nobody asks for are ignored, so that a newer page
-// may send more.
+// Reads members of an object and keeps the first error. Unknown members are ignored, so that a newer page may send
+// more.
 class MemberReader {
  public:
   explicit MemberReader(const Json& object) : object_(object) {}

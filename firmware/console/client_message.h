@@ -12,9 +12,10 @@
 
 namespace touchline::console {
 
-// The longest message of a client has about 200 bytes, but for the parts of a setup that the driver imports.
+// Limits of a message's size. Most messages have at most 200 bytes; only the driver sends longer ones, the parts of a
+// setup that it imports.
 inline constexpr std::size_t kMaxClientMessageBytes = 4096, kMaxDriverMessageBytes = 65536;
-// Deeper messages could exhaust the stack of whoever reads them recursively.
+// Limit of nesting: a deeper message could exhaust the stack of a recursive reader.
 inline constexpr int kMaxMessageDepth = 32;
 inline constexpr double kMaxStateRateHz = 60.0, kMaxPictureRateHz = 60.0;
 // Limits of a driven robot's speed; larger values are errors. The limits of the drive are applied later.

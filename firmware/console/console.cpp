@@ -9,7 +9,7 @@ namespace touchline::console {
 
 namespace {
 
-// Beside a service, and the programs of other clones.
+// Further ports to try, for use beside a service and the programs of other clones.
 constexpr std::uint16_t kFurtherPorts = 9;
 
 Scene scene_of(const Session& session, const std::string& version) {

@@ -29,19 +29,20 @@ class Console {
   /// Passes mailbox and pictures to the session; call it before Session::open(). `snapshots` is the session's ring.
   void attach(Session& session, SnapshotRing& snapshots);
   /// Opens the port and starts the thread; call it after Session::open(), and before the loop's thread gets its
-  /// real-time priority, which the thread would inherit. `print` is called on this and on the console's thread. What
-  /// fails is printed. `adaptation`: may be null.
+  /// real-time priority, which the thread would inherit. `print` is called on this and on the console's thread.
+  /// Failures are printed. `adaptation` may be null.
   void start(Session& session, AdaptationRequests* adaptation, const std::string& version, const Print& print);
-  /// Replaces the session that it shows; call it after the next one's Session::open() and before its loop runs.
-  /// `error`: why it is not the one that was wanted, or "".
+  /// Replaces the session that the console shows; call it after the next one's Session::open() and before its loop
+  /// runs. `error` says why it is not the requested session, or is "".
   void begin_session(const Session& session, const std::string& error);
   /// Call it before start().
   void set_use_files(UseFiles use) { use_files_ = std::move(use); }
   /// Ends the thread.
   void stop();
 
-  /// "console: http://127.0.0.1:8642\n"; "" if it is not served. If other computers may use it, also their login links,
-  /// which contain the token, if `is_terminal`: nobody else reads what is printed.
+  /// "console: http://127.0.0.1:8642\n"; "" if the console is not served. If other computers may use it and
+  /// `is_terminal` is true, the text also contains their login links. The links contain the token, so they are printed
+  /// only to a terminal, which nobody else reads.
   [[nodiscard]] std::string start_text(bool is_terminal) const;
   [[nodiscard]] SharedReports& reports() { return reports_; }
   /// 0: it is not served.

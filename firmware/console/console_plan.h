@@ -17,21 +17,21 @@ struct ConsoleOptions {
   std::string address;          // of --console; "": the board file's
 };
 
-/// Whether and where the console is served: the board file's [console] and the command line together.
+/// Says whether and where the console is served: combines [console] of the board file with the command line.
 struct ConsolePlan {
   bool is_enabled = false;
   std::string address;  // IPv4 address in numbers
   std::uint16_t port = 0;
   std::string token_file;
-  // For a person at the terminal, not for a service: the token is made if there is none, and the next port is taken if
-  // one is busy.
+  // True for a person at the terminal, false for a service. If true, a missing token is made, and the next port is
+  // taken if one is busy.
   bool is_interactive = false;
   std::vector<std::string> hosts, origins;
   double picture_rate_hz = 0.0;
   std::string setup_socket;
 };
 
-/// The board's file with the token if this user may read or make it, else one in the user's own state folder.
+/// Returns the token file of the board if this user may read or make it, otherwise one in the user's state folder.
 std::string usable_token_file(const config::ConsoleSettings& board);
 
 /// kOutOfRange: the address is not ADDRESS:PORT; the message names the place.

@@ -9,7 +9,7 @@ Result<void> Driving::require_driver(ClientNumber client) const {
   return failure(ErrorCode::kPermission, "this client does not have control: take over first");
 }
 
-// A command from before a stop must not move a robot after it.
+// Replaces the commands by zero, because a command from before a stop must not move a robot after the stop.
 void Driving::let_robots_stand() {
   changed_ = true;
   for (ExternalCommand& command : input_.commands) command.twist = {};

@@ -14,12 +14,13 @@ namespace touchline::console {
 /// Number of a client since the start of the server: 1, 2, ...
 using ClientNumber = std::uint32_t;
 
-/// Who may drive, whether everything is stopped, and the commands of the driven robots. Every client may stop; one at a
-/// time, the driver, may start and drive. Robots stop, until somebody starts them, if the driver's connection ends.
-/// That a driver is silent notices the loop, to which the input says when it was heard. No I/O and no clock.
+/// Decides who may drive, whether everything is stopped, and which commands the driven robots get. Every client may
+/// stop; one at a time, the driver, may start and drive. Robots stop, until somebody starts them, if the driver's
+/// connection ends. The loop notices that a driver is silent, because the input tells when the driver was last heard.
+/// No I/O and no clock.
 ///
-/// Every stop has a number, and a start names the number of the stop that it ends: one that was on its way when another
-/// stop came ends nothing.
+/// Every stop has a number, and a start names the number of the stop that it ends: a start that was on its way when
+/// another stop came ends nothing.
 class Driving {
  public:
   /// `robots`: ids of our robots.
@@ -28,7 +29,7 @@ class Driving {
   void stop();
   /// After a setup, robots stand until a person says so.
   void stop_after_setup();
-  /// What the loop says: see ConsoleLink. Returns whether something has begun or ceased to hold the robots.
+  /// Takes the loop's values of ConsoleLink. Returns whether robots have begun or ceased to be held.
   bool set_held(std::uint32_t number, bool is_held);
   /// Other files describe other robots: nobody is driven any more.
   void set_robots(std::vector<RobotId> robots) {
@@ -55,7 +56,7 @@ class Driving {
 
   /// kPermission: the client is not the driver.
   [[nodiscard]] Result<void> require_driver(ClientNumber client) const;
-  /// A message of the client arrived at `arrived`, whatever it says.
+  /// Records that a message of the client arrived at `arrived`, whatever it says.
   void hear(ClientNumber client, Instant arrived);
   /// The client's connection has ended. Returns whether that stopped the robots.
   bool leave(ClientNumber client);
@@ -63,7 +64,7 @@ class Driving {
   [[nodiscard]] std::optional<ClientNumber> driver() const { return driver_; }
   /// Whether robots wait for a start.
   [[nodiscard]] bool is_stopped() const { return input_.stop || is_held_; }
-  /// Of the stop in force, or of the last one.
+  /// Returns the number of the stop in force, or of the last stop.
   [[nodiscard]] std::uint32_t stop_number() const { return input_.stops + held_number_; }
   [[nodiscard]] bool is_silent(Instant now) const {
     return input_.driver_heard && now - *input_.driver_heard > kDriverSilence;

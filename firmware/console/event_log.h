@@ -30,7 +30,7 @@ class EventLog {
     events_.push_back({++last_, time_s, level, std::move(text)});
     if (events_.size() > kMaxEvents) events_.pop_front();
   }
-  /// The oldest event after `number` that is still there.
+  /// Returns the oldest event after `number` that is still kept.
   [[nodiscard]] std::optional<Event> after(std::uint64_t number) const {
     const std::scoped_lock lock(mutex_);
     for (const Event& event : events_) {
@@ -46,7 +46,7 @@ class EventLog {
   }
 
  private:
-  // A screen or two.
+  // Number of lines that are kept: one or two screens.
   static constexpr std::size_t kMaxEvents = 100;
 
   mutable std::mutex mutex_;

@@ -16,7 +16,8 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr int kLowestNice = 19;
-// Reading some small files takes milliseconds. What takes longer at the end of the program is abandoned.
+// Time for jobs at the end of the program. Reading some small files takes milliseconds; a job that takes longer is
+// abandoned.
 constexpr auto kEndPatience = 200ms;
 
 }  // namespace
@@ -49,7 +50,8 @@ void FileThread::run(Job job) {
 }
 
 void FileThread::work(const std::shared_ptr<Shared>& shared, Priority priority) {
-  // Of this thread only (on Linux). If it is refused, the job costs the others some time.
+  // On Linux, this sets the priority of this thread only. If the system refuses it, the job costs other threads some
+  // time.
   if (priority == Priority::kLowest) static_cast<void>(::setpriority(PRIO_PROCESS, 0, kLowestNice));
   std::unique_lock lock(shared->mutex);
   for (;;) {

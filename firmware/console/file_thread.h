@@ -5,8 +5,8 @@
 
 namespace touchline::console {
 
-/// A thread for everything that may wait for a disk or a device. The console's thread passes on every stop and never
-/// waits for either.
+/// A thread for everything that may wait for a disk or a device. The console's thread passes on every stop, so it never
+/// waits for them itself.
 class FileThread {
  public:
   /// What the console's thread does with the result of a job.

@@ -8,7 +8,7 @@
 
 namespace touchline::console {
 
-/// When files are in use that the setup program has ordered.
+/// Says when the files that the setup program has ordered are in use.
 enum class FilesUse : std::uint8_t {
   kAtOnce,         // the running session has adopted them
   kInNextSession,  // another session with them follows this one

@@ -8,13 +8,13 @@
 #include "firmware/picture_exchange.h"
 #include "firmware/report/json_writer.h"
 
-// How a picture was understood: messages of the server beside the picture (docs/console-protocol.md).
+// Writes the server's messages with the findings of a picture (docs/console-protocol.md).
 namespace touchline::console {
 
-/// In a picture of classes: the pixel is outside the region of interest.
+/// Class of a pixel outside the region of interest, in a picture of classes.
 inline constexpr std::uint8_t kOutsideClass = 255;
 static_assert(kMaxColors < kOutsideClass);
-/// Regions in a message. A field with 22 robots has about 130.
+/// Maximum number of regions in a message. A field with 22 robots has about 130.
 inline constexpr std::size_t kMaxShownRegions = 400;
 
 /// Appends values in raster order, each run of equal ones as its length (u16, little-endian) and the value (u8).

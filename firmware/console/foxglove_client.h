@@ -12,18 +12,18 @@
 
 namespace touchline::console {
 
-/// Subprotocols of Foxglove's WebSocket protocol, version 1, under its old and its new name. What this server uses of
-/// it is the same in both.
+/// Subprotocols of Foxglove's WebSocket protocol, version 1, under its old and its new name. The parts that this server
+/// uses are the same in both.
 inline constexpr std::array kFoxgloveSubprotocols{"foxglove.websocket.v1", "foxglove.sdk.v1"};
-/// Errors that wait for a client that does not read; further ones are lost.
+/// Maximum number of errors that wait for a client; further errors are lost.
 inline constexpr std::size_t kMaxFoxgloveErrors = 16;
 
-/// What a client can subscribe to. The number of the channel is this plus 1.
+/// Channels to which a client can subscribe. The channel number in the protocol is this value plus 1.
 enum class FoxgloveChannel : std::uint8_t { kState, kScene, kAnnotations, kPicture };
 inline constexpr std::size_t kFoxgloveChannels = 4;
 constexpr std::size_t index_of(FoxgloveChannel channel) { return static_cast<std::size_t>(channel); }
 
-/// The other side of Foxglove's protocol: what it is subscribed to, and what it is sent next.
+/// State of a client of Foxglove's protocol: its subscriptions, and the messages that it gets next.
 class FoxgloveClient {
  public:
   /// Carries out a message: subscribe or unsubscribe. kCorruptFrame: not a JSON object; kInconsistent: a member that is

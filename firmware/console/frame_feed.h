@@ -16,7 +16,7 @@ class FrameFeed {
   /// `frame_period`: a frame whose processing takes longer has missed its deadline; zero: not known.
   FrameFeed(SnapshotRing& ring, Duration frame_period) : reader_(ring), frame_period_(frame_period) {}
 
-  /// Another camera's.
+  /// Sets the frame period of another camera.
   void set_frame_period(Duration period) { frame_period_ = period; }
   /// Reads all waiting snapshots.
   void read();
@@ -25,7 +25,7 @@ class FrameFeed {
   /// Null: it is not kept.
   [[nodiscard]] const Snapshot* find(std::uint64_t number) const;
 
-  /// Copies of those that were sent at most so long before the newest one and are kept, oldest first.
+  /// Returns copies of the kept snapshots that were sent at most `time` before the newest one, oldest first.
   [[nodiscard]] std::vector<Snapshot> last(Duration time) const;
 
   /// Call it once a second.
@@ -35,13 +35,14 @@ class FrameFeed {
   [[nodiscard]] std::uint64_t missed_deadlines() const { return missed_deadlines_; }
   /// Gaps in the driver's numbers.
   [[nodiscard]] std::uint64_t lost_frames() const { return lost_frames_; }
-  /// Snapshots that this thread was too late for.
+  /// Returns the number of snapshots that this thread was too late to read.
   [[nodiscard]] std::uint64_t lost_snapshots() const { return reader_.lost(); }
   /// Frames of the last whole second.
   [[nodiscard]] std::uint64_t rate_hz() const { return rate_hz_; }
 
  private:
-  // Ten seconds at 120 Hz, 7 MB. A picture is at most some frames older than the newest snapshot.
+  // Number of snapshots that are kept: ten seconds at 120 Hz, 7 MB. A picture is at most some frames older than the
+  // newest snapshot.
   static constexpr std::size_t kKept = 1200;
 
   [[nodiscard]] const Snapshot& slot(std::uint64_t index) const { return (*kept_)[index % kKept]; }

@@ -15,7 +15,7 @@ using report::JsonWriter;
 using report::kMeterStep;
 using report::write_number;
 
-// Between the points the page interpolates: on a field of 2.2 m within a pixel.
+// Distance of the grid's points. The page interpolates between them, with an error below a pixel on a field of 2.2 m.
 constexpr double kGridStepM = 0.1;
 constexpr double kMaxGridColumns = 48.0;
 constexpr double kGridPixelStep = 0.1;
@@ -113,7 +113,7 @@ void write_patch(JsonWriter& json, const Scene& scene, const PatchPlace& place, 
   write_rgb(json, rgb_of(scene, color));
   write_number(json, "x_m", place.x_m, kMeterStep);
   write_number(json, "y_m", place.y_m, kMeterStep);
-  // Of the circle with the same area.
+  // Radius of the circle with the same area.
   write_number(json, "radius_m", std::sqrt(area_m2(place) / 3.14159265f), kMeterStep);
   json.end_object();
 }

@@ -12,10 +12,10 @@ namespace {
 
 using namespace std::chrono_literals;
 
-// A state of 22 robots has 12 KB, a projection of the largest field 60 KB.
+// Initial size of the text buffer. A state of 22 robots has 12 KB, a projection of the largest field 60 KB.
 constexpr std::size_t kFirstTextBytes = std::size_t{64} * 1024;
 constexpr double kDefaultStateHz = 15.0;
-// The loop reports once a second, also without frames. Older halts are not believed.
+// Age at which a report of halts is no longer trusted. The loop reports once a second, also without frames.
 constexpr Duration kLoopSilence = 2500ms;
 
 }  // namespace
@@ -89,7 +89,7 @@ void Hub::read_reports(Instant now) {
   heard_from_loop_ = now;
   const StatusReport before = std::exchange(report_, links_.reports.get());
   if (report_.halt == before.halt && report_.stop_number == before.stop_number) return;
-  // Without frames, clients learn it only so.
+  // Without frames, clients learn of the change only from the status.
   for (Client& client : clients_) client.wants_status = true;
 }
 
@@ -158,7 +158,7 @@ bool Hub::receive(Client& client, std::string_view text, Instant arrived, Instan
   if (client.foxglove != nullptr) return receive_foxglove(client, text, now);
   driving_.hear(client.number, arrived);
   const Result<ClientMessage> message = parse_client_message(text);
-  // Without a number of the request, an error is answered too, because nobody would ever know otherwise.
+  // An error is answered even if the request has no number, because it would otherwise stay unknown.
   Answer answer;
   bool is_answered = true;
   if (message.ok() && client.is_stop_line && message.value().kind != ClientMessage::Kind::kStop &&
@@ -261,7 +261,7 @@ Result<void> Hub::move_object(const Client& client, const ClientMessage& message
   return links_.arena->move(message.pixel, message.to);
 }
 
-// The loop's requests exchange two modes each.
+// Turns the wanted mode into requests: each request toggles between two modes.
 Result<void> Hub::change_adaptation(const Client& client, AdaptationMode wanted) {
   TOUCHLINE_TRY(driving_.require_driver(client.number));
   if (links_.adaptation == nullptr) return failure(ErrorCode::kUnsupported, "this program has no adaptation");
@@ -283,7 +283,7 @@ bool Hub::is_watched() const {
 }
 
 bool Hub::is_picture_due(const Client& client, Instant now) const {
-  // Only our own clients say which pictures they have seen.
+  // Only clients of our own protocol say which pictures they have seen.
   const bool may_send =
       client.foxglove != nullptr ? client.link.on_the_way() < LinkControl::kMaxUnacknowledged : client.link.may_send();
   return client.picture_period > Duration::zero() && now >= client.next_picture && may_send;
@@ -371,7 +371,7 @@ Outgoing Hub::picture_message(Client& client, Instant now) {
   return {{jpeg.data() - kPictureHeaderBytes, jpeg.size() + kPictureHeaderBytes}, true};
 }
 
-// Of a binary message that belongs to the current picture.
+// Writes the header of a binary message that belongs to the current picture.
 void Hub::put_header(std::byte* to, const Frame& frame, std::uint8_t kind, std::uint16_t width, std::uint16_t height,
                      std::uint32_t special) const {
   const Snapshot* const snapshot = feed_.find(pictures_.number());

@@ -31,11 +31,11 @@
 
 namespace touchline::console {
 
-// A team at the field, and some who watch. Each may have a second connection for Stop. Programs on this computer need
-// no token: whoever has one finds a place although they have taken all.
+// Places for a team at the field and some viewers. Each may have a second connection for Stop. Programs on this
+// computer need no token, so some places are kept for clients with the token.
 inline constexpr std::size_t kMaxClients = 16, kPlacesForToken = 4;
 
-/// What the printer's thread knows and the console shows.
+/// Passes reports from the printer's thread to the console.
 class SharedReports {
  public:
   void set(const StatusReport& report) {
@@ -43,7 +43,7 @@ class SharedReports {
     report_ = report;
     ++count_;
   }
-  /// The reasons to halt have changed since the last status.
+  /// Replaces the reasons to halt, which have changed since the last status.
   void set_halt(const HaltReport& halt) {
     const std::scoped_lock lock(mutex_);
     report_.halt = halt.halt;
@@ -79,13 +79,13 @@ void put_little_endian(std::byte*& to, Integer value) {
   for (std::size_t i = 0; i < sizeof(value); ++i) *to++ = static_cast<std::byte>(value >> (8 * i));
 }
 
-/// What a client speaks: our own protocol, with which it may drive; that part of it which stops robots; or Foxglove's,
-/// with which it looks.
+/// Protocol of a client: our own, with which it may drive; the part of our own that only stops robots; or Foxglove's,
+/// with which it only watches.
 enum class ClientProtocol : std::uint8_t { kTouchline, kStop, kFoxglove };
 
 using network::Print;
 
-/// What the hub works with; all outlive it.
+/// Objects that the hub uses; all must outlive it.
 struct HubLinks {
   SnapshotRing& snapshots;
   PictureExchange& pictures;
@@ -113,32 +113,33 @@ class Hub {
  public:
   Hub(const HubLinks& links, Scene scene, const HubSettings& settings);
 
-  /// Another session has begun. `error`: why it is not the one that was wanted, or "".
+  /// Shows another session, which has begun. `error` says why it is not the requested session, or is "".
   void begin_session(Scene scene, const std::string& error);
   /// Call it every few milliseconds while somebody watches, else a few times a second.
   void tick(Instant now);
-  /// Null: there are too many.
+  /// Adds a client. Null: there are too many clients.
   Client* connect(Instant now, ClientProtocol protocol, bool has_token);
-  /// The line for Stop that has been silent for the longest time, if there is room for no other one; else null.
+  /// Returns the Stop connection that has been silent for the longest time if there is no room for another one;
+  /// otherwise null.
   [[nodiscard]] const Client* surplus_stop_line() const;
   void disconnect(Client& client);
-  /// `arrived`: when the message came to the socket, at which it may have waited. False: the client breaks the rules so
-  /// far that it has to be disconnected.
+  /// Handles a message. `arrived` is the time at which it arrived at the socket, where it may have waited. False: the
+  /// client breaks the rules so badly that it has to be disconnected.
   bool receive(Client& client, std::string_view text, Instant arrived, Instant now);
   /// Whether there is a message for the client.
   [[nodiscard]] bool has_message(const Client& client, Instant now) const;
   /// The next message, the most urgent one first. Empty: there is none.
   Outgoing next_message(Client& client, Instant now);
 
-  /// How long a message of the client may be.
+  /// Returns the longest permitted message of the client.
   [[nodiscard]] std::size_t max_message_bytes(const Client& client) const {
     return driving_.driver() == client.number ? kMaxDriverMessageBytes : kMaxClientMessageBytes;
   }
   /// Whether somebody watches states or pictures, so that tick() has to be called often.
   [[nodiscard]] bool is_watched() const;
-  /// For requests without WebSocket.
+  /// Asks for a picture, for requests without WebSocket.
   void request_picture(Instant now) { pictures_.request(now); }
-  /// The number that the next picture has at least.
+  /// Returns the lowest number that the next picture can have.
   [[nodiscard]] std::uint64_t next_picture_number() const;
   /// Whether the current picture's number is at least `from`.
   [[nodiscard]] bool has_picture(std::uint64_t from) const {
@@ -151,14 +152,14 @@ class Hub {
   /// The file of the loop's camera; "": it has none.
   [[nodiscard]] std::string used_camera() const;
   std::string metrics();
-  /// What a bug report of now is made of, with the current picture if has_picture(from). Copies up to 7 MB and the
-  /// picture.
+  /// Returns the content for a bug report of this moment, with the current picture if has_picture(from). Copies up to 7
+  /// MB and the picture.
   BugReportContent bug_report_content(std::uint64_t from, Instant now);
 
-  /// Without connections for Stop.
+  /// Returns the number of clients, without Stop connections.
   [[nodiscard]] std::size_t clients() const { return count_clients(false); }
   [[nodiscard]] const Driving& driving() const { return driving_; }
-  /// For what may wait for a disk. Its jobs' results are used in tick().
+  /// Thread for work that may wait for a disk. The results of its jobs are used in tick().
   [[nodiscard]] FileThread& file_thread() { return files_; }
 
  private:
@@ -205,11 +206,11 @@ class Hub {
 
   // hub_findings.cpp
   Result<void> accept_probe(Client& client, const ClientMessage& message, Instant now);
-  /// Answers with an error what no picture has answered in time.
+  /// Answers questions about pixels with an error if no picture has answered them in time.
   void expire_probes(Instant now);
   [[nodiscard]] bool has_probe_answer(const Client& client) const;
   Outgoing probe_message(Client& client);
-  /// What comes next of the findings that belong to the current picture. Empty: all was sent.
+  /// Returns the next message with findings of the current picture. Empty: all were sent.
   Outgoing findings_message(Client& client);
   Outgoing classes_message(const Frame& frame, const PixelClassifier& classifier, int divisor);
   Outgoing light_message(const Frame& frame, const PixelClassifier& classifier);
@@ -239,7 +240,7 @@ class Hub {
   Instant next_second_{};
   std::list<Client> clients_;
   SetupRelay setup_;
-  std::optional<SetupOrder> order_;  // its files are being loaded, or a session for it is about to begin
+  std::optional<SetupOrder> order_;  // in progress: its files are being loaded, or its session is about to begin
   bool is_held_ = false;             // a draft is or was in use, and the saved files are not in use again
   bool is_trying_ = false;           // robots play with the draft
   SetupWish wish_ = SetupWish::kNone;
@@ -250,7 +251,7 @@ class Hub {
   bool is_picture_failure_reported_ = false;
   std::optional<Score> told_score_;  // by a client, if no referee tells it
   std::vector<std::byte> text_, binary_;
-  std::shared_ptr<Parcel> parcel_;  // that is being sent
+  std::shared_ptr<Parcel> parcel_;  // message of the setup program that is being sent
 };
 
 }  // namespace touchline::console

@@ -94,7 +94,7 @@ void Hub::obey(const SetupOrder& order) {
 
 void Hub::end_try(const char* reason) {
   if (!std::exchange(is_trying_, false)) return;
-  // Of no request: the page must not go on saying that robots play.
+  // This answer belongs to no request: it tells the page that robots no longer play.
   if (setup_.is_running()) setup_.answer({SetupOrder::Kind::kTry, 0, {}}, reason, scene_.is_calibrated);
 }
 
@@ -119,7 +119,7 @@ Result<void> Hub::use(const SetupOrder& order) {
 }
 
 void Hub::end_use(const Result<FilesUse>& used) {
-  // begin_session() answers; it may have done so already.
+  // In this case begin_session() answers, or has answered already.
   if (!order_ || (used.ok() && used.value() == FilesUse::kInNextSession)) return;
   answer(*std::exchange(order_, std::nullopt), used.text());
   if (!used.ok()) links_.print("console: setup: " + used.text());

@@ -10,7 +10,7 @@
 namespace touchline::console {
 
 /// Compresses pictures of any PixelFormat to JPEG. Planar YUV and RGB of full size go to the library without a copy of
-/// the picture. Memory: some rows, and what the library needs, which does not depend on the content.
+/// the picture. Needs memory for some rows and for the library; the amount does not depend on the content.
 class JpegEncoder {
  public:
   JpegEncoder();

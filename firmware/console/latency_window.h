@@ -19,7 +19,7 @@ class LatencyBins {
   [[nodiscard]] std::uint64_t count() const { return count_; }
   [[nodiscard]] std::uint32_t of(std::size_t bin) const { return bins_[bin]; }
   [[nodiscard]] Duration max() const { return max_; }
-  /// Upper edge of the bin with the latency that `fraction` of all do not exceed, at most max().
+  /// Returns the quantile at `fraction` (0 to 1): the upper edge of its bin, at most max().
   [[nodiscard]] Duration percentile(double fraction) const;
   static double upper_edge_ms(std::size_t bin);
 
@@ -29,7 +29,7 @@ class LatencyBins {
   Duration max_{};
 };
 
-/// Latencies since the start, and of the last minute in steps of a second.
+/// Counts latencies since the start, and those of the last minute in steps of a second.
 class LatencyWindow {
  public:
   static constexpr std::size_t kSeconds = 60;
@@ -38,7 +38,7 @@ class LatencyWindow {
     total_.add(latency);
     seconds_[second_ % kSeconds].add(latency);
   }
-  /// A second has passed.
+  /// Call it when a second has passed.
   void next_second() { seconds_[++second_ % kSeconds].clear(); }
   [[nodiscard]] const LatencyBins& total() const { return total_; }
   [[nodiscard]] LatencyBins last_minute() const;

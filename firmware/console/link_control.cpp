@@ -54,7 +54,7 @@ void LinkControl::judge(Duration transfer, std::size_t bytes) {
   const double rate =
       static_cast<double>(bytes) / seconds(std::max<Duration>(transfer, std::chrono::microseconds(100)));
   throughput_ = throughput_ == 0.0 ? rate : 0.8 * throughput_ + 0.2 * rate;
-  // What takes longer than a period queues up before the next picture.
+  // A picture that takes longer than a period delays the next one.
   if (transfer > period_) {
     good_in_sequence_ = 0;
     if (step_ + 1 < kLadder.size()) ++step_;

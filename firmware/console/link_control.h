@@ -16,9 +16,9 @@ struct PictureLevel {
   friend bool operator==(const PictureLevel&, const PictureLevel&) = default;
 };
 
-/// Decides how large a client's pictures are and when the next one may be sent. At most two pictures are on their way:
-/// what waits in the buffers of a slow link would delay everything after it. A client that is slow to show them gets
-/// fewer pictures; a link that is slow to carry them gets smaller ones. No clock.
+/// Decides how large a client's pictures are and when the next one may be sent. At most two pictures are on their way,
+/// because pictures in the buffers of a slow link would delay everything after them. A client that is slow to show them
+/// gets fewer pictures; a link that is slow to carry them gets smaller ones. No clock.
 class LinkControl {
  public:
   static constexpr std::size_t kMaxUnacknowledged = 2;
@@ -35,7 +35,7 @@ class LinkControl {
   /// The other computer has everything up to this position. `round_trip`: time that a small message and its answer
   /// take.
   void delivered(std::uint64_t position, Instant now, Duration round_trip);
-  /// Pictures whose arrival nobody has reported with delivered().
+  /// Returns the number of pictures whose arrival was not reported with delivered().
   [[nodiscard]] std::size_t on_the_way() const { return measured_; }
   [[nodiscard]] PictureLevel level() const;
   /// Bytes per second of the last pictures; 0: not known.

@@ -10,7 +10,7 @@
 namespace touchline::console {
 namespace {
 
-// Modules of the quiet zone; the standard asks for four, and readers manage with two.
+// Width of the quiet zone in modules. The standard asks for four, but readers manage with two.
 constexpr int kQuietZone = 2;
 
 }  // namespace

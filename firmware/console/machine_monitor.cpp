@@ -22,7 +22,7 @@ double processor_time_s() {
 }
 
 std::optional<double> temperature_c() {
-  // The processor's on single-board computers. In thousandths of a degree.
+  // Temperature in thousandths of a degree; on single-board computers it is that of the processor.
   const std::unique_ptr<std::FILE, FileCloser> file(std::fopen("/sys/class/thermal/thermal_zone0/temp", "re"));
   long value = 0;
   if (file == nullptr || std::fscanf(file.get(), "%ld", &value) != 1) return std::nullopt;

@@ -9,7 +9,8 @@ namespace touchline::console {
 /// Measures processor time, memory and temperature of this program's computer. For the console's thread.
 class MachineMonitor {
  public:
-  /// `files` reads the kernel's files, because a sensor may be slow. It calls nothing of this object after its end.
+  /// `files` reads the kernel's files, because a sensor may be slow. Its jobs call nothing of this object after the end
+  /// of the object.
   explicit MachineMonitor(FileThread& files) : files_(files) {}
   ~MachineMonitor() = default;
   MachineMonitor(const MachineMonitor&) = delete;

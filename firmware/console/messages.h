@@ -20,7 +20,7 @@
 // The messages of the server in JSON (docs/console-protocol.md).
 namespace touchline::console {
 
-/// What does not change while the loop runs.
+/// Facts that do not change while the loop runs.
 struct Scene {
   std::shared_ptr<const config::Configuration> configuration;
   hal::CameraInfo camera;

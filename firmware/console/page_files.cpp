@@ -15,7 +15,7 @@ namespace fs = std::filesystem;
 
 // The built page has some 10 files and half a megabyte. Assets of earlier builds stay until this is full.
 constexpr std::size_t kMaxPageFiles = 500, kMaxPageBytes = std::size_t{16} << 20;
-// From build/PRESET/firmware up to the sources.
+// Number of parent folders to search, enough to reach the sources from build/PRESET/firmware.
 constexpr int kFoldersAbove = 5;
 
 std::string content_type(const fs::path& path) {
@@ -48,7 +48,7 @@ PageFiles::PageFiles(const std::string& folder, const PageFiles* former) {
     if (entry->is_symlink(error) || !entry->is_regular_file(error)) continue;
     const fs::path& path = entry->path();
     Result<std::string> content = hal::read_file(path.string(), kMaxPageBytes);
-    // A file that is being written is there at the next time.
+    // A file that is being written is skipped; the next reading finds it.
     if (!content.ok()) continue;
     add("/" + path.lexically_relative(folder).generic_string(), {std::move(content).value(), content_type(path)});
   }
@@ -80,7 +80,7 @@ std::string find_page_folder() {
   const fs::path installed = folder.parent_path() / "share/touchline/console";
   if (has_page(installed)) return installed.string();
   for (int i = 0; i < kFoldersAbove && folder.has_relative_path(); ++i, folder = folder.parent_path()) {
-    // Also if the page is not built yet: it may be built while the program runs.
+    // The folder counts even if the page is not built yet, because it may be built while the program runs.
     const fs::path sources = folder / "tools/console";
     if (fs::is_directory(sources, error)) return (sources / "dist").string();
   }

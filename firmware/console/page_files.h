@@ -18,8 +18,8 @@ struct PageFile {
 class PageFiles {
  public:
   PageFiles() = default;
-  /// `folder`: "" if there is none. Of `former`, unless null, the assets are kept that the folder has no longer: a
-  /// browser that got the former page is about to ask for them. Reads files: not for the console's thread while it
+  /// `folder`: "" if there is none. Keeps those assets of `former`, unless it is null, that the folder no longer has,
+  /// because a browser with the former page may still ask for them. Reads files: not for the console's thread while it
   /// serves.
   explicit PageFiles(const std::string& folder, const PageFiles* former = nullptr);
 
@@ -39,7 +39,7 @@ class PageFiles {
 /// there is none.
 std::string find_page_folder();
 
-/// What is shown where the page is missing.
+/// Returns the text that is shown if the page is missing.
 std::string_view missing_page();
 
 }  // namespace touchline::console

@@ -9,8 +9,8 @@
 
 namespace touchline::console {
 
-/// Size of a picture whose pixels are means of divisor x divisor pixels of the camera; what remains at the right and
-/// lower border is left out.
+/// Size of a picture whose pixels are means of divisor x divisor pixels of the camera; remaining pixels at the right
+/// and lower border are left out.
 constexpr std::uint16_t scaled(std::uint16_t size_px, int divisor) {
   return static_cast<std::uint16_t>(size_px / divisor);
 }

@@ -5,7 +5,7 @@
 namespace touchline::console {
 namespace {
 
-// At a quality of 80, noise needs about 0.6 bytes a pixel.
+// Room for a JPEG in addition to a byte per pixel. At a quality of 80, noise needs about 0.6 bytes a pixel.
 constexpr std::size_t kExtraBytes = std::size_t{64} * 1024;
 
 }  // namespace

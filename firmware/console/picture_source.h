@@ -30,7 +30,7 @@ class PictureSource {
   /// Asks for a picture, unless one is on its way or the last one was asked for too recently. The current picture is
   /// given back. `with_findings`: also asks how the picture was understood.
   void request(Instant now, bool with_findings = false);
-  /// The exchange has forgotten its request and its picture.
+  /// Forgets request and picture, as the exchange has done.
   void restart() { is_outstanding_ = is_current_ = false; }
   /// Whether a picture has come since the last call.
   bool poll();
@@ -56,7 +56,7 @@ class PictureSource {
     std::size_t bytes = 0;
     std::vector<std::byte> memory;
   };
-  // As many different links at the same time.
+  // Number of levels that are kept, enough for so many different links at a time.
   static constexpr std::size_t kEncoded = 4;
 
   PictureExchange& exchange_;

@@ -14,12 +14,13 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr Duration kConnectPause = 1s;
-// A program that is busy reads at least its socket.
+// Time after which a program that neither reads nor answers is given up. Even a busy program reads its socket.
 constexpr Duration kSilenceLimit = 5s;
 constexpr std::size_t kFrameHeaderBytes = 8;
-// Several pages that drag corners.
+// Enough for several pages on which persons drag corners.
 constexpr std::size_t kMaxWaitingMessages = 256;
-// Of one call, so that the console's other clients do not wait: with a call each 8 ms more than 100 MB/s.
+// Limits of one call, so that the console's other clients do not wait. With a call every 8 ms, this still allows more
+// than 100 MB/s.
 constexpr std::size_t kReadBytes = std::size_t{64} * 1024, kMaxReads = 16;
 // The kernel's usual 200 KiB are a third of a small picture.
 constexpr int kSendBufferBytes = 1024 * 1024;
@@ -36,7 +37,7 @@ void append_length(std::vector<std::byte>& to, std::size_t length) {
   for (std::size_t i = 0; i < sizeof(std::uint32_t); ++i) to.push_back(static_cast<std::byte>(length >> (8 * i)));
 }
 
-// Not open: the program is not there.
+// Returns the connected socket; it is not open if the program is not there.
 hal::Descriptor connected_to(const std::string& path) {
   sockaddr_un address{};
   address.sun_family = AF_UNIX;

@@ -40,7 +40,7 @@ class SetupLink {
   SetupLink& operator=(const SetupLink&) = delete;
 
   /// Connects, writes and reads, as far as possible at the moment. Call it every few milliseconds while something is
-  /// exchanged. An error says why the connection has just ended; a program that is not there is none.
+  /// exchanged. An error says why the connection has just ended; an absent program is no error.
   Result<void> serve(Instant now);
   /// The next message that has arrived.
   std::optional<SetupMessage> receive();

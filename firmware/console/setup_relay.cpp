@@ -12,12 +12,13 @@ namespace {
 using Json = nlohmann::json;
 using namespace std::chrono_literals;
 
-// A copy of a picture takes memory and time of the console's thread, not of the loop; a person sees no more.
+// Shortest period between two pictures for the setup program. Each copy takes memory and time of the console's thread,
+// not of the loop, and a person needs no more pictures.
 constexpr Duration kFramePeriod = 200ms;
 constexpr int kMaxFrames = 100;
-// Commands that a page has sent and that were not answered. A page sends the next one after the answer.
+// Maximum number of commands without an answer. A page sends a command only after the answer to the previous one.
 constexpr std::size_t kMaxRequests = 64;
-// Of pictures and files for the page (docs/console-protocol.md).
+// Kinds of binary messages with pictures and files for the page (docs/console-protocol.md).
 constexpr std::uint8_t kSetupPicture = 2, kSetupFile = 3;
 
 constexpr const char* kNotRunning = "the setup program is not running: systemctl start touchline-setup";

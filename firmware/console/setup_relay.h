@@ -19,23 +19,24 @@
 
 namespace touchline::console {
 
-/// What the setup program wants of the firmware itself.
+/// A request of the setup program to the firmware itself.
 struct SetupOrder {
   enum class Kind : std::uint8_t { kUseSaved, kUseDraft, kTry, kEndTry } kind = Kind::kUseSaved;
   std::int64_t request = 0;
   config::FilePaths files;     // of kUseDraft
-  ClientNumber client = 0;     // that ordered it itself; 0: the setup program did
+  ClientNumber client = 0;     // client that gave the order; 0: the setup program gave it
   std::int64_t to_client = 0;  // number of its request; 0: it is told errors only
 };
 
-/// Passes messages between the clients of the console and the setup program (docs/console-protocol.md), and answers
-/// those of the program that concern the firmware. For the console's thread.
+/// Passes messages between the clients of the console and the setup program (docs/console-protocol.md). Requests of the
+/// setup program to the firmware itself are not passed on: the relay keeps them, for example as orders (next_order(),
+/// answer()). For the console's thread.
 class SetupRelay {
  public:
   /// `socket`: of the setup program; "": there is none. `clients` outlives the relay.
   SetupRelay(std::string socket, std::list<Client>& clients, network::Print print, FileThread& files);
 
-  /// What the program is told first; "{}" as long as it is not set.
+  /// Sets the first message to the program; "{}" until it is set.
   void set_hello(std::string text);
   /// Exchanges what can be exchanged at the moment.
   void serve(Instant now);
@@ -44,7 +45,7 @@ class SetupRelay {
   Result<void> pass_command(const Client& client, std::string_view text, std::int64_t request);
   /// The client begins or ends to watch.
   void watch(Client& client, bool watches);
-  /// What the program has ordered since the last call.
+  /// Returns the next order of the program; empty if there is none.
   std::optional<SetupOrder> next_order();
   /// The answer to an order. `error`: "" if it was obeyed.
   void answer(const SetupOrder& order, const std::string& error, bool is_calibrated);

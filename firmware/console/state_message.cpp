@@ -270,7 +270,8 @@ std::array<PixelPoint, 4> outline_px(const Scene& scene, const RobotSighting& ro
 }
 
 double captured_unix_s(const Snapshot& snapshot, const hal::UnixTimeOffset& unix_time) {
-  // In simulated time, the capture has an instant of the machine's clock too: as long before the packet.
+  // Converts the capture to the machine's clock, for simulated time: the capture is as long before the packet on both
+  // clocks.
   return seconds(unix_time.to_unix(snapshot.machine_sent - (snapshot.sent - snapshot.captured)));
 }
 

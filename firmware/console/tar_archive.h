@@ -8,8 +8,8 @@
 
 namespace touchline::console {
 
-/// A tar archive (POSIX.1-1988, "ustar") in memory, compressed with gzip. Not by libarchive, which would load further
-/// libraries, such as libxml2, into the firmware's locked memory. Throws std::bad_alloc if memory is short.
+/// A tar archive (POSIX.1-1988, "ustar") in memory, compressed with gzip. libarchive is not used, because it would load
+/// further libraries, such as libxml2, into the firmware's locked memory. Throws std::bad_alloc if memory is short.
 class TarArchive {
  public:
   /// `folder`: all files are in it. `time_s`: of the files, Unix time.

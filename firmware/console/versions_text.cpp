@@ -24,14 +24,14 @@ namespace {
 #define TOUCHLINE_TEXT_OF(macro) TOUCHLINE_TEXT_OF_VALUE(macro)
 #define TOUCHLINE_TEXT_OF_VALUE(value) #value
 
-// Files of /proc have no size.
+// Reads a file to its end without asking for its size, because files of /proc report none.
 std::string text_of_file(const char* path) {
   std::ostringstream text;
   text << std::ifstream(path).rdbuf();
   return text.str();
 }
 
-// The rest of the first line that begins with `key`, as in "model name : AMD EPYC".
+// Returns the value in the first line that begins with `key`, as in "model name : AMD EPYC".
 std::string value_in(const std::string& text, std::string_view key) {
   for (std::size_t at = 0; at < text.size();) {
     const std::size_t end = std::min(text.find('\n', at), text.size());

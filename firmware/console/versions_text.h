@@ -6,7 +6,8 @@
 
 namespace touchline::console {
 
-/// What this program, its libraries, the system and the processor are, one a line, for a bug report. Reads /proc.
+/// Returns the versions of this program, its libraries, the system and the processor for a bug report, one per line.
+/// Reads /proc.
 std::string versions_text(const Scene& scene);
 
 }  // namespace touchline::console

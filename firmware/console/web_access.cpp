@@ -19,7 +19,7 @@ std::string fetch_site_of(lws* connection) {
   return size > 0 ? std::string(text.data(), static_cast<std::size_t>(size)) : std::string();
 }
 
-// Of the address, "?token=..."; "" if there is none.
+// Returns the token of "?token=..." in the address; "" if there is none.
 std::string token_argument_of(lws* connection) {
   std::array<char, 256> text{};
   const char* const token = lws_get_urlarg_by_name(connection, "token=", text.data(), static_cast<int>(text.size()));
@@ -68,7 +68,7 @@ int WebServer::Implementation::login(lws* connection) {
   }
   const std::string cookie = std::string(kTokenCookie) + "=" + settings_.access.token +
                              "; Path=/; Max-Age=31536000; HttpOnly; SameSite=Strict";
-  // A page, because a redirect after a link from elsewhere would not carry the cookie.
+  // The answer is a page, because a redirect after a link from another site would not carry the cookie.
   constexpr std::string_view kPage =
       R"(<!doctype html><html lang="en"><meta charset="utf-8"><meta http-equiv="refresh" content="0; url=/"><a href="/">Console</a></html>)";
   return answer(connection, HTTP_STATUS_OK, "text/html; charset=utf-8", kPage,

@@ -14,12 +14,12 @@ using namespace std::chrono_literals;
 
 constexpr const char* kPlainText = "text/plain; charset=utf-8";
 constexpr const char* kHtml = "text/html; charset=utf-8";
-// Without a frame for so long, there is none to show.
+// Longest wait for a picture; after that, none is shown.
 constexpr Duration kPictureWait = 3s;
-// Streams cost as much as WebSockets with pictures.
+// Maximum number of streams, which cost as much as WebSockets with pictures.
 constexpr std::ptrdiff_t kMaxStreams = 4;
 constexpr std::size_t kHeaderRoom = 2048;
-// A client that reads so much within the patience of the server is not given up.
+// Size of the parts of a body. A client that reads one part within the server's patience is not given up.
 constexpr std::size_t kBodyPart = std::size_t{32} * 1024;
 
 // Memory for the headers of an answer, as libwebsockets fills it.
@@ -163,7 +163,7 @@ int WebServer::Implementation::begin_pictures(lws* connection, HttpRequest::Kind
 
 int WebServer::Implementation::begin_bug_report(lws* connection) {
   const bool is_wanted = is_asked_for(HttpRequest::Kind::kBugReport);
-  // One that nobody waits for any more.
+  // Discards an answer that nobody waits for any more.
   if (!is_wanted && reporter_.is_done()) static_cast<void>(reporter_.take());
   if (is_wanted || reporter_.is_busy()) {
     return answer(connection, HTTP_STATUS_SERVICE_UNAVAILABLE, kPlainText, "Another bug report is on its way.\n");

@@ -17,7 +17,8 @@ namespace {
 
 using namespace std::chrono_literals;
 
-// While somebody watches: a small part of a frame's period. While a driver may fall silent: in time for that.
+// Periods of tick(). While somebody watches, it is a small part of a frame's period; otherwise it is short enough to
+// notice a silent driver in time.
 constexpr Duration kWatchedPeriod = 8ms, kIdlePeriod = 200ms;
 // Clients, lines for Stop, visitors (web_visitors.cpp), five long requests, some of libwebsockets itself, and room for
 // connections that are being closed.

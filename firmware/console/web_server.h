@@ -14,7 +14,8 @@ namespace touchline::console {
 /// When a connection is given up.
 struct Patience {
   Duration unread = std::chrono::seconds(10);  // its other side does not read what waits for it
-  // It says nothing: it is asked, and closed if it does not answer, because its other side may be gone.
+  // Times of silence after which the other side is asked, and after which the connection is closed because the other
+  // side may be gone.
   std::uint16_t ask_after_s = 5, close_after_s = 15;
   unsigned request_s = 5;  // its first request does not arrive
 };

@@ -49,7 +49,7 @@ struct Visitor {
   bool is_closing = false;
 };
 
-/// What libwebsockets calls. Connections are found by their handle.
+/// Handles the callbacks of libwebsockets. Connections are found by their handle.
 class WebServer::Implementation {
  public:
   Implementation(Hub& hub, WebServerSettings settings);
@@ -77,7 +77,7 @@ class WebServer::Implementation {
   /// Closes the visitor that matters least, if there are too many.
   void limit_visitors();
   [[nodiscard]] bool is_long_request(lws* connection) const;
-  /// Makes room for another line for Stop: the one that has been silent for the longest time goes.
+  /// Makes room for another Stop connection: closes the one that has been silent for the longest time.
   void limit_stop_lines();
   void close(lws* connection);
 

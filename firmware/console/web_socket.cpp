@@ -10,7 +10,7 @@
 namespace touchline::console {
 namespace {
 
-// What the kernel keeps for a link that is busy. More would be old when it is sent, and an answer would wait behind it.
+// Bytes that the kernel may keep for a busy link. More bytes would be old when they are sent, and would delay answers.
 constexpr int kMaxUnsentBytes = 16 * 1024;
 
 // What the kernel knows about the link.
@@ -25,8 +25,8 @@ Link link_of(lws* connection) {
   return {std::chrono::microseconds(information.tcpi_min_rtt), information.tcpi_bytes_acked};
 }
 
-// When the last bytes of the connection arrived in the kernel. Older bytes may be read only now, because this thread
-// was busy; a message must not look newer for that.
+// Returns the time at which the last bytes of the connection arrived in the kernel. This thread may have been busy and
+// read them late, which must not make a message look newer.
 Instant arrival_at(lws* connection, Instant now) {
   tcp_info information{};
   socklen_t size = sizeof(information);
@@ -34,7 +34,7 @@ Instant arrival_at(lws* connection, Instant now) {
   return now - std::chrono::milliseconds(information.tcpi_last_data_recv);
 }
 
-// Of a message from the server (RFC 6455, section 5.2).
+// Returns the size of the frame header of a message from the server (RFC 6455, section 5.2).
 std::size_t frame_header_bytes(std::size_t size) { return size < 126 ? 2 : size < 65536 ? 4 : 10; }
 
 ClientProtocol protocol_of(lws* connection) {
@@ -117,7 +117,7 @@ int WebServer::Implementation::receive(lws* connection, std::string_view part) {
   if (!hub_.receive(*socket.client, text, arrival_at(connection, now), now)) {
     return end_socket(connection, LWS_CLOSE_STATUS_POLICY_VIOLATION, "too many messages");
   }
-  // What the message asks for, and what it changes for the others.
+  // Sends at once what the message asks for and what it changes for other clients.
   schedule(Duration::zero());
   return 0;
 }

@@ -6,12 +6,12 @@
 
 #include "firmware/console/web_server_parts.h"
 
-// Who may stay when places are short. Connections without a request cost nothing to make; they must not keep a new page
-// or a Stop out.
+// Decides which connections stay when places are short. Anyone can open connections without a request at no cost, so
+// these must not keep out a new page or a Stop.
 namespace touchline::console {
 namespace {
 
-// Ten pages that are loaded at the same moment, with six connections each, as browsers open them.
+// Enough for ten pages that are loaded at the same moment, with the six connections that browsers open for each.
 constexpr std::ptrdiff_t kMaxVisitors = 60;
 
 }  // namespace
@@ -38,7 +38,8 @@ void WebServer::Implementation::limit_visitors() {
   for (const auto& visitor : visitors_) {
     if (counts(visitor)) ++of_address[visitor.second.address];
   }
-  // Of the address that has most: one that asks for nothing, and of these the one that has been silent longest.
+  // Chooses a visitor of the address with the most visitors: first one that asks for nothing, among these the one that
+  // has been silent longest.
   const auto rank = [&](const auto& visitor) {
     const bool waits_for_answer = requests_.contains(visitor.first);
     return std::tuple(counts(visitor), of_address[visitor.second.address], !waits_for_answer,

@@ -46,7 +46,7 @@ bool choose_mode(const std::vector<hal::V4l2FormatInfo>& formats, hal::CameraSet
     const std::optional<hal::CameraFormat> word = format_of(format.word);
     if (!word) continue;
     for (const hal::V4l2FrameSize& size : format.sizes) {
-      // A range of sizes has the game's size if that is inside.
+      // From a range of sizes, the game's size is taken if it is inside the range.
       const std::uint32_t width = std::clamp(kGameWidth_px, size.width_px, size.max_width_px);
       const std::uint32_t height = std::clamp(kGameHeight_px, size.height_px, size.max_height_px);
       if (width > kGameWidth_px || height > kGameHeight_px) continue;
@@ -55,7 +55,7 @@ bool choose_mode(const std::vector<hal::V4l2FormatInfo>& formats, hal::CameraSet
     }
   }
   if (!best) {
-    // Only sizes above the game's: the smallest of them.
+    // If all sizes are above the game's, the smallest one is taken.
     for (const hal::V4l2FormatInfo& format : formats) {
       const std::optional<hal::CameraFormat> word = format_of(format.word);
       if (!word) continue;

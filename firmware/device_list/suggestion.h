@@ -9,7 +9,7 @@
 
 namespace touchline::devices {
 
-/// The format of a word in board files; nothing if there is none.
+/// Returns the format that a word of board files means; empty if there is none.
 std::optional<hal::CameraFormat> format_of(const std::string& word);
 
 /// Chooses format, size and rate as for a game: the highest rate up to 60 Hz, then the largest picture up to

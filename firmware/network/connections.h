@@ -19,19 +19,19 @@ class Connections {
   /// Passes ring and mailboxes to the session; call it before Session::open().
   void attach(Session& session);
   [[nodiscard]] const NetworkPlan& plan() const { return plan_; }
-  /// The ring of snapshots, also if nothing is published, for other readers; call it before attach().
+  /// Returns the ring of snapshots for other readers; it exists even if nothing is published. Call it before attach().
   [[nodiscard]] SnapshotRing& snapshots() {
     if (!snapshots_) snapshots_ = std::make_unique<SnapshotRing>();
     return *snapshots_;
   }
 
-  /// Starts the threads. `print` is called on them, and on this one for what cannot be opened.
+  /// Starts the threads. `print` is called on these threads, and on this thread for connections that cannot be opened.
   void start(const config::Configuration& configuration, const Print& print);
   /// Ends the threads; their counts stay.
   void stop();
 
   // After start(), for any thread.
-  /// What is sent and received, one line each, and Unix time; for the start.
+  /// Returns the text for the start: a line for each thing that is sent or received, and Unix time.
   [[nodiscard]] std::string start_text() const;
   /// Part of the status line: "  network: sent 1200, received 300, refused 3", and the offset to Unix time if something
   /// is published. Empty: no connection.

@@ -12,7 +12,7 @@
 
 namespace touchline::network {
 
-/// What one message says. `received` is not set.
+/// Content of one message. `received` is not set.
 struct DecodedMessage {
   CommandBatch batch;
   std::optional<RefereeMessage> referee;
@@ -26,7 +26,7 @@ class Decoder {
   virtual Result<DecodedMessage> decode(std::span<const std::byte> message, TeamColor own) = 0;
 };
 
-/// The decoder of a protocol. `configuration` is copied as far as it is needed.
+/// Makes the decoder of a protocol, which copies the parts of `configuration` that it needs.
 std::unique_ptr<Decoder> make_decoder(config::InputProtocol protocol, const config::Configuration& configuration);
 
 }  // namespace touchline::network

@@ -15,14 +15,15 @@ namespace touchline::network {
 class Encoder {
  public:
   virtual ~Encoder() = default;
-  /// Message of a frame; returns its size. `out` has kMaxDatagramBytes.
+  /// Writes the message of a frame and returns its size. `out` has kMaxDatagramBytes.
   virtual std::size_t encode_frame(const OutputFrame& frame, std::span<std::byte> out) = 0;
-  /// Message that describes field and cameras, sent once a second and when it changes. 0: the protocol has none.
+  /// Writes the message that describes field and cameras, sent once a second and when it changes. 0: the protocol has
+  /// no such message.
   virtual std::size_t encode_geometry(std::span<std::byte> /*out*/) { return 0; }
 };
 
-/// The encoder of a protocol. `configuration` is copied as far as it is needed. kInconsistent, kOutOfRange: the
-/// protocol cannot describe this camera.
+/// Makes the encoder of a protocol, which copies the parts of `configuration` that it needs. kInconsistent,
+/// kOutOfRange: the protocol cannot describe this camera.
 Result<std::unique_ptr<Encoder>> make_encoder(config::OutputProtocol protocol,
                                               const config::Configuration& configuration);
 

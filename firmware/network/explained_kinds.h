@@ -12,13 +12,13 @@ namespace touchline::network {
 /// "192.168.1.20:5000", or "a program at the unix socket" (address 0).
 std::string sender_text(std::uint32_t address, std::uint16_t port);
 
-/// Which kinds of refused messages have been explained: each kind of each sender is explained once, and a flood of
-/// different ones fills neither log nor memory.
+/// Remembers which kinds of refused messages have been explained. Each kind of each sender is explained once, and a
+/// flood of different kinds fills neither log nor memory.
 class ExplainedKinds {
  public:
   // A person corrects a few mistakes of a program at a time. Together with the senders at most 128 lines.
   static constexpr std::size_t kMaxKinds = 8;
-  // As many as have a limit of their own (SenderLimits).
+  // As many senders as have separate limits (SenderLimits).
   static constexpr std::size_t kMaxSenders = 16;
 
   enum class Answer : std::uint8_t {

@@ -29,7 +29,7 @@ fira_message_Robot message_of(const RobotTrack& robot) {
   return out;
 }
 
-/// Some clients take a robot's index in the list for its id.
+/// Sorts robots by id, because some clients use a robot's index in the list as its id.
 void sort_by_id(fira_message_Robot* robots, pb_size_t count) {
   std::sort(robots, robots + count,
             [](const fira_message_Robot& a, const fira_message_Robot& b) { return a.robot_id < b.robot_id; });

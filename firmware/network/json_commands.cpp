@@ -17,9 +17,9 @@ namespace {
 
 using Kind = ExternalCommand::Kind;
 
-// Longer texts of the sender are cut off in messages.
+// Bytes of a sender's text that a message shows; the rest is cut off.
 constexpr std::size_t kShownBytes = 40;
-// Of nlohmann's json.exception.out_of_range.406.
+// Id of nlohmann's json.exception.out_of_range.406.
 constexpr int kNumberOutOfRange = 406;
 
 enum Key : std::uint8_t { kId, kV, kW, kLeft, kRight, kX, kY, kTheta, kReleaseKey, kKeys };

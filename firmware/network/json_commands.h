@@ -10,7 +10,7 @@ namespace touchline::network {
 
 // Limits of the values; larger ones are errors. The limits of the drive are applied later.
 inline constexpr double kMaxJsonSpeed_mps = 10.0, kMaxJsonTurn_radps = 100.0;
-// The largest field has 30 m.
+// Limit of a coordinate; the largest field is 30 m long.
 inline constexpr double kMaxJsonPosition_m = 20.0;
 
 /// Decodes commands in JSON (docs/network.md):

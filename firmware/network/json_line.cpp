@@ -33,8 +33,8 @@ void write_id_key(JsonWriter& json, RobotId id) {
   json.key({text.data(), static_cast<std::size_t>(end - text.data())});
 }
 
-/// {"blue":{"3":{"x":...}},"yellow":{}}. A plotter shows an object's members as series, which do not change places when
-/// another robot is lost.
+/// Writes {"blue":{"3":{"x":...}},"yellow":{}}. The robots are members of an object, because a plotter shows each
+/// member as a series: the series stay the same when another robot is lost.
 void write_robots(JsonWriter& json, const Snapshot& snapshot, const report::TraceNames& names) {
   json.begin_object();
   for (const Team team : {Team::kOwn, Team::kOpponent}) {

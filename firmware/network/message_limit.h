@@ -13,10 +13,11 @@ namespace touchline::network {
 /// Limits the rate of messages (token bucket): short bursts pass, a flood does not.
 class MessageLimit {
  public:
-  /// A team sends the commands of its robots at once, and a receiver that was late finds several frames of them.
+  /// Default length of a burst. A team sends the commands of its robots at once, and a late receiver finds the commands
+  /// of several frames.
   static constexpr double kBurstS = 0.1;
 
-  /// `burst_s`: what arrives within this time at this rate may arrive at once.
+  /// `burst_s`: as many messages as this rate gives in this time may arrive at once.
   explicit MessageLimit(double rate_hz, double burst_s = kBurstS)
       : rate_hz_(rate_hz), burst_(std::max(10.0, rate_hz * burst_s)), left_(burst_) {}
 
@@ -36,8 +37,8 @@ class MessageLimit {
   Instant last_{};
 };
 
-/// Limits the rate of each sender, so that one that floods does not keep the others' messages away. A sender is an
-/// address with a port, or a connection.
+/// Limits the rate of each sender, so that a flood from one sender does not displace the messages of others. A sender
+/// is an address with a port, or a connection.
 class SenderLimits {
  public:
   explicit SenderLimits(double rate_hz) : rate_hz_(rate_hz), others_(rate_hz) {}

@@ -9,8 +9,8 @@
 #include "core/types.h"
 #include "firmware/snapshot.h"
 
-// What passes between the publisher, the receiver and the protocols: encoders turn an OutputFrame into one datagram,
-// decoders turn one datagram into a CommandBatch or a RefereeState.
+// Data that publisher, receiver and protocols exchange: encoders turn an OutputFrame into one datagram, decoders turn
+// one datagram into a CommandBatch or a RefereeState.
 namespace touchline::network {
 
 // Largest UDP payload over IPv4: 65535 bytes less the headers of IP (20) and UDP (8).

@@ -155,7 +155,8 @@ std::optional<std::pair<Protocol, Entry>> parse_option(const std::string& option
   return std::nullopt;
 }
 
-// Without an address, an option means what the board file has. Null: the file has none of this protocol.
+// Returns the entry of the board file that an option without an address means. Null: the file has no entry of this
+// protocol.
 template <class Planned, class Protocol>
 Planned* find_planned(std::vector<Planned>& planned, std::size_t of_file, Protocol protocol, const Entry& entry) {
   const auto end = planned.begin() + static_cast<std::ptrdiff_t>(of_file);

@@ -10,7 +10,7 @@
 #include "hal/linux/network/network_address.h"
 #include "hal/result.h"
 
-// What is sent where and what is received from whom: the board file's [network] and the command line together.
+// Plans what is sent to and received from other programs: combines [network] of the board file with the command line.
 namespace touchline::network {
 
 /// Words of --accept and --referee.
@@ -35,7 +35,7 @@ struct PlannedOutput {
 struct PlannedInput {
   config::InputProtocol protocol = config::InputProtocol::kJson;
   hal::NetworkAddress address;
-  std::vector<hal::NetworkRange> senders;  // obeyed beside this computer
+  std::vector<hal::NetworkRange> senders;  // obeyed computers that are obeyed beside this one
   std::vector<std::string> sender_names;   // the same, as in the file
   double rate_hz = 0.0;
   std::string key;     // that lists the senders: "network.input[0].senders in board.toml:14"; empty: none does
@@ -49,8 +49,8 @@ struct NetworkPlan {
   [[nodiscard]] bool empty() const { return outputs.empty() && inputs.empty(); }
 };
 
-/// What a person does so that messages of a sender are obeyed: "add 192.168.1.21 to network.input[0].senders in
-/// board.toml:14", or "write --referee ssl,from=192.168.1.21".
+/// Tells a person how to make Touchline obey a sender: "add 192.168.1.21 to network.input[0].senders in board.toml:14",
+/// or "write --referee ssl,from=192.168.1.21".
 std::string how_to_permit(const PlannedInput& input, const std::string& sender);
 
 /// "ssl-vision to udp://224.5.23.2:10006%eth0".

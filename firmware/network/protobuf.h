@@ -14,7 +14,8 @@ namespace touchline::network {
 std::size_t encode_message(const pb_msgdesc_t* fields, const void* message, std::span<std::byte> out);
 
 /// Decodes into the structure `message`, which gets default values for absent fields. Unknown fields are skipped.
-/// kCorruptFrame: the bytes are no such message, a required field is absent, or a list or text is too long.
+/// kCorruptFrame: the bytes cannot be decoded as this type of message, a required field is absent, or a list or text is
+/// too long.
 Result<void> decode_message(const pb_msgdesc_t* fields, std::span<const std::byte> bytes, void* message);
 
 }  // namespace touchline::network

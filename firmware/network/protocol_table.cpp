@@ -17,7 +17,7 @@
 namespace touchline::network {
 namespace {
 
-// For all protocols: encode_frame() calls a function that has copied what it needs.
+// Encoder for all protocols: encode_frame() calls a function that holds copies of the data that it needs.
 template <class Function>
 class FunctionEncoder final : public Encoder {
  public:
@@ -84,7 +84,8 @@ Result<DecodedMessage> of_referee(Result<RefereeMessage> message) {
   return DecodedMessage{{}, std::move(message).value()};
 }
 
-/// Names for each color that our team may have, by TeamColor: a referee may exchange the colors.
+/// Returns the names for each color that our team may have, indexed by TeamColor, because a referee may exchange the
+/// colors.
 std::array<report::TraceNames, 2> names_of(const config::Configuration& configuration) {
   report::TraceNames names;
   names.colors = {"background"};

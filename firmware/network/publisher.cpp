@@ -11,11 +11,13 @@ namespace {
 
 using namespace std::chrono_literals;
 
-// The leagues' programs expect the field at least every few seconds, and one that starts later waits for it.
+// Period at which the geometry is sent. The leagues' programs expect it at least every few seconds, and a program that
+// starts later waits for it.
 constexpr Duration kGeometryPeriod = 1s;
-// Encoding it costs some microseconds.
+// Period at which the geometry is encoded to detect changes; this costs some microseconds.
 constexpr Duration kGeometryCheckPeriod = 100ms;
-// A clock that is being synchronized changes by at most 0.5 ms a second.
+// Period at which the offset to Unix time is measured. A clock that is being synchronized changes by at most 0.5 ms a
+// second.
 constexpr Duration kTimePeriod = 1s;
 
 Duration period_of(double rate_hz) { return rate_hz > 0.0 ? from_seconds(1.0 / rate_hz) : Duration::zero(); }
@@ -154,7 +156,8 @@ void Publisher::publish_waiting() {
 
 void Publisher::publish(const Snapshot& snapshot, Instant now) {
   const auto unix_s = [this](Instant monotonic) { return seconds(time_.to_unix(monotonic)); };
-  // In simulated time, the capture has an instant of the machine's clock too: as long before the packet.
+  // Converts the capture to the machine's clock, for simulated time: the capture is as long before the packet on both
+  // clocks.
   const Instant captured = snapshot.machine_sent - (snapshot.sent - snapshot.captured);
   OutputFrame frame{snapshot, unix_s(captured), unix_s(now), scene_.own, scene_.camera_id, scene_.robot_height_m};
   const RefereeState& referee = snapshot.referee;

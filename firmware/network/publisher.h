@@ -28,13 +28,13 @@ class PublisherOutput {
   /// Opens the socket. Called before the thread starts, so that a wrong address is reported at once.
   void open(Instant now, const Print& print) { static_cast<void>(make_ready(now, print)); }
   void send_frame(const OutputFrame& frame, Instant now, std::span<std::byte> buffer, const Print& print);
-  /// Once a second, or when the geometry has changed.
+  /// Sends the geometry once a second, or when it has changed.
   void send_geometry_if_due(Instant now, std::span<std::byte> buffer, const Print& print);
 
   // For any thread.
   [[nodiscard]] const std::string& name() const { return name_; }
   [[nodiscard]] std::uint64_t sent() const { return sent_.load(std::memory_order_relaxed); }
-  /// Messages that were not sent because the network or a receiver was too slow or away.
+  /// Returns the number of messages that were not sent because the network or a receiver was too slow or absent.
   [[nodiscard]] std::uint64_t not_sent() const { return not_sent_.load(std::memory_order_relaxed); }
 
  private:
@@ -59,13 +59,13 @@ using PublisherOutputs = std::vector<std::unique_ptr<PublisherOutput>>;
 /// Outputs that cannot work are printed and left out.
 PublisherOutputs make_outputs(const NetworkPlan& plan, const config::Configuration& configuration, const Print& print);
 
-/// What the outputs need beside the frames.
+/// Facts that the outputs need beside the frames.
 struct PublishedScene {
   TeamColor own = TeamColor::kBlue;  // until a referee assigns the colors
   std::uint32_t camera_id = 0;
   std::array<float, 2> robot_height_m{};  // by Team, unless a referee names the teams
 };
-/// Our color as the leagues name it, of the team file; nullopt: its names of colors are others.
+/// Returns our color in the team file as the leagues name it; nullopt: the file uses other names of colors.
 std::optional<TeamColor> own_color(const config::TeamFile& team);
 PublishedScene published_scene(const config::Configuration& configuration);
 

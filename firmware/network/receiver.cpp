@@ -15,12 +15,12 @@ using namespace std::chrono_literals;
 
 // The largest message that is decoded. A referee's packet has about 2 KB, one with all commands of a team less.
 constexpr std::size_t kMaxMessageBytes = 16384;
-// Time without a message after which closed sockets and the end of the thread are looked at.
+// Longest wait for a message. After it, the thread checks closed sockets and whether it has to end.
 constexpr int kPollMs = 50;
 constexpr Duration kCheckPeriod = 1s;
 constexpr int kMessagesPerTurn = 64;
-// Faster than this, refused messages are dropped by the system. No league sends as much to a port, and the burst of 50
-// is a fourth of what the smallest usual buffer holds (net.core.rmem_default, 208 KB).
+// Rate of refused messages above which the system drops them. No league sends as much to a port, and the burst of 50 is
+// a fourth of what the smallest usual buffer holds (net.core.rmem_default, 208 KB).
 constexpr double kRefusedHz = 500.0;
 
 void count(std::atomic<std::uint64_t>& counter, std::uint64_t add = 1) {
@@ -77,7 +77,7 @@ void ReceiverInput::refuse(const hal::ReceivedMessage& message, Instant now, con
   count(counts_.refused, socket_->drop_others(plan_.senders));
 }
 
-// Once a second: also because addresses of this computer may have changed.
+// Updates the filter once a second, also because addresses of this computer may have changed.
 void ReceiverInput::update_gate() {
   const std::uint64_t dropped = socket_->drop_others(plan_.senders);
   count(counts_.refused, dropped);
@@ -165,7 +165,7 @@ Receiver::Receiver(ReceiverInputs inputs, TeamColor own, std::vector<RobotId> ro
       own_(own),
       robots_(std::move(robots)),
       buffer_(kMaxMessageBytes) {
-  // Here, so that a wrong address is reported at once.
+  // The sockets are opened here, so that a wrong address is reported at once.
   for (const auto& input : inputs_) input->serve(hal::MonotonicClock::read(), print_);
   thread_ = std::thread([this] { work(); });
 }
@@ -215,7 +215,7 @@ void Receiver::drain(ReceiverInput& input) {
 std::uint64_t Receiver::apply(const AcceptedMessage& message) {
   std::uint64_t unknown = 0;
   for (const ExternalCommand& command : message.batch.commands) {
-    // The table holds as many robots as a team has: others must not take their places.
+    // The table only has room for the robots of a team, so commands for unknown robots must not take their places.
     if (std::find(robots_.begin(), robots_.end(), command.id) == robots_.end()) {
       ++unknown;
       continue;

@@ -20,7 +20,7 @@
 
 namespace touchline::network {
 
-/// Counts of an input since the start; written by the receiver's thread.
+/// Counts of an input since the start, written by the receiver's thread.
 struct InputCounts {
   std::atomic<std::uint64_t> accepted{0};
   std::atomic<std::uint64_t> refused{0};         // from computers that are not on the list
@@ -31,7 +31,7 @@ struct InputCounts {
   std::atomic<std::uint64_t> unknown_robot{0};   // commands for robots of our color that we do not have
 };
 
-/// What one message demands. `received` is set.
+/// Content of one accepted message. `received` is set.
 struct AcceptedMessage {
   CommandBatch batch;
   std::optional<RefereeState> referee;
@@ -53,7 +53,7 @@ class ReceiverInput {
   /// Receives one message. False: none is waiting. `out` is set if the message is accepted.
   bool receive(Instant now, TeamColor own, std::span<std::byte> buffer, std::optional<AcceptedMessage>& out,
                const Print& print);
-  /// A person has acted (RefereeFollower).
+  /// Call it when a person has done something that releases the referee (RefereeFollower).
   void release_referee() { referee_.release(); }
 
   void count_unknown_robots(std::uint64_t count) { counts_.unknown_robot.fetch_add(count, std::memory_order_relaxed); }
@@ -81,7 +81,8 @@ class ReceiverInput {
   ExplainedKinds explained_;
   Instant next_check_{};
   bool is_open_ = false;
-  // While refused senders flood the input, the system drops their messages, which would take the others' room.
+  // Detects floods of refused messages. During a flood the system drops these messages, which would displace those of
+  // others.
   MessageLimit refused_;
   bool is_gate_closed_ = false;
   InputCounts counts_;

@@ -19,7 +19,7 @@ struct TeamHeight {
   float height_m = 0.0f;
 };
 
-/// How the referee's names of teams are understood.
+/// Settings by which the names of the referee's teams are understood.
 struct RefereeSettings {
   std::string own_team;  // as the referee writes it; empty: color and side are not taken from the referee
   std::vector<TeamHeight> heights;

@@ -69,7 +69,7 @@ void RefereeFollower::begin_session(const Sender& sender, const RefereeMessage& 
   last_ = sender;
   followed_ = Session{sender, {}, {}};
   if (!content.order) {
-    // It has spoken after the stop, and a person has released the former one.
+    // The sender has spoken after the stop, and a person has released the former sender.
     if (may_move_in(content.state.phase)) hold_.reset();
     return;
   }
@@ -78,7 +78,7 @@ void RefereeFollower::begin_session(const Sender& sender, const RefereeMessage& 
     hold_->counter = hold_->by == sender ? hold_->counter_of_by : counter;
     release_hold(content);
   } else if (may_move_in(content.state.phase) && content.order->stamp_us < newest_stamp_) {
-    // A recording of the former referee, or the clock of a new one is behind.
+    // Either this is a recording of the former referee, or the clock of a new referee is behind.
     hold_ = Hold{GamePhase::kHalt, std::nullopt, 0, counter};
     explain(sender, "clock",
             "the time stamps of " + sender_text(sender.address, sender.port) +

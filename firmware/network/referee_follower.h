@@ -12,7 +12,8 @@
 
 namespace touchline::network {
 
-/// Decides which of the permitted senders releases the robots. Any of them stops them; only the followed one releases.
+/// Decides which of the permitted senders releases the robots. Each of them can stop the robots; only the followed
+/// sender releases them.
 ///
 /// A referee that repeats its messages (SSL) is followed until it is silent. Its counter and time stamp order its
 /// messages: older ones have no effect, and those whose counter and stamp contradict each other (a controller that was
@@ -30,7 +31,8 @@ class RefereeFollower {
   /// nullopt: the message changes nothing.
   std::optional<RefereeState> follow(const hal::ReceivedMessage& message, const RefereeMessage& content, Instant now,
                                      const Print& print);
-  /// A person has acted: the next sender is followed if the referee sends on change only.
+  /// Call it when a person has done something that releases the referee. If the referee sends on change only, the next
+  /// sender is followed.
   void release();
 
  private:

@@ -13,8 +13,8 @@ namespace touchline::network {
 /// Prints a line for a person, given without its end.
 using Print = std::function<void(const std::string& line)>;
 
-/// When an output or input that failed is opened again: after a pause that doubles with each failure. The failure is
-/// reported once, and so is the return.
+/// Decides when a failed output or input is opened again: after a pause that doubles with each failure. Reports the
+/// failure once, and the recovery once.
 class Reopening {
  public:
   explicit Reopening(std::string name) : name_(std::move(name)) {}
@@ -32,7 +32,7 @@ class Reopening {
   }
 
  private:
-  // A program that restarts is back at once; a cable that was pulled out takes seconds.
+  // Pause after the first failure. A program that restarts is back at once; a cable that was pulled out takes seconds.
   static constexpr Duration kFirstPause = std::chrono::milliseconds(100);
   static constexpr Duration kLongestPause = std::chrono::seconds(2);
 

@@ -108,9 +108,9 @@ Model initial_model(const CameraModel& camera, std::uint16_t width_px, std::uint
   return model;
 }
 
-/// Levenberg-Marquardt with numerical derivatives. Without distortion, that parameter stays as it is.
+/// Levenberg-Marquardt with numerical derivatives. Without `with_distortion`, the distortion parameter is not changed.
 Model fitted(Model model, const std::vector<Sample>& samples, bool with_distortion) {
-  // About the size of a change that moves a field point by a micrometer.
+  // Steps of the numerical derivatives: each moves a field point by about a micrometer.
   const Vector delta = (Vector() << 1e-6, 1e-6, 1e-6, 1e-6, 1e-6, 1e-6, 1e-3, 1e-3, 1e-3, 1e-5).finished();
   const int count = with_distortion ? kParameters : kParameters - 1;
   double cost = squared_error(model, samples);
@@ -169,7 +169,7 @@ Status fit_ssl_calibration(const CameraParameters& parameters, const FieldParame
 
   const Model initial = initial_model(camera, width_px, height_px);
   Model model = fitted(initial, samples, true);
-  // SSL-Vision projects points without distortion if it is negative.
+  // SSL-Vision ignores a negative distortion when it projects points.
   if (model.distortion < 0.0) {
     model.distortion = 0.0;
     model = fitted(model, samples, false);

@@ -10,8 +10,9 @@
 namespace touchline::network {
 
 /// The camera model of SSL-Vision: a point p of the field in mm is R(q) p + t in the camera frame (z forward, y down).
-/// With (x, y) = (X/Z, Y/Z) of it and r = |(x, y)|, the pixel is principal_point + focal_length (x, y) s / r, where
-/// r = s (1 + distortion s^2). A single focal length, no tangential distortion, and none that bends outwards.
+/// With (x, y) = (X/Z, Y/Z) of this point and r = |(x, y)|, the pixel is principal_point + focal_length (x, y) s / r,
+/// where r = s (1 + distortion s^2). The model has a single focal length, no tangential distortion, and no distortion
+/// that bends outwards.
 struct SslCalibration {
   double focal_length_px = 0.0;
   std::array<double, 2> principal_point_px{};

@@ -89,7 +89,8 @@ void JsonWriter::string(std::string_view value) {
 void JsonWriter::number(double value) {
   if (!std::isfinite(value)) return null();
   separate();
-  // The same digits as in files that nlohmann's library wrote. std::to_chars gives fewer for one number in a thousand.
+  // The digits are the same as those of nlohmann's library in earlier files. std::to_chars gives fewer digits for one
+  // number in a thousand.
   std::array<char, 64> text{};
   const char* end = nlohmann::detail::to_chars(text.data(), text.data() + text.size(), value);
   append({text.data(), static_cast<std::size_t>(end - text.data())});
@@ -109,7 +110,7 @@ void JsonWriter::quote(std::string_view text) {
     if (c == '"' || c == '\\') {
       append_all("\\", text.substr(0, 1));
     } else if (static_cast<unsigned char>(c) < 0x20) {
-      // Short escapes for \b \t \n \f \r.
+      // Control characters with short escapes: \b \t \n \f \r.
       constexpr std::string_view kControls = "\b\t\n\f\r", kLetters = "btnfr";
       constexpr std::string_view kDigits = "0123456789abcdef";
       const std::size_t known = kControls.find(c);

@@ -11,13 +11,13 @@
 
 namespace touchline::report {
 
-/// What people call the colors and teams.
+/// Names of the colors and teams for persons.
 struct TraceNames {
   std::vector<std::string> colors;   // indexed by ColorId; 0: background
   std::array<std::string, 2> teams;  // indexed by Team: the color of its team patches
 };
 
-/// What a frame led to, of a StepTrace or a Snapshot.
+/// Results of a frame, from a StepTrace or a Snapshot.
 struct FrameResults {
   Instant captured;
   const BallSighting& ball;

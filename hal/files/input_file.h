@@ -7,10 +7,10 @@
 
 namespace touchline::hal {
 
-/// The largest configuration file that is read. A venue of 32 color boxes has about 10 KB.
+/// Size of the largest configuration file that is read. A venue of 32 color boxes has about 10 KB.
 inline constexpr std::size_t kMaxTextFileBytes = std::size_t{1} << 20;
-/// The largest picture or JSON file. A PNG of 12000 x 9000 pixels with 16 bits per channel has up to 600 MB;
-/// cameras deliver up to 5 megapixels.
+/// Size of the largest picture or JSON file that is read. A PNG of 12000 x 9000 pixels with 16 bits per channel has up
+/// to 600 MB; cameras deliver up to 5 megapixels.
 inline constexpr std::size_t kMaxDataFileBytes = std::size_t{256} << 20;
 
 /// Reads a whole regular file of at most `limit_bytes`. Never waits: a FIFO or a device is refused, not read.

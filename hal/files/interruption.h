@@ -13,11 +13,11 @@ namespace touchline::hal {
 void set_interruption(const std::atomic<bool>* requested);
 [[nodiscard]] bool is_interrupted();
 
-/// How long a wait lasts after the request at most; short for a person.
+/// Longest time that a wait continues after the request; a person does not notice it.
 inline constexpr std::chrono::milliseconds kInterruptionDelay{50};
 
 enum class Ready : std::uint8_t { kRead, kWrite };
-/// Waits until reading or writing does not block, or fails at once. False: interrupted before.
+/// Waits until reading or writing no longer blocks (it may fail at once). False: the wait was interrupted.
 [[nodiscard]] bool wait_until_ready(int descriptor, Ready what);
 
 }  // namespace touchline::hal

@@ -111,7 +111,7 @@ Result<void> OutputFile::open_in_place(const OutputOptions& options, bool is_fif
   const int no_follow = options.follow_links ? 0 : O_NOFOLLOW;
   const auto open = [&] { return ::open(path_.c_str(), O_WRONLY | O_NONBLOCK | O_CLOEXEC | O_NOCTTY | no_follow); };
   file_ = open();
-  // A FIFO without a reader.
+  // Repeats while a FIFO has no reader.
   while (is_fifo && file_ < 0 && errno == ENXIO && !is_interrupted()) {
     std::this_thread::sleep_for(kInterruptionDelay);
     file_ = open();
@@ -175,7 +175,7 @@ Result<void> OutputFile::flush() {
 }
 
 Result<void> OutputFile::write_all(std::string_view bytes) {
-  // A pipe that is ready takes this much without waiting.
+  // A ready pipe takes PIPE_BUF bytes without waiting.
   const std::size_t most = has_reader_ ? PIPE_BUF : bytes.size();
   while (!bytes.empty()) {
     if (has_reader_ && !wait_until_ready(file_, Ready::kWrite)) return error_of("cannot be written", EINTR);

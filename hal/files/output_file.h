@@ -79,8 +79,8 @@ class OutputFile {
   bool has_reader_ = false;  // writing may have to wait for somebody who reads
 };
 
-/// Makes the renames in a folder last over a power failure. True also where the folder can only be written, or the file
-/// system cannot sync folders. kIo; kNotFound: no such folder.
+/// Makes the renames in a folder survive a power failure. Also succeeds if the folder can only be written, or if the
+/// file system cannot sync folders. kIo; kNotFound: no such folder.
 Result<void> sync_folder(const std::string& folder);
 
 /// Writes a whole file as OutputFile does.

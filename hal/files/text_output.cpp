@@ -14,7 +14,7 @@
 namespace touchline::hal {
 namespace {
 
-// Without stdio: a thread that waits in fwrite() holds a lock that exit() takes.
+// Writes without stdio, because a thread that waits in fwrite() holds a lock that exit() takes.
 void write_text(int descriptor, std::string_view text) {
   while (!text.empty()) {
     const ssize_t count = ::write(descriptor, text.data(), text.size());

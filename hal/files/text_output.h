@@ -7,22 +7,22 @@
 
 namespace touchline::hal {
 
-/// Writes text to standard output and error from a thread of its own, so that neither a stopped terminal (Ctrl-S) nor
-/// a reader that does not read (a hung ssh, a full pipe) holds up anybody. The thread is never joined: it may wait in
+/// Writes text to standard output and error from a thread of its own, so that neither a stopped terminal (Ctrl-S) nor a
+/// reader that does not read (a hung ssh, a full pipe) blocks the caller. The thread is never joined: it may wait in
 /// write() for as long as the process lives, and it ends with the process. Callable from any thread but the loop's,
 /// because it locks and allocates.
 class TextOutput {
  public:
-  /// More than this waits for a reader only if it does not read: a day of status lines without a reader must not fill
-  /// the memory. The oldest texts are dropped then, and counted.
+  /// Limit of waiting text, reached only if the reader does not read: a day of status lines must not fill the memory.
+  /// Beyond it, the oldest texts are dropped and counted.
   static constexpr std::size_t kMaxWaitingBytes = std::size_t{256} << 10;
-  /// For finish() at the end of a program: a terminal that works takes 256 KiB in a few milliseconds, a serial console
-  /// of 115200 baud the last lines.
+  /// Time limit of finish() at the end of a program. In this time a working terminal takes all 256 KiB (a few
+  /// milliseconds), and a serial console of 115200 baud takes the last lines.
   static constexpr std::chrono::milliseconds kPatience{1000};
 
   /// Starts the thread, which inherits the priority of this one. The descriptors must stay open.
   explicit TextOutput(int out = 1, int err = 2);
-  /// As finish(kPatience), unless a finish() was in vain already.
+  /// Calls finish(kPatience), unless a finish() has already failed.
   ~TextOutput();
   TextOutput(const TextOutput&) = delete;
   TextOutput& operator=(const TextOutput&) = delete;

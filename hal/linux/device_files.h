@@ -19,8 +19,8 @@ bool is_link(const std::string& file);
 /// link: it stays the same if devices are plugged in in another order.
 std::string stable_link(const char* folder, const std::string& device);
 
-/// The processes that have this device open, as far as this user may know: "guvcview (process 1234)"; "" if there are
-/// none to be seen. Reads /proc.
+/// Returns the processes that have this device open, as far as this user may see them: "guvcview (process 1234)"; "" if
+/// none is visible. Reads /proc.
 std::string users_of(const std::string& device);
 
 }  // namespace touchline::hal

@@ -13,15 +13,16 @@
 namespace touchline::hal {
 namespace {
 
-// Only heaps that every camera device can write to: the memory of heap "system" is scattered and needs an IOMMU.
+// Heaps that every camera device can write to. Heap "system" is left out, because its memory is scattered and needs an
+// IOMMU.
 constexpr std::array<const char*, 4> kHeaps{
     "/dev/dma_heap/vidbuf_cached",       // Raspberry Pi OS: an alias of the heap that suits the board
     "/dev/dma_heap/default_cma_region",  // contiguous memory; since Linux 6.17
     "/dev/dma_heap/linux,cma",           // the same before Linux 6.17; size from the device tree
     "/dev/dma_heap/reserved"};           // the same; size from the kernel's command line
 
-// The loop calls synchronize() with real-time priority: a driver that is never ready must not block it. About a
-// millisecond.
+// Maximum number of attempts, which take about a millisecond. The loop calls synchronize() with real-time priority, and
+// a driver that is never ready must not block it.
 constexpr int kMaxTries = 1000;
 
 int synchronize(int dma_buf, unsigned long long flags) {
@@ -33,7 +34,7 @@ int synchronize(int dma_buf, unsigned long long flags) {
   }
 }
 
-/// Index of the first plane in the same file as plane i: each file is mapped once.
+/// Returns the index of the first plane in the same file as plane i, because each file is mapped once.
 std::size_t first_plane_with_file_of(const DmaBuffer& buffer, std::size_t i) {
   std::size_t first = 0;
   while (buffer.plane[first].file != buffer.plane[i].file) ++first;

@@ -6,13 +6,13 @@
 
 namespace touchline::hal {
 
-/// An object of which a process may have only one at a time. The first user creates it, the last one destroys it. A
-/// user that arrives during the destruction waits and gets a new object.
+/// Shares an object of which a process may have only one at a time. The first user creates it, the last one destroys
+/// it. A user that arrives during the destruction waits and gets a new object.
 template <class T>
 class SharedInstance {
  public:
-  /// Creates the object by `make`, which returns a std::unique_ptr<T>, if there is none. If that is null, returns null,
-  /// and release() must not be called.
+  /// Creates the object by `make`, which returns a std::unique_ptr<T>, if there is none. If `make` returns null,
+  /// returns null, and release() must not be called.
   template <class Make>
   T* acquire(const Make& make) {
     const std::scoped_lock alone(mutex_);

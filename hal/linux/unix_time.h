@@ -19,7 +19,7 @@ struct UnixTimeOffset {
 /// Reads both clocks in turn several times, and keeps the closest pair. Takes some microseconds.
 UnixTimeOffset measure_unix_time_offset();
 
-/// Whether the offset has changed by more than both uncertainties: somebody has set the clock.
+/// Returns whether somebody has set the clock: the offset has changed by more than both uncertainties.
 bool differ(const UnixTimeOffset& before, const UnixTimeOffset& now);
 
 /// "Unix time = monotonic time + 1763850000.123456 s, +- 0.04 us; the clock is synchronized within 1.2 ms".

@@ -10,14 +10,16 @@ namespace {
 constexpr Duration kStep = std::chrono::milliseconds(1);
 static_assert(seconds(kStep) == World::kStepS);
 
-// With these the lamps of `parameters` give the values that they describe. The default of camera.exposure_us, and the
-// middle of what cameras with 8 bits offer.
+// Exposure time and gain for which the lamps of `parameters` give the brightness that they describe: the default of
+// camera.exposure_us, and the middle of the gains of cameras with 8-bit gain.
 constexpr int kNominalExposure_us = 5000, kNominalGain = 128;
 
-// A robot or a ball is taken hold of within this part of its size around its center: a finger covers the small ones.
+// Ratio of the radius in which an object can be grasped to the object's size. It is above 1, because a finger covers
+// small objects.
 constexpr double kReach = 1.5;
 
-// Where the line of sight of a pixel meets the plane at this height; empty if it does not descend to it.
+// Returns the point at which the viewing ray of a pixel meets the plane at this height; empty if the ray does not
+// descend to it.
 std::optional<Vector2> seen_at(const Lens& lens, const PixelPoint& pixel, double height_m) {
   const Vec3 ray = lens.unproject(static_cast<double>(pixel.u_px), static_cast<double>(pixel.v_px));
   if (ray[2] >= 0.0) return std::nullopt;
@@ -200,7 +202,7 @@ std::span<const std::uint16_t> Arena::with_led(std::span<const std::uint16_t> pi
   if (led_picture_.empty()) return picture;
   std::copy(picture.begin(), picture.end(), led_picture_.begin());
   const ArenaLed& led = parameters_.led;
-  // Below the sensor's full scale, as a lamp behind paper.
+  // Brightness of the LED: below the sensor's full scale, as that of a lamp behind paper.
   constexpr double kLight = 0.8 * kLinearScale;
   for (std::size_t v = 0; v < camera_.height_px; ++v) {
     for (std::size_t u = 0; u < camera_.width_px; ++u) {

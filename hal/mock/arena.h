@@ -39,7 +39,7 @@ struct Exposure {
 /// construction.
 class Arena {
  public:
-  // Not zero, so that an Instant that was never set differs from the start of the game.
+  // Start of the game. It is not zero, so that it differs from an Instant that was never set.
   static constexpr Instant kBegin{std::chrono::seconds(1)};
 
   /// `camera`: format, size, rate and number of buffers; `radio`: baud rate; `begin`: the instant of arena time 0.
@@ -103,7 +103,7 @@ class Arena {
   void watch_led(OpenShutter& shutter) const;
   void close_shutter(Exposure& exposure, Instant since);
   [[nodiscard]] Instant exposure_begin(std::uint64_t frame) const;
-  // How long the LED was on until `instant`, which is not before its last change.
+  // Returns how long the LED was on until `instant`, which must not be before the LED's last change.
   [[nodiscard]] Duration led_on_until(Instant instant) const {
     return led_on_time_ + (led_on_ ? instant - led_changed_ : Duration::zero());
   }

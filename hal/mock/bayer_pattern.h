@@ -36,8 +36,8 @@ class BayerInterpolation {
   std::size_t red_column_, red_row_;  // 0 or 1
 };
 
-/// Gaussian blur of a picture, as a lens that is slightly out of focus. Pixels beyond the edge repeat those of the
-/// edge.
+/// Blurs a picture with a Gaussian kernel, as a lens that is slightly out of focus does. Pixels beyond the edge repeat
+/// those of the edge.
 class GaussianBlur {
  public:
   /// `sigma_px` above 0.

@@ -17,8 +17,8 @@ constexpr double kTouchM = 0.002;
 }  // namespace
 
 void World::kick_off() {
-  // A random point near the center: from a fixed point, two symmetric teams could block each other forever. The area
-  // grows with each draw until the point is free of robots.
+  // Draws a random point near the center, because from a fixed point two symmetric teams could block each other
+  // forever. The area grows with each draw until the point is free of robots.
   constexpr int kDraws = 200;
   const double reach = parameters_.robot_side_m * std::numbers::sqrt2 / 2.0 + parameters_.ball_radius_m;
   Vector2 point;
@@ -56,7 +56,7 @@ void World::referee() {
     still_s_ = 0.0;
     return;
   }
-  // Nobody plays with a ball beside robots that stand: it stays where somebody has put it.
+  // Without playing opponents or a commanded robot, nobody plays, and the ball stays where somebody has put it.
   const bool is_played = parameters_.opponents == Opponents::kPlay ||
                          std::any_of(robots_.begin(), robots_.end(),
                                      [](const Robot& robot) { return robot.commanded_mps != std::array<double, 2>{}; });

@@ -19,8 +19,8 @@
 // each call locks the arena.
 namespace touchline::hal::mock {
 
-/// A real clock for an arena that follows it. It stands still while a picture is rendered, which a real camera does
-/// without the processor. Any thread may call it.
+/// A real clock for an arena that follows it. The clock stands still while a picture is rendered, because a real camera
+/// takes pictures without the processor. Any thread may call it.
 class RenderingClock : public Clock {
  public:
   explicit RenderingClock(Clock& real) : real_(real) {}

@@ -8,7 +8,7 @@
 namespace touchline::hal::mock {
 namespace {
 
-// The streams 0 to 2 are those of physics, radio and sensor.
+// Random stream of the faults; physics, radio and sensor use the streams 0 to 2.
 constexpr std::uint64_t kRandomStream = 16;
 constexpr std::size_t kBlock_px = 16;
 

@@ -37,7 +37,8 @@ class RadioChannel {
   /// `baud`: speed of the serial line at 10 bits per byte.
   RadioChannel(const ArenaParameters& parameters, int baud, std::uint64_t seed);
 
-  /// Number of the robots' team: they obey its packets only. Without one, they obey all packets without a number.
+  /// Sets the number of the robots' team, whose packets alone they obey. Without a number, they obey all packets
+  /// without a number.
   void set_team(TeamNumber team);
   /// Queues one packet. kBusy: the queue is full, and nothing was queued. kOutOfRange: `bytes` is empty or larger than
   /// a packet.
@@ -71,7 +72,8 @@ class RadioChannel {
   Duration byte_time_, timeout_;
   Random random_;
   Instant line_free_{};
-  // 60 packets per second with one second of delay and one second of mean jitter give 120 on average.
+  // Packets on their way: at 60 packets per second, one second of delay and one second of mean jitter, they are 120 on
+  // average.
   FixedVector<PacketInFlight, 256> in_flight_;
   FixedVector<Receiver, kMaxRobots> receivers_;
   RobotTelemetrySource telemetry_;

@@ -38,7 +38,7 @@ class Random {
     state_[3] = rotate(state_[3], 45);
     return result;
   }
-  /// In [0, 1).
+  /// Returns a uniformly distributed number in [0, 1).
   double uniform() { return static_cast<double>(bits() >> 11U) * 0x1p-53; }
   double uniform(double low, double high) { return low + (high - low) * uniform(); }
   /// True with this probability.
@@ -83,7 +83,7 @@ class NormalTable {
     }
     return values;
   }
-  // Computed once: tests make many sensors.
+  // Returns the table, which is computed only once because tests make many sensors.
   static const float* shared_quantiles() {
     static const std::vector<float> values = quantiles();
     return values.data();

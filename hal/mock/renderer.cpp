@@ -22,7 +22,7 @@ struct SamplePlace {
 constexpr std::size_t kSamplesPerSide = 4;
 // Each sample has a square of its own among 4 x 4, and in it a column and a row of its own among 16, so edges along the
 // pixel grid move in steps of 1/16 pixel. Opposite places belong to opposite times, else edges of moving robots seem
-// displaced. Of all orders with opposite places, this one shows an edge in the worst direction best.
+// displaced. Among all orders with this property, this order shows an edge in the worst direction best.
 constexpr auto kSamplePlaces = [] {
   constexpr std::array kColumnOrder{0, 2, 1, 3}, kRowOrder{3, 1, 2, 0};
   constexpr auto kSide = static_cast<float>(kSamplesPerSide);
@@ -37,7 +37,8 @@ constexpr auto kSamplePlaces = [] {
   return places;
 }();
 
-// Sixteenths of the exposure. Exchanging any two of them shows moving edges worse, for up to two pixels an exposure.
+// Sixteenths of the exposure. The order is chosen for moving edges: exchanging any two entries shows them worse, for
+// motions of up to two pixels per exposure.
 constexpr std::array kSampleTimes{13, 5, 1, 6, 7, 12, 15, 11, 4, 0, 3, 8, 9, 14, 10, 2};
 // 0 to 1.
 float sample_time(int sample) {

@@ -17,7 +17,7 @@ inline constexpr int kLinearScale = 4095;
 
 enum class Floor : std::uint8_t { kField, kGreyPaper };
 
-/// When the rows of a picture are exposed, between the beginning (0) and the end (1) of its motion.
+/// Times at which the rows of a picture are exposed, between the beginning (0) and the end (1) of the motion.
 struct RowTiming {
   float begin_per_row = 0.0f;  // start of a row's exposure after that of the row above; 0: global shutter
   float exposure = 1.0f;       // duration of each row's exposure

@@ -6,7 +6,7 @@
 namespace touchline::hal::mock {
 namespace {
 
-// Slower impacts do not bounce, so that resting contacts come to rest.
+// Speed below which impacts do not bounce, so that touching bodies come to rest.
 constexpr double kMinBounceMps = 0.05;
 constexpr int kIterations = 8;
 // Share of the overlap beyond the slop that each step removes. Removing all of it makes piles of robots jitter.

@@ -10,7 +10,7 @@ constexpr std::uint64_t kTelemetryStream = 5;
 // Voltage range of fully charged batteries.
 constexpr double kBatterySpreadV = 0.3;
 constexpr float kSagVPerMps = 0.3f;
-// Each robot averages its link quality over about 30 packets.
+// Weight of the newest packet in a robot's link quality, which is an average over about 30 packets.
 constexpr float kLinkMemory = 1.0f / 32.0f;
 
 }  // namespace

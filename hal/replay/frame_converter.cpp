@@ -9,9 +9,9 @@ extern "C" {
 namespace touchline::hal::ffmpeg {
 namespace {
 
-// Bit-exact on every CPU, chroma interpolated in both directions.
+// Flags of the scaler: results are the same on every CPU, and chroma is interpolated in both directions.
 constexpr int kScalerFlags = SWS_BILINEAR | SWS_FULL_CHR_H_INT | SWS_FULL_CHR_H_INP | SWS_ACCURATE_RND | SWS_BITEXACT;
-// Video whose file does not name a matrix: ITU-R BT.601 below this number of rows (standard definition), else BT.709.
+// Number of rows from which a video without a named matrix uses ITU-R BT.709; below it (standard definition), BT.601.
 constexpr int kFirstHdRow = 720;
 
 bool full_range(const AVFrame& frame) {

@@ -9,7 +9,7 @@ namespace touchline::hal {
 namespace {
 
 constexpr double kPictureRateHz = 30.0;  // as in the paper
-// One in the pipeline, one held by a recorder, one being filled.
+// Number of buffers: one in the pipeline, one held by a recorder, and one being filled.
 constexpr std::size_t kBuffers = 3;
 
 std::string size_text(std::uint32_t width, std::uint32_t height) {
@@ -56,7 +56,8 @@ Result<void> ReplayCamera::fetch() {
   return {};
 }
 
-// As fetch(), with the gaps that damaged pictures leave in the numbers, as a driver does.
+// Fetches as fetch() does. A damaged picture leaves a gap in the numbers, as a lost frame of a driver does;
+// `skip_damaged` passes over it.
 Result<void> ReplayCamera::fetch_undamaged() {
   for (;;) {
     Result<void> fetched = fetch();

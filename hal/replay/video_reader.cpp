@@ -16,7 +16,7 @@
 namespace touchline::hal::ffmpeg {
 namespace {
 
-// The paper's rate, for a stream without a frame rate.
+// Rate for a stream without a frame rate: the rate of the paper.
 constexpr double kUnknownRateHz = 30.0;
 
 ErrorCode code_of(int error) {
@@ -47,7 +47,8 @@ VideoReader::~VideoReader() {
   if (file_ >= 0) ::close(file_);
 }
 
-// A regular file is FFmpeg's business. It would wait for the writer of a FIFO for ever.
+// Opens a FIFO or a device here, because FFmpeg would wait for the writer of a FIFO forever. FFmpeg opens regular files
+// itself.
 Result<void> VideoReader::open_stream() {
   input_.reset();
   stream_in_.reset();

@@ -53,7 +53,7 @@ inline void set_flicker_mode(libcamera::ControlList& list, const libcamera::Cont
 #endif
 }
 
-/// Whether pictures of this validated configuration are mirror images. Rotations are none.
+/// Returns whether pictures of this validated configuration are mirror images. A rotated picture is not a mirror image.
 inline bool is_mirrored(const libcamera::CameraConfiguration& configuration) {
 #if TOUCHLINE_LIBCAMERA >= 200
   using libcamera::Orientation;
@@ -61,7 +61,7 @@ inline bool is_mirrored(const libcamera::CameraConfiguration& configuration) {
   return of == Orientation::Rotate0Mirror || of == Orientation::Rotate180Mirror || of == Orientation::Rotate90Mirror ||
          of == Orientation::Rotate270Mirror;
 #else
-  // Each flip, and the exchange of rows and columns, is a mirror.
+  // Each flip mirrors the picture, and so does the exchange of rows and columns.
   using libcamera::Transform;
   const auto has = [&](Transform part) { return (configuration.transform & part) != Transform::Identity; };
   return has(Transform::HFlip) != (has(Transform::VFlip) != has(Transform::Transpose));

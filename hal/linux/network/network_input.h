@@ -38,8 +38,9 @@ class NetworkInput {
   virtual void close() = 0;
 
   /// While `senders` is set, the system drops the messages of all others, this computer's excepted, before they take
-  /// room in the socket's buffer. Returns the number of messages that it has dropped since the last call, for this or
-  /// for want of room. Inputs that cannot do it receive all messages, and return 0. Ends with close().
+  /// room in the socket's buffer. Returns the number of messages that it has dropped since the last call, for this
+  /// reason or because the buffer was full. Inputs without this ability receive all messages and return 0. Ends with
+  /// close().
   virtual std::uint64_t drop_others(const std::optional<std::vector<NetworkRange>>& /*senders*/) { return 0; }
 };
 

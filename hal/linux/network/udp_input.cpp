@@ -14,12 +14,13 @@ namespace {
 
 constexpr NetworkRange kLoopback{0x7f000000, 8};
 
-// What a sender at the usual limit (1000 messages a second) sends while the receiver's thread waits a second for a
-// processor: the system counts about 1 KB for each message of this size.
+// Room for the messages of a sender at the usual limit (1000 a second) while the receiver's thread waits a second for a
+// processor. The system counts about 1 KB for each message.
 constexpr int kReceiveBufferBytes = 1 << 20;
 
 void enlarge_buffer(const Descriptor& socket) {
-  // Only with CAP_NET_ADMIN beyond net.core.rmem_max. What the system grants is enough for a network without a flood.
+  // A size beyond net.core.rmem_max needs CAP_NET_ADMIN. Without it, the granted size is enough for a network without a
+  // flood.
   const auto set = [&](int option) {
     return ::setsockopt(socket.get(), SOL_SOCKET, option, &kReceiveBufferBytes, sizeof(kReceiveBufferBytes)) == 0;
   };
@@ -64,7 +65,8 @@ Result<void> UdpInput::open() {
   TOUCHLINE_TRY_ASSIGN(interface_, interface_index(address_));
   enlarge_buffer(socket);
   if (address_.is_multicast()) {
-    // Several programs may listen to a group. Two that receive the same unicast would steal from each other.
+    // Several programs may listen to a multicast group. With unicast, two programs at one port would take messages from
+    // each other.
     TOUCHLINE_TRY(set_option(socket, SOL_SOCKET, SO_REUSEADDR, 1, name_, "sharing the port"));
   } else {
     TOUCHLINE_TRY(bind_to_interface(socket, address_));
@@ -81,7 +83,8 @@ Result<void> UdpInput::open() {
 }
 
 Result<void> UdpInput::join(const Descriptor& socket) {
-  // Otherwise the socket also receives what other programs of this computer have joined on other interfaces.
+  // Without this option, the socket also receives groups that other programs of this computer have joined on other
+  // interfaces.
   TOUCHLINE_TRY(set_option(socket, IPPROTO_IP, IP_MULTICAST_ALL, 0, name_, "limiting multicast to its interface"));
   ip_mreqn group{};
   group.imr_multiaddr.s_addr = htonl(address_.ipv4);

@@ -6,7 +6,7 @@
 #include "hal/linux/network/descriptor.h"
 #include "hal/linux/network/network_address.h"
 
-// What UDP outputs and inputs share.
+// Functions that UDP outputs and inputs share.
 namespace touchline::hal {
 
 sockaddr_in socket_address(std::uint32_t ipv4, std::uint16_t port);
@@ -22,7 +22,8 @@ Result<void> set_option(const Descriptor& socket, int level, int option, const T
 }
 /// Index of the interface that the address names; 0: it names none. kNotFound: there is no such interface.
 Result<unsigned> interface_index(const NetworkAddress& address);
-/// Sends and receives through one interface only. For unicast: multicast names its interface by other options.
+/// Makes a unicast socket send and receive through one interface only. Multicast selects its interface by other
+/// options.
 Result<void> bind_to_interface(const Descriptor& socket, const NetworkAddress& address);
 
 }  // namespace touchline::hal

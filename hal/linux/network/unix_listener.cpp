@@ -12,7 +12,7 @@ namespace touchline::hal {
 namespace {
 
 constexpr int kSocketType = SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC;
-// Programs that connect between two frames.
+// Limit of connections that wait to be accepted: programs that connect between two frames.
 constexpr int kWaitingConnections = 8;
 
 sockaddr_un address_of(const std::string& path) {

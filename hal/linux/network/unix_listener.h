@@ -20,7 +20,7 @@ class UnixListener {
   /// Makes the socket file. A socket of this user to which nobody listens is left from a dead process and is replaced;
   /// any other file stays and is an error.
   Result<void> open(const std::string& path);
-  /// A program that has connected; none: the descriptor is not open.
+  /// Returns the connection of a program that has connected; if there is none, the descriptor is not open.
   [[nodiscard]] Descriptor accept() const;
   /// Removes the socket file if it is still this listener's.
   void close();

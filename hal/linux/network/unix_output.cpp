@@ -7,7 +7,7 @@
 namespace touchline::hal {
 namespace {
 
-// Bytes that the socket took; -1: the other side has gone.
+// Returns the number of bytes that the socket took; -1: the other side has gone.
 ssize_t send_some(const Descriptor& socket, std::span<const std::byte> bytes) {
   ssize_t sent = 0;
   do {

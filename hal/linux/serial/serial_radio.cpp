@@ -19,7 +19,7 @@
 namespace touchline::hal {
 namespace {
 
-// A start bit, eight data bits, a stop bit.
+// Bits on the line per byte: a start bit, eight data bits and a stop bit.
 constexpr double kBitsPerByte = 10.0;
 // The largest transmit FIFO of common UARTs. The kernel's count does not include its bytes, which matters if the line
 // is slower than its baud rate.
@@ -27,8 +27,8 @@ constexpr std::size_t kFifoBytes = 64;
 // Receivers sample ten bits after one start edge, so sender and receiver may differ by about 5 % in total. Both have an
 // error.
 constexpr double kMaxBaudError = 0.02;
-// An adapter that sends nothing for this long has stalled, and reopening may help. Not shorter, because reopening
-// restarts many radios, and some need seconds to start.
+// An adapter that sends nothing for this long has stalled, and reopening may help. The time is not shorter, because
+// reopening restarts many radios, and some need seconds to start.
 constexpr Duration kStallTimeout = std::chrono::seconds(5);
 // Poll interval of drain().
 constexpr Duration kDrainPeriod = std::chrono::milliseconds(1);
@@ -136,7 +136,7 @@ Result<void> SerialRadio::check_baud() {
                    "%s: baud = %d: set to %d, which is too far off for the robots to understand", name(),
                    settings_.baud, actual);
   }
-  // Assumes the slowest allowed rate, so that the estimate is never ahead of the line.
+  // Assumes the slowest rate that the tolerance allows, so that no byte is taken as sent before it has left the port.
   byte_time_ = from_seconds(kBitsPerByte * (1.0 + kMaxBaudError) / actual);
   description_ = std::string(name()) + ": " + std::to_string(settings_.baud) + " baud";
   if (actual != settings_.baud) description_ += ", set to " + std::to_string(actual);

@@ -11,11 +11,11 @@ namespace touchline::hal {
 /// Converts the time stamp of a V4L2 buffer to the middle of its exposure.
 ///
 /// Stamps of the start of exposure are half an exposure early. Stamps of the end of a frame are late by half an
-/// exposure and by the read-out time of the sensor. V4L2 does not report the read-out time, so that error remains (at
-/// most half a frame for the middle row). Stamps of the arrival of the first row (uvcvideo, see below) are treated as
-/// end-of-frame stamps, because the exposure of that row is over. The time of dequeuing replaces a stamp, as an end of
-/// frame, if the stamp is not from the monotonic clock, not later than the previous one, or in the future. The result
-/// is never later than the time of dequeuing.
+/// exposure and by the read-out time of the sensor. V4L2 does not report the read-out time, so its part of the error
+/// remains (at most half a frame for the middle row). Stamps of the arrival of the first row (uvcvideo, see below) are
+/// treated as end-of-frame stamps, because the exposure of that row is over. The time of dequeuing replaces a stamp, as
+/// an end of frame, if the stamp is not from the monotonic clock, not later than the previous one, or in the future.
+/// The result is never later than the time of dequeuing.
 class CaptureStamp {
  public:
   /// `exposure` zero: unknown, no correction. Values outside 0 to 1 s are limited to this range.

@@ -202,7 +202,7 @@ Result<void> V4l2Camera::do_start() {
     return fail("starting the stream", error);
   }
   streaming_ = true;
-  // Set again, because some cameras return to automatic control when the stream starts.
+  // The controls are set again, because some cameras return to automatic control when the stream starts.
   negotiated_.truncate(negotiated_before_controls_);
   stamps_.restart(check_exposure(apply_controls(device_, settings_, negotiated_), negotiated_));
   report_negotiated();

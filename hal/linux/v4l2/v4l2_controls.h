@@ -14,8 +14,9 @@ namespace touchline::hal {
 /// it may stream. Any thread may call it.
 Duration apply_controls(const V4l2Device& device, const CameraSettings& requested, ErrorText& negotiated);
 
-/// The same while the camera streams, but only for values that differ between `before` and `requested`: each control
-/// can cost a UVC camera milliseconds or a frame, and writing the focus moves the lens even if the value is the same.
+/// Sets controls as apply_controls() does while the camera streams, but only those values that differ between `before`
+/// and `requested`: each control can cost a UVC camera milliseconds or a frame, and writing the focus moves the lens
+/// even if the value is the same.
 Duration change_controls(const V4l2Device& device, const CameraSettings& before, const CameraSettings& requested,
                          ErrorText& negotiated);
 

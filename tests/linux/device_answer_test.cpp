@@ -35,7 +35,7 @@ TEST_F(DeviceAnswerTest, ACameraHasALastingNameAModeAndAPicture) {
   EXPECT_EQ(camera["used"], false);
   EXPECT_EQ(camera["suggested"],
             (nlohmann::json{
-                {"device", kById}, {"format", "yuyv"}, {"width_px", 640}, {"height_px", 480}, {"rate_hz", 60.0}}));
+                {"device", kById}, {"format", "yuyv"}, {"width_px", 1280}, {"height_px", 720}, {"rate_hz", 60.0}}));
   EXPECT_EQ(camera["formats"].at(0)["sizes"].size(), 2u);
   EXPECT_EQ(camera["thumbnail"].get<std::string>().rfind("data:image/jpeg;base64,/9j/", 0), 0u) << camera;
   EXPECT_FALSE(camera.contains("refused")) << camera;

@@ -12,7 +12,7 @@ struct GeneralizedPareto {
 
   /// Probability that an excess is larger than `excess` (>= 0).
   [[nodiscard]] double survival(double excess) const;
-  /// The excess that is exceeded with this probability (0 to 1).
+  /// Upper quantile: returns the excess that is exceeded with probability `survival` (0 to 1).
   [[nodiscard]] double quantile(double survival) const;
 };
 

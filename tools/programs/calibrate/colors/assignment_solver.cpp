@@ -322,7 +322,7 @@ class Solver {
       label_of[wanted[i]] = column[i] < useful.size() ? useful[column[i]] : kNone;
   }
 
-  // A color with a click is not missing if nothing else has it.
+  // A color with a click is not missing if no other label has it.
   static double missing(const PatchLabels& cut, std::size_t color) {
     return cut.named(color) == kNone ? kMissing : 0.0;
   }

@@ -140,7 +140,7 @@ class BallInference {
            });
   }
 
-  // In the square of a recognized robot.
+  // Whether the patch lies in the square of a recognized robot.
   [[nodiscard]] bool is_on_robot(std::size_t picture, const FoundPatch& patch) const {
     return std::any_of(assignment_.named.begin(), assignment_.named.end(), [&](const AssignedRobot& robot) {
       if (robot.picture != picture) return false;

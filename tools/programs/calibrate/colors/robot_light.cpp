@@ -10,8 +10,8 @@ namespace {
 
 // Approximates the sRGB transfer function.
 constexpr double kGamma = 2.2;
-// Standard deviation of the logarithm of a channel, also of a color that is known only by its name, and the greatest
-// contradiction of one channel in these.
+// Standard deviations of the logarithm of a channel, for a color that patches have shown and for a color that is known
+// only by its name, and the limit of one channel's residual in standard deviations.
 constexpr double kSeenSigma = 0.25, kNamedSigma = 0.6, kMaxResiduals = 4.0;
 // Sensor noise and black level in linear light, which hide the ratios of dark channels.
 constexpr double kNoiseFloor = 0.01;
@@ -20,7 +20,7 @@ constexpr double kBlack = 2.0;
 // Factors and glare that are tried.
 constexpr double kGains[] = {0.25, 0.35, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0, 1.15, 1.35, 1.6, 2.0};
 constexpr double kGlares[] = {0, 0.01, 0.02, 0.04, 0.07, 0.1, 0.14, 0.18, 0.24, 0.3};
-// Of the glare on a robot, and of its difference on one of the patches.
+// Scales of the factor of a robot's light, and of the difference between the robot's glare and that of one patch.
 constexpr double kGainSigma = 0.6, kGlareScale = 0.1;
 // Greatest change by the light on a robot, as logarithm of its factor and as glare, that is usual.
 constexpr double kUsualGain = 0.25, kUsualGlare = 0.05;
@@ -43,7 +43,8 @@ GlareCosts costs_of(const ShownPatch& patch, double gain, double white) {
       if (look.at_black[c]) residual = std::max(0.0, residual);
       sum += std::min(residual * residual, kMaxResiduals * kMaxResiduals);
     }
-    // A wide distribution is low everywhere.
+    // The second term normalizes the density: the wider the distribution, the lower it is at its peak, so a wide one
+    // must not win by its small residuals.
     out[g] = sum / 2 + 3 * std::log(look.sigma / kSeenSigma);
   }
   return out;
@@ -103,7 +104,7 @@ bool is_odd(const RobotLight& light, const std::vector<ShownPatch>& patches, con
 }
 
 LightRemoval::LightRemoval(const RobotLight& light, const std::vector<ShownPatch>& others, const Brightness& brightness)
-    : gain_(std::min(1.0, light.gain)),  // what is brighter is glare
+    : gain_(std::min(1.0, light.gain)),  // a greater factor counts as glare
       brightness_(brightness) {
   // Channels show the glare that are neither black without it nor clipped with it.
   std::vector<double> glares;

@@ -8,7 +8,7 @@ namespace touchline::calibrate {
 namespace {
 
 constexpr double kMinEnclosed = 0.1;
-// The regions between the lines of the field are larger; specks and letters are smaller.
+// Least share of the picture. Regions between the lines of the field are larger; specks and letters are smaller.
 constexpr double kMinArea = 0.001;
 
 std::vector<std::uint8_t> brightness(const hal::Picture& picture) {
@@ -101,7 +101,8 @@ std::size_t box_area(const Grid& grid, const std::vector<std::size_t>& pixels) {
   return static_cast<std::size_t>(right - left + 1) * static_cast<std::size_t>(bottom - top + 1);
 }
 
-// Pixels inside that touch the region, except specks: a noisy floor as bright as the border is full of them.
+// Returns the pixels inside that touch the region, without specks: a floor as noisy and as bright as the border is full
+// of specks.
 std::vector<OutlinePixel> outline_of(const Grid& grid, const std::vector<std::uint8_t>& in_piece,
                                      const std::vector<std::uint8_t>& outside) {
   const auto inside = [&](std::size_t k) { return in_piece[k] == 0 && outside[k] == 0; };
@@ -138,7 +139,7 @@ std::vector<OutlinePixel> border_outline(const hal::Picture& picture, int thresh
   for (std::size_t i = 0; i < grid.size(); ++i) {
     if (seen[i] != 0 || !bright(i)) continue;
     const std::vector<std::size_t> piece = flood(grid, {i}, true, bright, seen);
-    // Skips specks: a region that encloses less than this cannot be the border.
+    // Skips specks: a region with a smaller bounding box cannot be the border.
     if (box_area(grid, piece) <= most) continue;
     std::vector<std::uint8_t> in_piece(grid.size()), outside(grid.size());
     for (const std::size_t k : piece) in_piece[k] = 1;

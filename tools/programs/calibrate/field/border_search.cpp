@@ -12,7 +12,7 @@
 namespace touchline::calibrate {
 namespace {
 
-// The points of each straightened side are collected and fitted again within these distances.
+// Distances from a straightened side within which its points are collected for each further fit.
 constexpr std::array<double, 3> kCollect_px{14.0, 6.0, 3.0};
 constexpr std::array<double, 6> kThresholds{0.7, 1.0, 1.3, 1.7, 2.2, 2.8};
 

@@ -28,12 +28,12 @@ struct BorderSearch {
   std::array<HoughLine, 4> sides;
   double h_px = 0;  // the second smallest value of the four sides
   Corners corners;  // of the field in the order of fit_field(), x to the right in the picture
-  // After the picture was straightened with eq. (12); sides in the order of hough_sides().
+  // Sides after the picture was straightened with eq. (12), in the order of hough_sides().
   std::array<HoughLine, 4> straight_sides;
   Corners straight_corners;
 };
 
-/// Runs all steps. kNotFound, with the reason: there is no border.
+/// Runs all steps. kNotFound: there is no border; the message says why.
 Result<void> find_border(const hal::Picture& picture, BorderSearch& out);
 
 }  // namespace touchline::calibrate

@@ -12,12 +12,11 @@
 namespace touchline::calibrate {
 namespace {
 
-// Standard deviations of the prior: the principal point lies within a few percent of the picture width from the center;
-// sensors have square pixels.
+// Standard deviation of the principal point from the center of the picture, in picture widths.
 constexpr double kCenterSigma = 0.04;
 constexpr double kSensorAspectSigma = 0.002;
-// A picture that the driver has stretched has pixels of some other shape, which clicked points tell to a percent (two
-// pixels in two hundred). Beyond kSquare, the start is such a picture.
+// Prior of the pixel aspect ratio. If the start differs from square pixels by more than kSquare, the driver has
+// stretched the picture. Clicked points then determine the aspect ratio to one percent (two pixels in two hundred).
 constexpr double kStretchedAspectSigma = 0.01, kSquare = 0.01;
 // Typical sizes of the distortion terms: terms that the border does not determine stay near zero.
 constexpr std::array<double, 5> kLensSigma{0.5, 0.3, 0.1, 0.003, 0.003};
@@ -70,7 +69,8 @@ Eigen::Vector2d seen(const UnknownsVector& x, const std::array<double, 3>& place
   return pixel;
 }
 
-// Standard deviation of the position that follows from a pixel, mm: the pixel is fixed and the camera varies.
+// Returns the standard deviation in mm of the position on the floor at which a fixed pixel looks, while the camera
+// varies.
 double place_sigma_mm(const UnknownsVector& x, const Eigen::MatrixXd& covariance, const std::array<double, 3>& place) {
   Eigen::Matrix<double, 2, kUnknowns> by_camera;
   for (Eigen::Index i = 0; i < kUnknowns; ++i) {

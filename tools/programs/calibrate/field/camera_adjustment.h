@@ -32,20 +32,20 @@ struct CameraUncertainty {
   double focal_px = 0, center_u_px = 0, center_v_px = 0;
   double floor_center_mm = 0, floor_corner_mm = 0;  // of the floor position of a pixel; in the worst corner
   double top_corner_mm = 0;                         // of the position of a robot's top there, at kTop_m
-  // Chi-square of the lens parameters under their priors: how unusual the lens is. With a wrong size of the field,
-  // tilt, focal length and distortion take unusual values to compensate.
+  // Chi-square of the lens parameters under their priors: how unusual the lens is. If the size of the field is wrong,
+  // tilt, focal length and distortion compensate with unusual values.
   double lens_chi_square = 0;
 };
 inline constexpr double kTop_m = 0.075;
 
-/// What the picture alone says about the camera's height: perspective and distortion of the marks, seen through a lens
-/// that distorts around a point near the middle of the picture. Neither a given height, nor the rules of a league, nor
-/// the focal lengths of usual lenses belong to it.
+/// What the picture alone says about the camera's height. It follows from perspective and distortion of the marks, for
+/// a lens whose center of distortion is near the middle of the picture. A given height, the rules of a league and the
+/// focal lengths of usual lenses are left out.
 struct HeightEvidence {
-  // Infinite: the picture does not show the height. Straight above the field, a camera twice as high with twice the
-  // focal length sees nearly the same.
+  // sigma_m is infinite if the picture does not show the height. Straight above the field, a camera twice as high with
+  // twice the focal length sees nearly the same.
   double height_m = 0, sigma_m = std::numeric_limits<double>::infinity();
-  double chi_square = 0;  // of the given height and its standard deviation; 0 if none is given
+  double chi_square = 0;  // chi-square of the given height under its standard deviation; 0 if none is given
 };
 
 /// Weights of the adjustment: standard deviation of a point, scale of the Cauchy loss beyond which a point has little
@@ -61,14 +61,14 @@ struct AdjustmentWeights {
 class Adjustment {
  public:
   Adjustment(int width_px, int height_px, const std::optional<HeightPrior>& height, const AdjustedCamera& start);
-  /// The same camera without the prior of usual focal lengths, and with this prior of the height.
+  /// Returns the same adjustment without the prior of usual focal lengths and with this prior of the height.
   [[nodiscard]] Adjustment of_any_focal_length(const std::optional<HeightPrior>& height) const;
 
   /// Returns false if the result is not a camera above the floor.
   [[nodiscard]] bool run(const std::vector<MarkPoint>& points, const AdjustmentWeights& weights,
                          AdjustedCamera& camera) const;
-  /// Computes standard deviations from the normal equations at the minimum, for the center and corners of `field`.
-  /// Infinite where the equations are singular.
+  /// Computes standard deviations from the normal equations at the minimum, for the center and corners of `field`. A
+  /// standard deviation is infinite if the equations are singular.
   [[nodiscard]] CameraUncertainty uncertainty(const std::vector<MarkPoint>& points, const AdjustmentWeights& weights,
                                               AdjustedCamera camera, const FieldParameters& field) const;
   /// Twice the negative log-likelihood of the camera, up to a constant: distances from the marks, and priors.

@@ -14,14 +14,14 @@ constexpr double kSampleStep_px = 0.25;
 // Least contrast as a fraction of full scale. White paint reflects ten times as much light as a dark floor.
 constexpr double kMinContrast = 0.04;
 constexpr double kFlatRise = 0.35;
-// Lens and interpolation blur an edge over about this distance; beyond it each side has its own level.
+// Distance over which lens and interpolation blur an edge. Beyond it each side has its own level.
 constexpr double kBlur_px = 2.0;
 // Greatest width of a line.
 constexpr double kWidestLine_px = 14.0;
-// Length of the level on each side that an edge is measured between, and its greatest variation as a fraction of the
-// edge's step. Where something else is near, there is no level.
+// Length of the stretch on each side that gives the side's level, and the greatest variation of the level as a fraction
+// of the edge's step. If another object is near, there is no level.
 constexpr double kLevel_px = 1.5, kLevelVariation = 0.2;
-// Greatest correction of a place.
+// Greatest distance of a refined edge from the crossing.
 constexpr double kLargestCorrection_px = 0.5;
 
 constexpr int kBlurSamples = static_cast<int>(kBlur_px / kSampleStep_px),
@@ -48,19 +48,19 @@ class Profile {
   [[nodiscard]] double operator[](int i) const { return values_[static_cast<std::size_t>(i)]; }
   [[nodiscard]] double place(double i) const { return (i - origin_) * kSampleStep_px; }
 
-  // Position between samples i and i + 1 at which the light crosses `level`.
+  // Returns the position between samples i and i + 1 at which the light crosses `level`.
   [[nodiscard]] double crossing(int i, double level) const {
     return place(i + (level - (*this)[i]) / ((*this)[i + 1] - (*this)[i]));
   }
-  // The smallest value of the samples [first, last].
+  // Returns the smallest value of the samples [first, last].
   [[nodiscard]] double least(int first, int last) const {
     double value = (*this)[std::clamp(first, 0, size() - 1)];
     for (int i = std::max(first, 0); i <= std::min(last, size() - 1); ++i) value = std::min(value, (*this)[i]);
     return value;
   }
-  // Place of the edge near `crossing`, between a dark level before it and a bright one behind it: the light adds up to
-  // as much as that of a sharp edge (Lyvers et al. 1989, moments of an edge). The crossing of a level that is
-  // interpolated between pixels is wrong by up to a tenth of a pixel, depending on where the edge lies between them.
+  // Returns the position of the edge near `crossing`, between a dark level before it and a bright level behind it: a
+  // sharp edge there has the same sum of light (Lyvers et al. 1989, moments of an edge). The crossing of an
+  // interpolated level is wrong by up to a tenth of a pixel, depending on where the edge lies between the pixels.
   [[nodiscard]] double edge_at(double crossing) const {
     const int middle = nearest(crossing), first = middle - kBlurSamples, last = middle + kBlurSamples;
     const std::optional<double> dark = level(first - kLevelSamples, first), bright = level(last, last + kLevelSamples);
@@ -72,7 +72,7 @@ class Profile {
     const double place_of_edge = place(last) - kSampleStep_px * area / (*bright - *dark);
     return std::abs(place_of_edge - crossing) <= kLargestCorrection_px ? place_of_edge : crossing;
   }
-  // Middle of the line between two crossings: the center of its light above that of both sides.
+  // Returns the middle of the line between two crossings: the center of its light above the level of both sides.
   [[nodiscard]] double line_at(double left, double right) const {
     const double crossing = 0.5 * (left + right);
     const int first = nearest(left) - kBlurSamples, last = nearest(right) + kBlurSamples;
@@ -102,7 +102,7 @@ class Profile {
   [[nodiscard]] int nearest(double place_px) const {
     return origin_ + static_cast<int>(std::lround(place_px / kSampleStep_px));
   }
-  // Mean of the samples [first, last]; none beyond the profile.
+  // Returns the mean of the samples [first, last]; empty if they exceed the profile.
   [[nodiscard]] std::optional<double> level(int first, int last) const {
     if (first < 0 || last >= size()) return std::nullopt;
     double sum = 0;
@@ -142,7 +142,7 @@ std::optional<double> border_in(const Profile& profile, bool innermost) {
   return profile.edge_at(profile.crossing(i, level));
 }
 
-// The middle between the two flanks of the brightest sample.
+// Returns the middle between the two flanks of the brightest sample.
 std::optional<double> line_in(const Profile& profile) {
   int top = 0;
   for (int i = 1; i < profile.size(); ++i) {

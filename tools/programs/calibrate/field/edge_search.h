@@ -39,7 +39,7 @@ struct Mark {
   bool early = false;      // long enough to be found while the camera model is a few dozen pixels off
 };
 
-// The ends of marks are left out, because other marks meet there.
+// Length that is left out at each end of a mark, because other marks meet there.
 inline constexpr double kMarkEnd_m = 0.03;
 
 double length_of(const Mark& mark);
@@ -59,10 +59,10 @@ struct MarkPoint {
 };
 
 /// Samples each mark every `step_px` along its projection with `camera`, and searches up to `reach_px` to both sides
-/// for the edge: where a sharp edge between the levels of both sides would let through as much light (for a line: the
-/// center of its light), or, where something else is too near, where the light is halfway between these levels.
-/// Points with little contrast or at the limit of the reach are left out. `tried_points`: number of points tried per
-/// mark, including points outside the picture.
+/// for the edge. The edge lies where a sharp edge between the levels of both sides has the same sum of light; a line
+/// lies at the center of its light. If another object is too near, the edge lies where the light is halfway between the
+/// levels. Points with little contrast or at the limit of the reach are left out. `tried_points`: number of points
+/// tried per mark, including points outside the picture.
 std::vector<MarkPoint> find_marks(const LightPicture& picture, const CameraModel& camera,
                                   const std::vector<Mark>& marks, double step_px, double reach_px,
                                   std::vector<std::size_t>* tried_points = nullptr);

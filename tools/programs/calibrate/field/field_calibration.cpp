@@ -16,7 +16,7 @@
 namespace touchline::calibrate {
 namespace {
 
-// The measures that are only published to other programs.
+// Copies the measures that are only published to other programs.
 void copy_markings(const FieldParameters& from, FieldParameters& to) {
   to.line_width_m = from.line_width_m;
   to.center_circle_m = from.center_circle_m;
@@ -26,7 +26,7 @@ void copy_markings(const FieldParameters& from, FieldParameters& to) {
 
 Corners turned(const Corners& c) { return {c[1], c[2], c[3], c[0]}; }
 
-// Every tenth point, so that the photograph remains visible.
+// Returns every tenth point, so that the photograph remains visible.
 std::vector<FloorPoint> points_of(const RefinementReport& refinement) {
   std::vector<FloorPoint> points;
   for (std::size_t i = 0; i < refinement.found.size(); i += 10) {
@@ -70,7 +70,7 @@ Result<void> fit_border(const LightPicture& picture, const ChosenField& chosen, 
     if (!result.ok()) {
       result = prefixed("the bright region is not the border, or the picture cuts the field off", result.error());
     } else {
-      // Brown's model instead of eq. (12), as far as the corners of the field.
+      // Uses Brown's model instead of eq. (12), fitted up to the corners of the field.
       FullModelParameters& full = attempt.fit.camera.full;
       double radius = 0;
       for (const PixelPoint& corner : border.corners) {
@@ -89,7 +89,7 @@ Result<void> fit_border(const LightPicture& picture, const ChosenField& chosen, 
       }
     }
     progress.step();
-    // Reports the error of the orientation in which the longer sides of field and picture are parallel.
+    // Of both orientations, the error is reported in which the longer sides of field and picture are parallel.
     const auto distance = [&](std::size_t a, std::size_t b) {
       return std::hypot(static_cast<double>(corners[a].u_px - corners[b].u_px),
                         static_cast<double>(corners[a].v_px - corners[b].v_px));
@@ -115,7 +115,7 @@ Result<void> fit_border(const LightPicture& picture, const ChosenField& chosen, 
   return {};
 }
 
-// Fits square pixels, or with `fit_input.free_aspect` others.
+// Fits square pixels, or a free pixel aspect ratio with `fit_input.free_aspect`.
 Result<void> fit_points_once(const FieldPictures& input, const LightPicture& light, const ChosenField& chosen,
                              FieldFitInput fit_input, FieldReport& found) {
   fit_input.start_only = input.refine;
@@ -140,15 +140,15 @@ Result<void> fit_points_once(const FieldPictures& input, const LightPicture& lig
   return {};
 }
 
-// Drivers scale pictures of another shape to the size that was asked for: 5 : 4 to 4 : 3 is the smallest such stretch,
-// 1.07. Less is a wrong length or width.
+// Some drivers stretch pictures of another aspect ratio to the requested size. The smallest usual stretch, from 5 : 4
+// to 4 : 3, is a factor of 1.07. If a fit finds less, the cause is a wrong length or width of the field.
 constexpr double kMinStretch = 0.05;
 
 double stretch_of(const FieldFit& fit) {
   return static_cast<double>(fit.camera.full.fx_px) / static_cast<double>(fit.camera.full.fy_px) - 1;
 }
 
-// Tries square pixels first, and others only if the border does not fit those.
+// Fits square pixels first, and a free aspect ratio only if the border contradicts square pixels.
 Result<void> fit_points(const FieldPictures& input, const LightPicture& light, const ChosenField& chosen,
                         const FieldFitInput& fit_input, FieldReport& found) {
   FieldReport stretched = found;
@@ -164,7 +164,7 @@ Result<void> fit_points(const FieldPictures& input, const LightPicture& light, c
   return {};
 }
 
-// Border or points, without a comparison of what a person said with what the picture shows.
+// Fits the border or the points, without comparing the person's choices with the picture.
 Result<FieldReport> fit_pictures(const FieldPictures& input, const LightPicture& light, const ChosenField& field,
                                  double camera_height_m) {
   const hal::Picture& picture = input.pictures.front();
@@ -195,8 +195,8 @@ Result<FieldReport> fit_pictures(const FieldPictures& input, const LightPicture&
   return found;
 }
 
-// The picture contradicts the given height if a fit without it is good and far from it. kOutOfRange: it does; the
-// message says what was tried.
+// Refuses a given height that the picture contradicts: a fit without the height is good and far from it. kOutOfRange:
+// the picture contradicts the height; the message says what was tried.
 Result<void> check_height_given(const FieldPictures& input, const LightPicture& light, const ChosenField& field,
                                 double camera_height_m, const Result<FieldReport>& with_height) {
   ChosenField unmeasured = field;
@@ -252,12 +252,12 @@ Result<ChosenField> choose_field(const VenueDraft& venue, const FieldChoice& cho
     const FieldPreset* league = find_preset(field.length_m, field.width_m);
     out.drawing = league != nullptr ? league->drawing : bare_drawing(field);
     out.height = league != nullptr ? league->height : std::nullopt;
-    // A venue file without a preset keeps what somebody wrote into it.
+    // A venue file without a preset keeps the values that somebody wrote into it.
     if (!choice.preset.empty() || !venue.exists) {
       copy_markings(league != nullptr ? league->drawing.field : FieldParameters{}, field);
     }
   }
-  // The goals of a league are wider than a field on a desk.
+  // The preset's goals are wider than a small field on a desk.
   if (resized && field.goal_width_m >= field.width_m) field.goal_width_m = field.goal_depth_m = 0.0f;
   out.drawing.field = field;
   if (ignores_markings) {
@@ -302,8 +302,8 @@ Result<FieldReport> calibrate_field(const FieldPictures& input, const ChosenFiel
   }
   if (!fitted.ok()) return fitted;
   FieldReport& report = fitted.value();
-  // What an unknown distortion and the clicks may move in the middle of the field. Points that were clicked on markings
-  // also show how exactly this field is painted.
+  // Tolerance in the middle of the field, for the unknown distortion and for errors of the clicks. Points that were
+  // clicked on markings also show how exactly this field is painted.
   const double tolerance_m = (report.fit.has_distortion ? 0.0 : distortion_effect_m(report.fit.camera, report.points)) +
                              report.fit.residual_mm.rms / 1e3;
   TOUCHLINE_TRY(check_center_markings(light, report, tolerance_m));
@@ -344,7 +344,7 @@ std::string region_warning(const Polygon& region, const hal::Picture& picture, c
                              field.width_m * (static_cast<float>(j) / kSteps - 0.5f)};
       const PixelPoint pixel = model.to_pixel(place, 0.0f);
       const long u = std::lround(pixel.u_px), v = std::lround(pixel.v_px);
-      // What the camera does not see is no fault of the region.
+      // Parts of the field outside the picture are not the region's fault.
       if (u < 0 || v < 0 || u >= width || v >= height) continue;
       ++seen;
       left_out += inside[static_cast<std::size_t>(v * width + u)] == 0 ? 1 : 0;

@@ -13,21 +13,21 @@
 // The whole way from pictures to the sections of the venue file, for touchline-calibrate field and for touchline-setup.
 namespace touchline::calibrate {
 
-/// Instead of the path of a drawing: only the border counts, whatever is painted inside it.
+/// Replaces the path of a drawing: only the border counts, whatever is painted inside it.
 inline constexpr std::string_view kNoDrawing = "none";
 
 /// What a person says about the field.
 struct FieldChoice {
   std::string preset, drawing;       // name of a preset, or path of a drawing (or kNoDrawing); at most one of them
-  double length_m = 0, width_m = 0;  // 0: as the preset, drawing or venue file says
+  double length_m = 0, width_m = 0;  // 0: taken from the preset, drawing or venue file
   double camera_height_m = 0;        // of the lens above the floor; 0: not measured
 };
 
 /// The field to look for.
 struct ChosenField {
   FieldDrawing drawing;
-  std::optional<HeightPrior> height;  // measured, otherwise that of the rules
-  std::optional<HeightPrior> rules;   // what the rules of the league say about it
+  std::optional<HeightPrior> height;  // measured; without a measurement, the prior of the rules
+  std::optional<HeightPrior> rules;   // prior that follows from the league's rules
   HeightSource height_source = HeightSource::kSeen;
 };
 
@@ -47,19 +47,19 @@ struct FieldPictures {
 /// the message says what was found before.
 Result<FieldReport> calibrate_field(const FieldPictures& input, const ChosenField& field, double camera_height_m);
 
-/// [picture], [field] (see painted_field()) and [camera_model] of the venue file.
+/// Returns [picture], [field] (see painted_field()) and [camera_model] of the venue file.
 std::vector<Section> field_sections(const VenueDraft& venue, const hal::Picture& picture, const FieldParameters& field,
                                     const FieldReport& report);
 
-/// What a person must know about a region of interest of the picture that was chosen for another view of the camera:
-/// empty if all of the field lies in it, otherwise which part of the field is never looked at. `region` with fewer than
-/// three corners is the whole picture.
+/// Returns a warning about a region of interest that was chosen for another view of the camera: which part of the field
+/// lies outside it and is never looked at. Empty if it contains the whole field. A `region` with fewer than three
+/// corners is the whole picture.
 std::string region_warning(const Polygon& region, const hal::Picture& picture, const FieldParameters& field,
                            const CameraParameters& camera);
 
 /// Draws border and markings according to the model found over the picture. kInconsistent: the model is invalid.
 Result<hal::Picture> draw_result(const hal::Picture& picture, const FieldParameters& field, const FieldReport& report);
-/// Draws the enlarged residuals; only if report.refinement.points > 0. kInconsistent: the model is invalid.
+/// Draws the enlarged residuals. Needs report.refinement.points > 0. kInconsistent: the model is invalid.
 Result<hal::Picture> draw_errors(const hal::Picture& picture, const FieldReport& report);
 
 }  // namespace touchline::calibrate

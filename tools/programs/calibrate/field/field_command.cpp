@@ -28,7 +28,8 @@ bool parse_numbers(const std::string& text, std::array<double, N>& out) {
 
 }  // namespace
 
-// CLI11 finds these functions by the type of an option's variable, hence in the namespaces of the types. "u,v":
+// CLI11 finds these functions by the type of an option's variable, so they are in the namespaces of the types. Parses
+// "u,v".
 static bool lexical_cast(const std::string& text, PixelPoint& out) {
   std::array<double, 2> n{};
   if (!parse_numbers(text, n)) return false;
@@ -38,7 +39,7 @@ static bool lexical_cast(const std::string& text, PixelPoint& out) {
 
 namespace calibrate {
 
-// "x,y,u,v"
+// Parses "x,y,u,v".
 static bool lexical_cast(const std::string& text, FloorPoint& out) {
   std::array<double, 4> n{};
   if (!parse_numbers(text, n)) return false;
@@ -149,7 +150,7 @@ Result<void> FieldCommand::run() const {
 
   Result<FieldReport> calibrated = calibrate_field(input, chosen, camera_height_m);
   if (!calibrated.ok()) {
-    // What the picture contradicts stays wrong, however the border is found.
+    // Another search for the border cannot help if the picture contradicts the given values.
     const bool contradicted = calibrated.code() == ErrorCode::kOutOfRange;
     const bool skippable = refine && calibrated.code() == ErrorCode::kInconsistent;
     const char* const advice = contradicted ? ""

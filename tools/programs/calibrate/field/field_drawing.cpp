@@ -22,8 +22,8 @@ constexpr double kShortestLine_m = 0.05;
 // Share of the field that a line must cross to be found before the camera is known well.
 constexpr double kLongLine = 0.8;
 
-// The markings inside the border. The measures of the field are those of the lines' centers if `inset_m` is zero, else
-// the lines' centers are farther inside.
+// Adds the markings inside the border. If `inset_m` is zero, the measures of the field run between the centers of the
+// lines; otherwise the centers lie this far inside.
 void add_middle(FieldDrawing& drawing, double inset_m) {
   const FieldParameters& field = drawing.field;
   const double y = static_cast<double>(field.width_m) / 2, line = static_cast<double>(field.line_width_m);
@@ -44,7 +44,7 @@ void add_penalty_areas(FieldDrawing& drawing, double inset_m) {
   }
 }
 
-// MiroSot and very small size: walls, and triangles of 7 cm in the corners.
+// Returns the drawing of MiroSot and very small size: walls, and triangles of 7 cm in the corners.
 FieldDrawing walled(const FieldParameters& field) {
   constexpr double kCorner_m = 0.07;
   FieldDrawing drawing;
@@ -56,7 +56,7 @@ FieldDrawing walled(const FieldParameters& field) {
   return drawing;
 }
 
-// RoboCup small size: the lines belong to the area that they bound.
+// Returns the drawing of RoboCup small size: each line belongs to the area that it bounds.
 FieldDrawing painted(const FieldParameters& field) {
   FieldDrawing drawing;
   drawing.field = field;
@@ -146,7 +146,7 @@ void add_border(const FieldDrawing& drawing, std::vector<Mark>& marks) {
   for (const double sx : {-1.0, 1.0}) {
     for (const double sy : {-1.0, 1.0}) {
       const std::array<double, 2> at_side{sx * (x - corner), sy * y}, at_goal{sx * x, sy * (y - corner)};
-      // The dark side, on the left of the mark, is the field.
+      // The field is the dark side, on the left of the mark.
       const auto& from = sx * sy > 0 ? at_goal : at_side;
       const auto& to = sx * sy > 0 ? at_side : at_goal;
       add_straight(marks, MarkKind::kBorder, -1, {from[0], from[1], to[0], to[1]});

@@ -103,8 +103,8 @@ struct FieldDrawing {
 /// Reads and checks a drawing. kNotFound, kInconsistent: the message names file, line and key of every error.
 Result<FieldDrawing> read_drawing(const std::string& path);
 
-/// The field of a league. `height`: the prior of the camera height that follows from its rules; empty if they do not
-/// help.
+/// The field of a league. `height`: the prior of the camera height that follows from its rules; empty if the rules do
+/// not limit it.
 struct FieldPreset {
   std::string_view name;
   FieldDrawing drawing;

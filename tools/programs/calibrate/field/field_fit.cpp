@@ -16,7 +16,7 @@
 namespace touchline::calibrate {
 namespace {
 
-// CameraUnknowns of the full model in the order that the solver uses.
+// Unknowns of the full model in the order that the solver uses.
 struct CameraUnknowns {
   double focal_px = 0;
   std::array<double, 3> rotation{}, position_m{};
@@ -51,7 +51,8 @@ struct Reprojection {
 // points hardly determine it.
 constexpr double kDistortionSigma = 0.5;
 
-// Drivers that scale a wide picture to 4:3 stretch it by up to a third; most do not scale.
+// Standard deviation of the prior of the pixel aspect ratio. Drivers that scale a wide picture to 4:3 stretch it by up
+// to a third; most do not scale.
 constexpr double kScaledAspectSigma = 0.1;
 
 class Solver {
@@ -71,7 +72,7 @@ class Solver {
 
   [[nodiscard]] bool has_distortion() const { return input_.points.size() >= kPointsForDistortion; }
 
-  // Four points and a height are nine equations for eight unknowns.
+  // Whether the aspect ratio is estimated: four points and a height are nine equations for eight unknowns.
   [[nodiscard]] bool has_free_aspect() const {
     return (has_distortion() || input_.free_aspect) && input_.camera_height_m.has_value();
   }
@@ -86,9 +87,9 @@ class Solver {
     return covariance ? std::sqrt((*covariance)(kHeight, kHeight)) : std::numeric_limits<double>::infinity();
   }
 
-  // How much larger than kClickSigma_px the errors of the points are, without a given height; 1 or more. What is known
-  // about clicks counts like kPrior further equations, because four points have one more than unknowns.
-  // `misfit_px`: root mean square distance.
+  // Returns the factor by which the errors of the points exceed kClickSigma_px without a given height; at least 1. The
+  // prior on the accuracy of clicks counts like kPrior further equations, because four points give only one more
+  // equation than there are unknowns. `misfit_px`: root mean square distance.
   [[nodiscard]] double deviation_scale(double misfit_px) const {
     constexpr double kPrior = 4;
     const auto points = static_cast<double>(input_.points.size());
@@ -120,7 +121,7 @@ class Solver {
           x.position_m.data());
     }
     if (input_.start_only) {
-      // Without a prior, the height of a vertical camera could start anywhere.
+      // Without a prior, the optimizer could start a vertical camera at any height.
       problem.AddResidualBlock(
           new ceres::AutoDiffCostFunction<LogPrior, 1, 1>(new LogPrior{0, kFocalWidths * input_.width_px, kFocalSigma}),
           nullptr, &x.focal_px);
@@ -182,17 +183,18 @@ double cross(PixelPoint a, PixelPoint b, PixelPoint c) {
   return abu * bcv - abv * bcu;
 }
 
-// Checks that the height is known, and that a lens nobody measured is one that hangs above fields. A wrong corner of
-// four looks like a camera that is tilted and far away.
+// Checks that the height is known, and that an estimated focal length is usual above fields. If one of four corners is
+// wrong, the fit looks like a camera that is tilted and far away.
 Result<void> check_height(const FieldFitInput& input, double misfit_px, double focal_px, const FieldFit& fit) {
   // Objects are up to a tenth of the camera height tall: an error of 15 % of the height moves them by millimeters at
   // the border.
   constexpr double kHeightDoubt = 0.15;
-  // Of the expected focal length's logarithm.
+  // Limit in standard deviations of the focal length's logarithm.
   constexpr double kFocalSigmas = 3;
   const double percent = std::min(100 * fit.height_sigma_m / fit.height_m, 999.0);
   if (!(fit.height_sigma_m < kHeightDoubt * fit.height_m)) {
-    // Clicks on the right places miss by about kClickSigma_px.
+    // Ratio of the misfit to kClickSigma_px above which a point counts as wrong; correct clicks miss by about
+    // kClickSigma_px.
     constexpr double kMissed = 3;
     if (misfit_px > kMissed * kClickSigma_px) {
       return failure(
@@ -231,7 +233,7 @@ Result<void> check_corners(const Corners& corners) {
   for (std::size_t i = 0; i < 4; ++i) {
     const PixelPoint a = corners[i], b = corners[(i + 1) % 4], c = corners[(i + 2) % 4];
     const double turn = cross(a, b, c);
-    // Less than 2 degrees at a corner, or coincident corners.
+    // Least angle at a corner: 2 degrees. Coincident corners have less.
     constexpr double kStraight = 0.035;
     if (std::abs(turn) < std::max(1.0, kStraight * distance(a, b) * distance(b, c))) {
       return failure(ErrorCode::kInconsistent, "corners %zu, %zu and %zu lie on one line", i + 1, (i + 1) % 4 + 1,

@@ -45,8 +45,8 @@ constexpr double kHeightSigma_m = 0.02;
 // Standard deviation of a click on a corner.
 constexpr double kClickSigma_px = 0.7;
 // Prior of the focal length: lenses above fields see 45 to 100 degrees of the picture width. Expected focal length in
-// picture widths, and standard deviation of its logarithm. On its own it determines the height of a vertical camera to
-// a third.
+// picture widths, and standard deviation of its logarithm. This prior alone determines the height of a vertical camera
+// to a third.
 constexpr double kFocalWidths = 0.8, kFocalSigma = 0.35;
 // From this number of points on, k1 is estimated too, and if the height is given, the pixel aspect ratio (fy / fx):
 // twelve equations for nine unknowns.
@@ -60,19 +60,16 @@ struct FieldFit {
   CameraParameters camera;                   // both models are set; kind: full
   ResidualSummary residual_px, residual_mm;  // of the full model at the points
   ResidualSummary paper_residual_mm;         // of Klancar's model, eq. (12)-(15) and the affine part
-  // Of the camera above the floor; the deviation follows from kClickSigma_px, or from the misfit if that is larger.
+  // Height of the camera above the floor. Its standard deviation follows from kClickSigma_px, or from the misfit if
+  // that is larger.
   double height_m = 0, height_sigma_m = 0;
   double tilt_rad = 0;  // of the optical axis against the vertical
   bool has_distortion = false;
 };
 
-/// Finds the camera from points on the floor. A homography (direct linear transform, Hartley's normalization) gives
-/// focal length and pose in closed form (Zhang 2000; square pixels, principal point in the center of the picture).
-/// Nonlinear least squares on pixels refine focal length, pose and, with enough points, k1 (Brown 1971) and fy / fx.
-/// Klancar's model is fitted to the same points.
-/// kOutOfRange: picture size, or too few points. kInconsistent, with the reason: points on a line, mirrored, or not
-/// consistent with any camera, or focal length and height cannot be separated (a nearly vertical camera) or are not
-/// those of a camera above a field, and no height is given.
+/// kOutOfRange: picture size, or too few points. kInconsistent, with the reason: the points lie on a line, are
+/// mirrored, or fit no camera; or, if no height is given, focal length and height cannot be separated (a nearly
+/// vertical camera) or are unusual above a field.
 Result<void> fit_field(const FieldFitInput& input, FieldFit& out);
 
 }  // namespace touchline::calibrate

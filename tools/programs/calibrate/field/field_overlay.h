@@ -11,8 +11,7 @@
 
 namespace touchline::calibrate {
 
-/// Draws the drawing's marks and the goals in red where the camera model has them, and the points that the model was
-/// fitted to as green crosses.
+/// Draws marks and goals in red where the camera model projects them, and the fitted points as green crosses.
 void draw_field(const CameraModel& camera, const FieldParameters& field, const std::vector<Mark>& marks,
                 const std::vector<FloorPoint>& points, hal::Picture& picture);
 

@@ -33,7 +33,7 @@ constexpr std::array<Round, 8> kRounds{{{30, 4, 1, false},
                                         {8, 0.3, 3, true}}};
 // Standard deviation of the position of a blurred edge before the scatter is known, and its bounds.
 constexpr double kEdgeSigma_px = 0.15, kMinSigma_px = 0.04, kMaxSigma_px = 1.5;
-// Outlier limit: farther points belong to another object.
+// Outlier limit: points with a larger residual belong to another object.
 constexpr double kOutlier_px = 1.0;
 // Edges with a smaller residual are considered correct.
 constexpr double kClean_px = 0.17;
@@ -78,8 +78,8 @@ double independent_sigma(const CameraModel& camera, const std::vector<MarkPoint>
   return std::clamp(std::sqrt(square * correlation), kMinSigma_px, kMaxSigma_px);
 }
 
-// Selects the points to use: those of the border and of long lines, and those of other markings that are where the
-// drawing has them.
+// Selects the points to use: points of the border and of long lines, and points of other markings that agree with the
+// drawing.
 std::vector<MarkPoint> agreeing(const CameraModel& camera, const std::vector<Mark>& marks,
                                 const std::vector<MarkPoint>& points, RefinementReport& report) {
   std::vector<double> sum(marks.size());
@@ -131,8 +131,8 @@ void add_residuals(const CameraModel& camera, RefinementReport& report) {
   report.max_mm = mm.max;
 }
 
-// Fits the points with the height free, and compares with the given height. The scatter of the points about the free
-// fit counts, because a wrong height bends the marks, which looks like scatter.
+// Fits the points with the height free, and compares the result with the given height. The scatter about the free fit
+// sets the weights, because a wrong height bends the marks and this looks like scatter.
 HeightEvidence height_evidence(const Adjustment& adjustment, const std::vector<MarkPoint>& points,
                                AdjustmentWeights weights, const AdjustedCamera& start, const FieldParameters& field,
                                const std::optional<HeightPrior>& given) {
@@ -205,7 +205,7 @@ Result<void> refine(const LightPicture& picture, const FieldParameters& field, c
   report.sigma = adjustment.uncertainty(report.found, weights, camera, field);
   report.height = height_evidence(adjustment, report.found, weights, camera, field, height);
   add_residuals(model, report);
-  // Checks again, because a side whose points are mostly outliers was not found.
+  // Checks the sides again: a side whose points are mostly outliers was not found.
   std::vector<std::size_t> tried_points;
   for (const MarkReport& mark : report.marks) tried_points.push_back(mark.tried_points);
   TOUCHLINE_TRY(check_sides(marks, tried_points, report.found));
@@ -230,7 +230,7 @@ Result<void> refine(const LightPicture& picture, const FieldParameters& field, c
   return {};
 }
 
-// Outliers count with the outlier limit.
+// Returns the misfit; each outlier counts with the outlier limit.
 double misfit(const RefinementReport& report) {
   const auto points = static_cast<double>(report.points), outliers = static_cast<double>(report.outliers);
   return (points * report.rms_px * report.rms_px + outliers * kOutlier_px * kOutlier_px) / (points + outliers);
@@ -243,7 +243,7 @@ Result<void> refine_field(const LightPicture& picture, const FieldParameters& fi
   const FieldFit start = fit;
   Result<void> result = refine(picture, field, marks, height, fit, report);
   if (result.ok() && misfit(report) < kClean_px * kClean_px) return {};
-  // A wall has a side and a top: tries which of their edges is visible all around.
+  // A wall has a side and a top; tries which of their edges is visible all around.
   std::vector<Mark> inner = marks;
   for (Mark& mark : inner) mark.innermost = mark.kind == MarkKind::kBorder;
   FieldFit other = start;

@@ -14,14 +14,14 @@ namespace touchline::calibrate {
 /// Result for one mark of the drawing.
 struct MarkReport {
   std::size_t tried_points = 0, found = 0;  // number of points along it
-  double offset_px = 0;                     // mean distance from its position according to the border alone
+  double offset_px = 0;                     // mean distance from the position that the border alone predicts
   bool used = false;
 };
 
 /// How well the drawing of the field and the camera model agree.
 struct RefinementReport {
   std::size_t points = 0, outliers = 0;
-  double rms_px = 0, p95_px = 0, max_px = 0;  // perpendicular to the marks, without outliers
+  double rms_px = 0, p95_px = 0, max_px = 0;  // residuals perpendicular to the marks, without outliers
   double rms_mm = 0, p95_mm = 0, max_mm = 0;
   double edge_sigma_px = 0;  // standard deviation per point that accounts for correlated neighbors
   CameraUncertainty sigma;
@@ -32,8 +32,8 @@ struct RefinementReport {
 
 /// Refines a camera model that is a few dozen pixels off to a tenth of a pixel. Finds the border and the long lines
 /// along their whole length and adjusts the camera (see Adjustment) with a robust loss, repeatedly, while the reach of
-/// the search shrinks. Then the other markings are added, each only if it is found where the drawing has it
-/// (kMarkingTolerance_px), because the markings of a real field can differ from those of the league.
+/// the search shrinks. Then each other marking is added if it is found within kMarkingTolerance_px of its drawing,
+/// because the markings of a real field can differ from those of the league.
 ///
 /// `fit` must hold a camera of fit_field(); it is unchanged on failure. `height`: prior of the camera's height. Errors,
 /// with the reason: kNotFound: too little of the border was found, or the picture cuts it off. kInconsistent: the
@@ -41,8 +41,8 @@ struct RefinementReport {
 Result<void> refine_field(const LightPicture& picture, const FieldParameters& field, const std::vector<Mark>& marks,
                           const std::optional<HeightPrior>& height, FieldFit& fit, RefinementReport& report);
 
-// A larger mean offset means that the marking differs from the drawing: the border alone determines the position of a
-// mark to a tenth of a pixel.
+// Greatest mean offset of a marking that agrees with its drawing. The border alone determines the position of a mark to
+// a tenth of a pixel.
 inline constexpr double kMarkingTolerance_px = 0.35;
 
 }  // namespace touchline::calibrate

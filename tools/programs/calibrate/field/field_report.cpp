@@ -13,7 +13,7 @@ namespace touchline::calibrate {
 namespace {
 
 constexpr double kDegrees = 180.0 / std::numbers::pi;
-// Beyond this distance the sides count as parallel.
+// Distance of a vanishing point beyond which the sides count as parallel.
 constexpr double kFar_px = 1e6;
 
 std::string describe(const VanishingPoint& point) {
@@ -22,7 +22,7 @@ std::string describe(const VanishingPoint& point) {
   return formatted("(%.0f, %.0f)", point.x / point.w, point.y / point.w);
 }
 
-// Results of the border search, in the order of Klancar section 6.2.
+// Formats the results of the border search, in the order of Klancar section 6.2.
 std::string describe_steps(const BorderSearch& border, const std::optional<VanishingPointModel>& steps) {
   std::string out = formatted("step 1, threshold: the border is brighter than %d of 255, %zu edge pixels along it\n",
                               border.threshold, border.outline.size());
@@ -173,7 +173,7 @@ double distortion_effect_m(const CameraParameters& camera, const std::vector<Flo
   const auto radius = [&](double u_px, double v_px) {
     return std::hypot(u_px - static_cast<double>(full.cx_px), v_px - static_cast<double>(full.cy_px)) / focal;
   };
-  // The points keep their places on average; in between, the third order of Brown's model remains.
+  // The fit keeps the points at their places on average; between them, the third order of Brown's model remains.
   double square = 0, mid_u = 0, mid_v = 0;
   for (const FloorPoint& p : points) {
     square += std::pow(radius(p.u_px, p.v_px), 2) / static_cast<double>(points.size());

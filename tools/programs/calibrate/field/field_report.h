@@ -20,20 +20,20 @@ struct FieldReport {
   std::optional<VanishingPointModel> steps;
   ResidualSummary steps_mm;  // of the paper's model without refinement, at the points found
   FieldFit fit;
-  std::vector<FloorPoint> points;  // that were given, corners included
+  std::vector<FloorPoint> points;  // given points, corners included
   RefinementReport refinement;     // points is 0 if the fit was not refined
-  std::string unrefined;           // why it was not refined
+  std::string unrefined;           // why there was no refinement
   std::vector<Mark> marks;
   HeightSource height = HeightSource::kSeen;
-  std::vector<std::string> doubts;  // what speaks against the result without refuting it
+  std::vector<std::string> doubts;  // arguments against the result that do not refute it
   double seconds = 0;
 };
 
-/// k1 of a wide lens, for estimates of what an unknown distortion would do.
+/// k1 of a wide lens, to estimate the effect of an unknown distortion.
 inline constexpr double kWideLensK1 = -0.2;
 
-/// Distance in meters by which floor points between these points are off if the camera model has no distortion, but the
-/// lens has kWideLensK1.
+/// Returns the distance in meters by which floor points between these points are wrong if the camera model has no
+/// distortion but the lens has kWideLensK1.
 double distortion_effect_m(const CameraParameters& camera, const std::vector<FloorPoint>& points);
 
 /// Formats the residual of the model in use: one line.

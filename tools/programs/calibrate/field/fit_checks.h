@@ -15,12 +15,12 @@ namespace touchline::calibrate {
 /// Checks that enough of each side of the border was found. `tried_points`: points tried per mark.
 Result<void> check_sides(const std::vector<Mark>& marks, const std::vector<std::size_t>& tried_points,
                          const std::vector<MarkPoint>& found);
-// Least share of each side; beyond a side that is not visible the lens model would be extrapolated.
+// Least share of each side that must be found: where a side is invisible, the lens model would be extrapolated.
 inline constexpr double kMinSideShare = 0.4;
 
 struct PictureSize {
   int width_px = 0, height_px = 0;
-  double zoom = 1;  // picture width in units of a usual camera's
+  double zoom = 1;  // picture width relative to that of a usual camera
 };
 
 /// Checks that the border lies in the picture, that the drawing fits to a fraction of a pixel, that the camera model is
@@ -33,6 +33,6 @@ inline constexpr double kMaxOutlierShare = 0.35;   // share of the points
 inline constexpr double kMaxRms_px = 0.45;         // multiplied by zoom
 inline constexpr double kMaxLensChiSquare = 12.0;  // see CameraUncertainty
 inline constexpr double kMaxTopSigma_mm = 14.0;    // standard deviation in the worst corner
-inline constexpr double kMaxFloorSigma_mm = 5.0;   // likewise, on the floor
+inline constexpr double kMaxFloorSigma_mm = 5.0;   // standard deviation in the worst corner, on the floor
 
 }  // namespace touchline::calibrate

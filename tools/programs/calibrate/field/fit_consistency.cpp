@@ -10,23 +10,25 @@
 namespace touchline::calibrate {
 namespace {
 
-// Two standard deviations of a prior.
+// Deviation from a prior that counts as unusual, in standard deviations.
 constexpr double kUnusual = 2.0;
 
 // A marking is searched up to this distance from its drawing: a border on a plinth twice as wide as MiroSot's walls
-// moves the center circle that far. Less on small fields and around small circles, where other marks are near.
+// moves the center circle that far. The distance is smaller on small fields and around small circles, where other marks
+// are near.
 constexpr double kBeside_m = 0.06, kBesideOfField = 0.15, kBesideOfRadius = 0.3;
 // Spacing of the points along a marking, as in the refinement.
 constexpr double kSpacing_px = 3.0;
 // A marking is seen if this share of its points lies on a smooth curve, to one pixel.
 constexpr double kSeenShare = 0.6, kOnCurve_px = 1.0;
 
-// A marking that is seen, and its distance from the drawing.
+// A marking that the picture shows, and its distance from the drawing.
 struct SeenMarking {
   double rms_m = 0, max_m = 0, share = 0;
 };
 
-// A line that is displaced and turned, or a circle of another center, radius and aspect ratio. `part`: 0 to 1 along it.
+// Fits a line that is displaced and turned, or a circle with another center, radius and aspect ratio. `part`: position
+// along the mark, 0 to 1.
 constexpr Eigen::Index kMaxTerms = 5;
 using Terms = Eigen::Matrix<double, kMaxTerms, 1>;
 Terms curve_terms(bool is_arc, double part) {
@@ -41,8 +43,8 @@ Terms curve_terms(bool is_arc, double part) {
   return terms;
 }
 
-// The bright curve along this mark, up to kBeside_m away. Reweighted least squares with a loss that narrows from the
-// whole reach to a pixel.
+// Returns the bright curve along this mark, at most kBeside_m away. Fits by iteratively reweighted least squares with a
+// loss that narrows from the whole reach to a pixel.
 std::optional<SeenMarking> seen_near(const LightPicture& picture, const CameraModel& camera, const Mark& mark,
                                      double smaller_side_m) {
   double reach_m = std::min(kBeside_m, kBesideOfField * smaller_side_m);
@@ -71,7 +73,7 @@ std::optional<SeenMarking> seen_near(const LightPicture& picture, const CameraMo
   std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2), sorted.end());
   curve(0) = sorted[sorted.size() / 2];
   for (double loss_px = reach_px; loss_px > kOnCurve_px / 4; loss_px *= 0.8) {
-    // Terms that a line lacks stay zero.
+    // Terms that do not apply to a line stay zero.
     Eigen::Matrix<double, kMaxTerms, kMaxTerms> normal = 1e-6 * Eigen::Matrix<double, kMaxTerms, kMaxTerms>::Identity();
     Terms right = Terms::Zero();
     for (std::size_t i = 0; i < offsets.size(); ++i) {
@@ -96,7 +98,7 @@ std::optional<SeenMarking> seen_near(const LightPicture& picture, const CameraMo
   return seen;
 }
 
-// A line through the center of the field from side to side, or a circle around it.
+// Whether the mark is a line through the center of the field from side to side, or a circle around the center.
 bool is_central(const Mark& mark) {
   constexpr double kAtCenter_m = 1e-3;
   if (mark.side >= 0 || mark.kind != MarkKind::kLine) return false;
@@ -187,7 +189,7 @@ Result<void> check_center_markings(const LightPicture& picture, const FieldRepor
                      name, 1e3 * seen->rms_m, 1e3 * seen->max_m);
     }
     if (mark.radius_m > 0) continue;
-    // The other direction, from border to border.
+    // Tries the other direction too, from border to border.
     Mark turned = mark;
     const bool across = std::abs(mark.end_y_m - mark.begin_y_m) > std::abs(mark.end_x_m - mark.begin_x_m);
     turned.begin_x_m = across ? -half_x : 0;

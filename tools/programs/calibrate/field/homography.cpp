@@ -25,10 +25,10 @@ Eigen::Matrix3d normalization(const std::vector<Eigen::Vector2d>& points) {
 
 using Equation = std::array<double, 9>;
 
-// The unit vector with the smallest residual in all equations: the right singular vector of the smallest singular
-// value, by one-sided Jacobi rotations (Hestenes 1958). Eigen's decompositions are as exact but take ten seconds to
-// compile. Empty if the second smallest singular value is as good as zero: three of four points on a line, or
-// coincident points.
+// Returns the unit vector with the smallest residual in all equations: the right singular vector of the smallest
+// singular value, by one-sided Jacobi rotations (Hestenes 1958). Eigen's decompositions are as exact but take ten
+// seconds to compile. Empty if the second smallest singular value is almost zero: three of four points lie on a line,
+// or points coincide.
 std::optional<Equation> null_vector(std::vector<Equation> equations) {
   std::array<Equation, 9> vectors{};  // the accumulated rotations; element k is a row
   for (std::size_t k = 0; k < 9; ++k) vectors[k][k] = 1.0;
@@ -121,8 +121,8 @@ CameraPose pose_from(const Eigen::Matrix3d& homography, double focal_px) {
   columns *= scale;
   Eigen::Matrix3d rotation;
   rotation << columns.col(0), columns.col(1), columns.col(0).cross(columns.col(1));
-  // The nearest rotation matrix: Newton's iteration for the polar decomposition (Higham 1986), which doubles the
-  // number of right digits each time. Unlike an SVD it compiles quickly.
+  // Computes the nearest rotation matrix by Newton's iteration for the polar decomposition (Higham 1986). Each step
+  // doubles the number of correct digits. Unlike an SVD it compiles quickly.
   for (int i = 0; i < 10; ++i) rotation = (0.5 * (rotation + rotation.inverse().transpose())).eval();
   const Eigen::AngleAxisd turn(rotation);
   return {turn.angle() * turn.axis(), -rotation.transpose() * columns.col(2)};

@@ -10,18 +10,18 @@ namespace touchline::calibrate {
 namespace {
 
 constexpr int kAngles = 360;  // steps of half a degree
-// Lens distortion bends the sides: tolerance of the line fit in a picture of width kUsualWidth_px; it grows in
+// Tolerance of the line fit in a picture of width kUsualWidth_px, because lens distortion bends the sides. It grows in
 // proportion to the width.
 constexpr int kUsualBend_px = 3, kUsualWidth_px = 640;
 // Tolerance of right angles: perspective turns the rectangle into a general quadrilateral.
 constexpr double kSkew_rad = 0.45;
-// The sides of a rectangle are 1 to 1.7 standard deviations of its outline away from its center; the markings inside
-// are closer.
+// Least distance of a side from the center, in standard deviations of the outline. The sides of a rectangle are at 1 to
+// 1.7; the markings inside are closer.
 constexpr double kMinDeviations = 0.8;
 
 double angle_of(int a) { return std::numbers::pi * a / kAngles; }
 
-/// Votes of the outline's pixels, counted for an angle when it is first needed: half of the angles usually are not.
+/// Counts the votes of the outline's pixels for an angle when it is first needed: about half of the angles never are.
 /// Distances are at most the picture's diagonal.
 class Votes {
  public:
@@ -30,7 +30,7 @@ class Votes {
         bend_px_(std::max(kUsualBend_px, kUsualBend_px * width_px / kUsualWidth_px)),
         diagonal_px_(static_cast<int>(std::ceil(std::hypot(width_px, height_px)))) {}
 
-  /// The votes within the tolerance of each distance, beginning with the distance first_px().
+  /// Returns the votes within the tolerance of each distance, beginning with the distance first_px().
   const std::vector<std::uint32_t>& at(int angle) {
     std::vector<std::uint32_t>& sums = sums_[static_cast<std::size_t>(angle)];
     if (sums.empty()) sums = count(angle_of(angle));
@@ -41,7 +41,7 @@ class Votes {
  private:
   [[nodiscard]] std::vector<std::uint32_t> count(double angle_rad) const {
     std::vector<std::uint32_t> votes(2 * static_cast<std::size_t>(diagonal_px_) + 1);
-    // With pointers, because builds with sanitizers call a function for each element of a vector.
+    // Uses pointers, because builds with sanitizers call a function for each element of a vector.
     std::uint32_t* const to = votes.data();
     const double c = std::cos(angle_rad), s = std::sin(angle_rad), to_index = diagonal_px_ + 0.5;  // 0.5: rounds
     for (const OutlinePixel& p : outline_) ++to[static_cast<std::size_t>(p.u_px * c + p.v_px * s + to_index)];
@@ -75,8 +75,8 @@ bool hough_sides(const std::vector<OutlinePixel>& outline, int width_px, int hei
     const Eigen::Vector2d away = Eigen::Vector2d(p.u_px, p.v_px) - middle;
     spread += away * away.transpose() / static_cast<double>(outline.size());
   }
-  // Finds the best line whose normal is within kSkew_rad of `direction`, on that side of the center and at a distance
-  // from it: a center line is as long as a side.
+  // Finds the best line whose normal is within kSkew_rad of `direction`. It must lie on that side of the center and far
+  // enough from it, because a center line is as long as a side.
   const auto best = [&](double direction) {
     constexpr double kPi = std::numbers::pi;
     HoughLine line;

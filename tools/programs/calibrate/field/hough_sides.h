@@ -13,7 +13,7 @@ struct HoughLine {
   double angle_rad = 0, distance_px = 0;
   std::size_t votes = 0;
 };
-/// A side needs this number of votes.
+/// Least number of votes for a side.
 inline constexpr std::size_t kMinVotes = 60;
 
 /// Step 2 of find_border(): Hough transform (Duda and Hart 1972). Finds the four sides of the border: the line with

@@ -25,7 +25,8 @@ std::optional<Eigen::MatrixXd> covariance_of(ceres::Problem& problem) {
       jacobian(row, sparse.cols[static_cast<std::size_t>(i)]) = sparse.values[static_cast<std::size_t>(i)];
     }
   }
-  // Scaled, because the units of the parameters differ by orders of magnitude. Columns of constant parameters are zero.
+  // Scales the columns, because the units of the parameters differ by orders of magnitude. Columns of constant
+  // parameters are zero.
   const Eigen::VectorXd norms = jacobian.colwise().norm();
   const Eigen::VectorXd scale = norms.unaryExpr([](double n) { return n > 0.0 ? 1.0 / n : 0.0; });
   jacobian = jacobian * scale.asDiagonal();
@@ -34,7 +35,7 @@ std::optional<Eigen::MatrixXd> covariance_of(ceres::Problem& problem) {
     if (norms(i) == 0.0) squares(i, i) = 1.0;
   }
   const Eigen::LDLT<Eigen::MatrixXd> normal(squares);
-  // A parameter that the residuals do not determine. LDLT itself would take it for one without error.
+  // The residuals do not determine some parameter. LDLT itself would treat it as exact.
   if (normal.info() != Eigen::Success || !(normal.vectorD().minCoeff() > 0.0)) return std::nullopt;
   const Eigen::MatrixXd inverse = normal.solve(Eigen::MatrixXd::Identity(sparse.num_cols, sparse.num_cols));
   return scale.asDiagonal() * inverse * scale.asDiagonal();

@@ -35,7 +35,7 @@ struct LogPrior {
 };
 
 /// Minimizes a small, dense problem without output. Stops when the relative change of the cost is below
-/// `function_tolerance` or that of the parameters below `parameter_tolerance`.
+/// `function_tolerance` or the relative change of the parameters below `parameter_tolerance`.
 ceres::Solver::Summary minimize(ceres::Problem& problem, double function_tolerance, double parameter_tolerance = 1e-8);
 
 /// Covariance of the parameters in the order of their blocks: inverse of J^T J at the current values. Constant

@@ -4,14 +4,15 @@
 
 #include "tools/programs/calibrate/field/field_report.h"
 
-// Which lines of a drawing a field really has: halls differ from the rules of a league.
+// Finds which lines of a drawing a field really has: fields in halls differ from the rules of a league.
 namespace touchline::calibrate {
 
-/// Whether most points of the mark were found, at its place in the drawing or beside it.
+/// Whether most points of the mark were found, at the place of the drawing or beside it.
 bool is_seen(const MarkReport& mark);
 
-/// The field with only those optional lines (center circle, penalty areas) that the pictures show. A line that the
-/// drawing does not have, or of which nothing is in the picture, stays as it is; so do all without refinement.
+/// Returns the field with only those optional lines (center circle, penalty areas) that the pictures show. A line stays
+/// as it is if the drawing does not have it or if the pictures do not show its place. Without refinement all lines
+/// stay.
 FieldParameters painted_field(const FieldParameters& field, const FieldReport& report);
 
 /// Names the lines that painted_field() leaves out: "the field has no penalty areas"; "" if it has all.

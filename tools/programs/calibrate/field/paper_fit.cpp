@@ -10,10 +10,11 @@
 namespace touchline::calibrate {
 namespace {
 
-// H of a lens without distortion: eq. (12) then moves no pixel of any frame by a thousandth of a pixel.
+// H that stands for a lens without distortion: eq. (12) then moves no pixel of any frame by a thousandth of a pixel.
 constexpr double kStraightLens_px = 1e5;
 
-// Eq. (12) with the curvature c = 1 / H^2: R / r = sinh(r / H) / (r / H) as a series, which is smooth at c = 0.
+// Computes eq. (12) with the curvature c = 1 / H^2: R / r = sinh(r / H) / (r / H) as a series, which is smooth at c =
+// 0.
 template <class T>
 T stretch(const T& curvature, double r2) {
   const T s = curvature * r2;
@@ -23,7 +24,7 @@ T stretch(const T& curvature, double r2) {
 struct PaperResidual {
   FloorPoint point;
   double center_u_px, center_v_px;
-  // Pixels per meter, so that residuals have the same weights as clicks.
+  // pixels per meter, so that residuals have the same weights as clicks
   double scale;
   template <class T>
   bool operator()(const T* curvature, const T* tilt, const T* affine, T* residual) const {
@@ -44,8 +45,8 @@ Result<void> fit_paper_model(const FieldFitInput& input, FieldFit& fit) {
   const FullModelParameters& full = fit.camera.full;
   const double cu = static_cast<double>(full.cx_px), cv = static_cast<double>(full.cy_px);
   const double focal = static_cast<double>(full.fx_px), k1 = static_cast<double>(full.k1);
-  // Third order of eq. (12) and of Brown's model: k1 / f^2 = -1 / (6 H^2). The model cannot represent pincushion
-  // distortion.
+  // Matches the third order of eq. (12) to that of Brown's model: k1 / f^2 = -1 / (6 H^2). The model cannot represent
+  // pincushion distortion.
   double curvature = std::max(-6.0 * k1 / (focal * focal), 1.0 / (kStraightLens_px * kStraightLens_px));
 
   std::vector<FloorPoint> straight = input.points;

@@ -16,8 +16,8 @@ Result<void> fit_paper_model(const FieldFitInput& input, FieldFit& fit);
 /// Computes the distances between the points and their positions according to this model.
 ResidualSummary paper_residual(const PaperModelParameters& model, const std::vector<FloorPoint>& points);
 
-/// k1, k2 and k3 of Brown's model that come closest to eq. (12) for a lens with this focal length, up to `radius_px`
-/// from the center of the picture (least squares).
+/// Returns k1, k2 and k3 of Brown's model that come closest to eq. (12) for a lens with this focal length, up to
+/// `radius_px` from the center of the picture (least squares).
 std::array<double, 3> brown_of_eq12(double h_px, double focal_px, double radius_px);
 
 }  // namespace touchline::calibrate

@@ -13,12 +13,12 @@ namespace {
 
 using replay::CanvasColor;
 
-// Drawn length of the 95th percentile.
+// Length at which the 95th percentile is drawn.
 constexpr double kStroke_px = 16;
 constexpr int kLegend_px = 78;
 constexpr double kMargin_px = 10, kBarWidth_px = 160, kBarHeight_px = 10;
 
-// The next larger number of the form 1, 2 or 5 times a power of ten.
+// Returns the next larger number of the form 1, 2 or 5 times a power of ten.
 double round_up(double value) {
   const double power = std::pow(10.0, std::floor(std::log10(std::max(value, 1e-6))));
   for (const double step : {1.0, 2.0, 5.0}) {
@@ -27,13 +27,13 @@ double round_up(double value) {
   return 10 * power;
 }
 
-// Color scale from blue over green and yellow to red for 0 to 1.
+// Maps 0 to 1 to a color scale from blue over green and yellow to red.
 CanvasColor color_of(double share) {
   constexpr std::array<CanvasColor, 4> kStops{{{0.25, 0.45, 1.0}, {0.2, 0.85, 0.3}, {1.0, 0.9, 0.1}, {1.0, 0.15, 0.1}}};
   return replay::color_on_scale(kStops, share);
 }
 
-// The photograph with room for the legend below.
+// Returns the darkened photograph with room for the legend below.
 replay::SurfacePtr darkened(const hal::Picture& photograph) {
   const Frame frame = frame_of(photograph);
   const replay::SurfacePtr shown = replay::to_surface(frame);

@@ -32,10 +32,10 @@ std::optional<VanishingPointModel> vanishing_point_model(const BorderSearch& bor
   const VanishingPoint across = meeting(sides[0], sides[2]), up = meeting(sides[1], sides[3]);
   steps.along_x = quarter_turned ? up : across;
   steps.along_y = quarter_turned ? across : up;
-  // The direction of x: to the right, or upwards.
+  // The x axis points to the right, or upwards.
   const double sign = quarter_turned ? (steps.along_x.y < 0 ? 1.0 : -1.0) : (steps.along_x.x > 0 ? 1.0 : -1.0);
   steps.rotation_rad = std::atan2(sign * steps.along_x.y, sign * steps.along_x.x);
-  // p x + q y = w at both points. For points on the axes this is 1 / d of eq. (15).
+  // Solves p x + q y = w at both points. For points on the axes this is 1 / d of eq. (15).
   Eigen::Matrix2d points;
   points << steps.along_x.x, steps.along_x.y, steps.along_y.x, steps.along_y.y;
   if (std::abs(points.determinant()) < 0.1) return std::nullopt;
@@ -70,7 +70,7 @@ std::optional<VanishingPointModel> vanishing_point_model(const BorderSearch& bor
       steps.model.affine[static_cast<std::size_t>(3 * axis + i)] = static_cast<float>(affine(i, axis));
     }
   }
-  // Any height above the floor; the mapping of the floor does not depend on it.
+  // Any height above the floor will do: the mapping of the floor does not depend on it.
   steps.model.position_m = {0, 0, 1};
   return steps;
 }

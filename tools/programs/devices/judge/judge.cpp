@@ -26,10 +26,10 @@ constexpr double kExposureStep_s = 0.7;
 constexpr std::array kExposures_us{100, 1000, 2000, 5000, 10000};
 // The measurement ends early when the uncertainty (two standard deviations) is below this.
 constexpr double kGoodReadout_s = 0.0008, kGoodShare = 0.05;
-// Standard deviation of what does not average out, such as lines behind the object: before the arena, readouts of 0 to
+// Standard deviation of systematic errors, such as those by lines behind the object. Before the arena, readouts of 0 to
 // 15 ms were found up to 0.5 ms too long (tests/tools/camera_judge_test.cpp).
 constexpr double kSystematic_s = 0.0003;
-// It is stated only if it tells a rolling from a global shutter.
+// The readout is reported only if its uncertainty is small enough to tell a rolling from a global shutter.
 constexpr double kUsefulReadout_s = 0.003, kUsefulShare = 0.15;
 // More than enough for its statistics, and short of a real hand's patience.
 constexpr double kMinMotion_s = 10.0;

@@ -15,8 +15,8 @@ struct LumaPicture {
   [[nodiscard]] float at(std::size_t x, std::size_t y) const { return value[y * width + x]; }
 };
 
-/// Side of the squares, in pixels, with which a picture of this width has at most kMaxLumaWidth columns. Small pictures
-/// are fast to search, and means have less noise.
+/// Returns the side in pixels of the squares to average, so that a frame of width `width_px` gives a LumaPicture of at
+/// most kMaxLumaWidth columns. Small pictures are fast to search, and means have less noise.
 inline constexpr std::size_t kMaxLumaWidth = 640;
 constexpr std::size_t luma_square(std::size_t width_px) { return (width_px + kMaxLumaWidth - 1) / kMaxLumaWidth; }
 

@@ -15,14 +15,15 @@ constexpr float kMaxStep_s = 0.1f;
 constexpr float kBoxSlowdown = 4.0f;
 // Largest distance of a certain sighting from its track.
 constexpr float kMaxDistance_m = 0.02f;
-// Smallest probabilities of a certain id: of the sighting, and of the track. A track has the second one after half a
+// Smallest probabilities of a certain id, in the sighting and in the track. A track reaches kCertainTrack after half a
 // second of sightings with 0.99, and after two seconds of sightings with 0.97.
 constexpr float kCertainSighting = 0.9f, kCertainTrack = 0.998f;
 // Largest range of values among 3 x 3 uniform pixels. A larger range shows an edge, or an object on the patch.
 constexpr int kMaxRange_levels = 48;
 // Values from this one upwards count as saturated.
 constexpr std::uint8_t kSaturated = 250;
-// Expected value at which a channel has full weight. Below it, noise and black level have a growing influence.
+// Expected value from which on a channel has full weight. The influence of noise and black level grows below this
+// value.
 constexpr float kFullWeight_levels = 100.0f;
 
 // A picture of 480 rows is updated in eight frames.

@@ -7,7 +7,7 @@
 
 namespace touchline {
 
-/// The three channels of a pixel. Color boxes are in the same space.
+/// The three channels of a pixel. Color boxes are in the color space of the pixels.
 enum class ColorSpace : std::uint8_t {
   kRgb,
   kYuv,  // limited range: luma from 16 to 235 and chroma from 16 to 240 (ITU-R BT.601), as most cameras deliver

@@ -10,7 +10,7 @@ struct Feature {
   bool present;
 };
 
-// All features that a list in cpu.h names.
+// Knows every feature in the lists of cpu.h.
 bool has_feature(std::string_view name) {
 #if defined(__x86_64__)
   __builtin_cpu_init();

@@ -8,8 +8,8 @@
 // The instruction sets for which there are kernels, and whether this processor has them. All sets give the same
 // results.
 
-// The features that the functions of a set are compiled for, as [[gnu::target]] expects them. cpu_supports() checks the
-// same list.
+// Processor features that the functions of a set are compiled for, in the syntax of [[gnu::target]]. cpu_supports()
+// checks this list.
 #define TOUCHLINE_PORTABLE_TARGET ""
 #define TOUCHLINE_AVX2_TARGET "avx2,bmi,popcnt"
 #define TOUCHLINE_NEON_TARGET "neon"
@@ -18,7 +18,7 @@
 // shares with other files would contain AVX2 code as well, and the linker could pick them for an older processor.
 #define TOUCHLINE_AVX2 [[gnu::target(TOUCHLINE_AVX2_TARGET)]]
 #define TOUCHLINE_AVX2_INLINE [[gnu::target(TOUCHLINE_AVX2_TARGET), gnu::always_inline]] inline
-// One pass over a row. If the compiler merges passes, it has too few registers for the state of their loops.
+// One pass over a row. Not inlined: with merged passes, the compiler has too few registers for the state of all loops.
 #define TOUCHLINE_AVX2_PASS [[gnu::target(TOUCHLINE_AVX2_TARGET), gnu::noinline]] static
 
 // Expands to its argument on the processor family, else to nothing.

@@ -27,7 +27,8 @@ class FixedVector {
     data_[size_++] = value;
     return true;
   }
-  /// Adds to the overflow count elements for which push_back was not called because there is no room.
+  /// Adds `count` to the overflow count, for elements that the caller did not pass to push_back because the vector is
+  /// full.
   void add_overflow(std::size_t count) { overflow_ += count; }
   void pop_back() { --size_; }
   void clear() { size_ = overflow_ = 0; }

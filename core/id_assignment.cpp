@@ -10,7 +10,7 @@ namespace {
 
 // Every robot has a column of its own that means "no id".
 constexpr std::size_t kMaxColumns = 2 * kMaxRobotsPerTeam;
-// Cost of a pair that is not allowed; above any sum of real costs, and small enough for the precision of float.
+// Cost of a pair that is not allowed. It exceeds any sum of real costs, but is small enough for the precision of float.
 constexpr float kForbidden = 1e5f;
 
 // Minimum-cost assignment of robots (rows) to ids (columns).
@@ -39,7 +39,7 @@ class Assignment {
     find_margins();
   }
 
-  // Growth of the minimum cost if this row must have another column.
+  // Returns by how much the minimum cost grows if this row must have another column.
   [[nodiscard]] float margin_of(std::size_t row) const { return way_[row][row]; }
   [[nodiscard]] std::size_t column_of(std::size_t row) const { return column_of_[row]; }
   [[nodiscard]] int robot_of(std::size_t column) const { return column < known_ ? static_cast<int>(column) : kNoRobot; }
@@ -82,7 +82,7 @@ class Assignment {
   std::array<std::array<float, kMaxRobotsPerTeam + 1>, kMaxRobotsPerTeam + 1> way_{};  // length, from row to row
 };
 
-// The best id of a robot alone, and its margin to the next one.
+// Returns the best id of a robot, regardless of other robots, and its margin over the second-best id.
 AssignedId best_of(const IdEvidence& evidence, std::size_t known) {
   AssignedId best{kNoRobot, std::numeric_limits<float>::max()};
   float value = evidence.unknown;

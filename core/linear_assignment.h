@@ -18,8 +18,8 @@ struct AssignmentBuffers {
 
 /// Assigns each of `rows` to a different one of `columns` with the least sum of `cost(row, column)` (Hungarian method
 /// with potentials, Kuhn 1955, Munkres 1957). Costs must be finite; no more rows than columns. Rows and columns are
-/// counted from 0 in `cost`. The result is in `row_of`: for column j the value at j + 1 is its row + 1, or 0 if it has
-/// none. O(rows^2 columns).
+/// counted from 0 in `cost`. The result is in `row_of`: element j + 1 is the row of column j plus 1, or 0 if column j
+/// has no row. O(rows^2 columns).
 template <class Real, class Cost>
 void solve_assignment(std::size_t rows, std::size_t columns, const Cost& cost, const AssignmentBuffers<Real>& work) {
   std::fill(work.row_potential.begin(), work.row_potential.end(), Real{0});

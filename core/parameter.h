@@ -28,9 +28,9 @@ struct Choice {
 
 /// The part of the program that applies a new value of a key when the files are reloaded while robots play (SIGHUP).
 enum class Reload : std::uint8_t {
-  kInherit,     // as the enclosing section; at the top level: kRestart
-  kRestart,     // none: the value needs a restart
-  kNoEffect,    // no part has to: names, and paths of files whose content is compared anyway
+  kInherit,     // like the enclosing section; at the top level: kRestart
+  kRestart,     // no part can apply the value: the program must be restarted
+  kNoEffect,    // no part uses the value: names, and paths of files whose content is compared anyway
   kCamera,      // the open camera, by Camera::adjust()
   kThresholds,  // the scanner's tables and the adaptation
   kControl,     // the controller

@@ -51,8 +51,7 @@ class ReloadableCopy {
   }
 
  private:
-  // Lists are copied as a whole, so every visited value is a member of the struct and has the same offset in the other
-  // struct.
+  // Lists are copied as a whole, so every visited value is a member of the struct. Its offset is equal in both structs.
   template <class T>
   void copy(const T& value, const Key& key) {
     if (inherited(key.reload, outer_) != which_) return;

@@ -5,7 +5,7 @@
 namespace touchline {
 namespace {
 
-// No robot of any league is higher. Between floor and camera there must be a distance.
+// No league has higher robots. The bound keeps markers below the camera.
 constexpr float kMaxMarkerHeight = 0.5f;
 
 // Measures the time between construction and destruction as the time of a stage.

@@ -63,9 +63,9 @@ class Pipeline {
   const StepTrace& step(const Frame& frame);
 
   /// Adapts to the light, using the sightings of the last step(), whose frame must still be valid. Call it after the
-  /// packet was sent, because nothing depends on it. Writes to that step's trace.
+  /// packet was sent, because nothing depends on it. Writes to the trace of this step.
   void adapt() { adaptation_.update(scanner_, trace_); }
-  /// Copies what decided the classes of the last step's pixels, about 0.5 MB. Call it before adapt().
+  /// Copies the tables that decided the classes of the last step's pixels, about 0.5 MB. Call it before adapt().
   void copy_classifier(PixelClassifier& out) const { scanner_.copy_to(out); }
   void set_adaptation(AdaptationMode mode) { adaptation_.set_mode(mode); }
   [[nodiscard]] AdaptationMode adaptation() const { return adaptation_.mode(); }
@@ -95,8 +95,8 @@ class Pipeline {
   /// Creates a packet that stops all robots, for times without a frame. It acts after the action delay, counted from
   /// `now`. Valid until the next call.
   const Packet& stop(Instant now);
-  /// Replaces the last step's commands by a stop, in its trace and with its packet's sequence number. For robots that
-  /// must stop before that packet was sent.
+  /// Replaces the last step's commands by a stop, in its trace and with its packet's sequence number. Call it if the
+  /// robots must stop before the step's packet was sent.
   void revoke();
   /// Resets tracks and game. Call it after a long gap, for example when the camera was reopened.
   void reset();

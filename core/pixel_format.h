@@ -8,8 +8,8 @@
 
 #include "core/color_space.h"
 
-// The pixel formats that cameras deliver: one table, from which everything else follows. A new format is an enumerator
-// and a row of the table; a color kernel is needed only for a new Packing (docs/cameras.md).
+// Table of the pixel formats that cameras deliver. All properties of a format follow from its row. A new format needs
+// an enumerator and a row; a color kernel is needed only for a new Packing (docs/cameras.md).
 namespace touchline {
 
 #define TOUCHLINE_PIXEL_FORMATS(FORMAT) \
@@ -22,7 +22,7 @@ enum class PixelFormat : std::uint8_t {
 #undef TOUCHLINE_FORMAT
 };
 
-/// How samples are arranged in memory. Each packing needs its own color kernel.
+/// Arrangement of samples in memory. Each packing needs its own color kernel.
 enum class Packing : std::uint8_t {
   kPacked24,    // three bytes per pixel
   kPacked32,    // four bytes per pixel, the last of them unused
@@ -33,8 +33,8 @@ enum class Packing : std::uint8_t {
 
 constexpr std::size_t kMaxPlanes = 3;
 
-/// Where a channel's samples are: pixel (u, v) has byte offset + (u >> shift_u) * step of row v >> shift_v of the
-/// plane.
+/// Position of a channel's samples in memory: pixel (u, v) uses byte offset + (u >> shift_u) * step of row v >> shift_v
+/// of the plane.
 struct ChannelLayout {
   std::uint8_t plane = 0, offset = 0, step = 1;
   std::uint8_t shift_u = 0, shift_v = 0;  // log2 of how many pixels share a sample
@@ -102,8 +102,8 @@ constexpr ColorSpace color_space(PixelFormat format) { return info_of(format).sp
 /// Whether pixel pairs (2k, 2k + 1) of a row share a chroma sample.
 constexpr bool shares_chroma(PixelFormat format) { return info_of(format).channel[1].shift_u > 0; }
 
-/// Bytes of a row of the plane; 0: the format has no such plane. With shared chroma an odd width still has the whole
-/// chroma of the last pair.
+/// Bytes of a row of the plane; 0: the format has no such plane. With shared chroma, a row of odd width contains the
+/// complete chroma of its last, incomplete pair.
 constexpr std::size_t row_bytes(PixelFormat format, std::size_t plane, std::size_t width_px) {
   std::size_t bytes = 0;
   for (const ChannelLayout& channel : info_of(format).channel) {

@@ -18,7 +18,7 @@ namespace touchline {
 // The largest sensor that single-board cameras of the leagues use (OV5647, 5 megapixels).
 constexpr std::size_t kMaxFrameWidth = 2592;
 constexpr std::size_t kMaxFrameHeight = 1944;
-// One bit each of the 32-bit table entries (paper, section 3.2).
+// Each box has one bit of the 32-bit table entries (paper, section 3.2).
 constexpr std::size_t kMaxColorBoxes = 32;
 constexpr std::size_t kMaxColors = 32;
 // Limit of core/region/run_limiter.h for the largest frame.
@@ -129,7 +129,7 @@ struct Region {
   PixelPoint centroid;
   PixelBox box;
   ColorId color = kBackground;
-  bool is_cut = false;  // an overload dropped runs that touch it: it may be a part of a larger region
+  bool is_cut = false;  // an overload dropped runs that touch it: the region may be a part of a larger one
 };
 /// In raster order of their first pixel.
 using Regions = FixedVector<Region, kMaxRegions>;
@@ -156,7 +156,7 @@ struct PatchSighting {
 
 /// Why a robot of a known team has no id.
 enum class IdDoubt : std::uint8_t {
-  kNone,              // it has one, or its team has no known robots
+  kNone,              // the robot has an id, or its team has no known robots
   kNoIdentification,  // only its team patch is seen
   kSeveralPoses,      // its patches fit more than one pose
   kSeveralIds,        // two robots of its team are nearly as likely
@@ -175,10 +175,12 @@ struct RobotSighting {
   // Without a heading, theta_rad is undefined, and position is a point on the robot (usually its team patch).
   bool has_heading = false;
   Pose pose;
-  float residual_m = 0.0f;  // RMS distance of the patches from their layout
-  PoseCovariance noise;     // of the pose, as far as this picture tells; without a heading only xx and yy
-  // Share of these variances that is a bias, from the pixel grid, colors and shape. It lasts while the robot stands and
-  // decorrelates when it moves by `lasts_m`. The rest is noise, which differs from picture to picture.
+  float residual_m = 0.0f;  // RMS distance of the patches from their positions in the layout
+  PoseCovariance
+      noise;  // covariance of the pose's errors, as far as this picture tells; without a heading only xx and yy
+  // Share of these variances that is a bias from the pixel grid, colors and shape. The bias stays constant while the
+  // robot stands, and decorrelates when the robot moves by `lasts_m`. The rest is noise, which differs from picture to
+  // picture.
   float lasting_share = 0.0f, lasts_m = 0.0f;
   float confidence = 0.0f;  // see Confidence
   FixedVector<PatchSighting, kMaxPatches> patches;
@@ -192,12 +194,12 @@ struct BallSighting {
   std::uint32_t area_px = 0;
   float sigma_m = 0.0f;                        // standard deviation of each coordinate, as far as this picture tells
   float confidence = 0.0f;                     // see Confidence
-  float lasting_share = 0.0f, lasts_m = 0.0f;  // of its variance, as of a robot
+  float lasting_share = 0.0f, lasts_m = 0.0f;  // bias, as in RobotSighting
 };
 
 /// Why a region was used for a sighting, or why not.
 enum class Verdict : std::uint8_t {
-  kNotExamined,  // its color is that of no patch and not of the ball
+  kNotExamined,  // neither a patch nor the ball has its color
   kTeamPatch,
   kIdentification,
   kBall,
@@ -209,7 +211,7 @@ enum class Verdict : std::uint8_t {
   kTooClose,      // eq. (1): a larger region of the same color is too close
   kNoPartner,     // eq. (2): no region at the right distance
   kPartnerTaken,  // its partner belongs to a better hypothesis
-  kSurplus,       // more than the maximum number of robots or balls
+  kSurplus,       // beyond the maximum number of robots or balls
 };
 const char* describe(Verdict verdict) noexcept;
 /// Whether a region of a patch's or the ball's color was not used.
@@ -296,7 +298,8 @@ struct Commands {
   FixedVector<RobotCommand, kMaxRobotsPerTeam> robots;
 };
 
-// Header, 11 robots of 5 bytes and the checksum are 64 (docs/radio.md); twice that leaves room for a robot of 10 bytes.
+// Header, 11 robots of 5 bytes and the checksum have 64 bytes (docs/radio.md). The double leaves room for 10 bytes per
+// robot.
 constexpr std::size_t kMaxPacketBytes = 128;
 using Packet = FixedVector<std::byte, kMaxPacketBytes>;
 
@@ -335,25 +338,26 @@ const char* describe(Stage stage) noexcept;
 /// State of the adaptation to the light, valid after Pipeline::adapt().
 struct LightTrace {
   float brightness = 1.0f;    // brightness of the field relative to the calibration
-  std::uint32_t patches = 0;  // number of patches that it learned from in this frame
+  std::uint32_t patches = 0;  // number of patches that the adaptation learned from in this frame
 };
 
-/// Whether the picture can be the truth (core/supervision). Its flags are those of this frame.
+/// Result of the picture check (core/supervision) for this frame: reasons to doubt that the picture shows the field
+/// now.
 struct PictureTrace {
-  bool repeats = false;      // the camera has delivered it before, as a whole or in a part
-  bool replays = false;      // an older picture goes on in a part of it
-  bool overloads = false;    // it exceeds capacities of the step, frame after frame
+  bool repeats = false;      // the camera has delivered the picture, or a part of it, before
+  bool replays = false;      // a part of the picture continues an older one
+  bool overloads = false;    // the picture exceeds capacities of the step, frame after frame
   bool hides_field = false;  // the field is not recognizable: dark, covered, or something else is shown
   bool contradicts = false;  // the own robots move otherwise than commanded, or everything is elsewhere at once (jumps)
   bool jumps = false;
   bool stands = false;                // all commanded robots have stood for a second: a warning
   float repeated_share = 0.0f;        // part of the picture that was delivered before, for longer than is usual
-  float repeated_s = 0.0f;            // its age
+  float repeated_s = 0.0f;            // age of the repeated part
   float field_share = -1.0f;          // part of the field that is recognizable; negative: not measured
   std::uint32_t overload_frames = 0;  // in a row
   std::uint8_t commanded = 0, standing = 0, contradicting = 0;  // own robots; the latter two of the commanded ones
 
-  /// Whether robots must not be driven by it.
+  /// True if robots must not be driven by this picture.
   [[nodiscard]] bool is_unusable() const { return repeats || overloads || hides_field; }
 };
 

@@ -15,18 +15,18 @@ namespace {
 
 using Rgb = BallColor::Rgb;
 
-// Radius of the largest disk in samples. The seed is somewhere on the ball, and the ring is around it: both fit into
-// the square of samples.
+// Radius of the largest disk in samples. The seed is any point of the ball. With this radius, disk and ring fit into
+// the square of samples wherever the seed is.
 constexpr float kMaxRadiusInSamples = 6.0f;
 // The ring leaves out the pixels that ball and floor share (blur, shared chroma).
 constexpr float kRingGap_px = 1.2f, kRingWidth = 0.35f, kMinRingWidth = 1.5f;
-// The patches of a robot are within this radius around another one of its patches.
+// Radius around a patch of a robot, relative to the ball's radius, within which the robot's other patches lie.
 constexpr float kSurroundings = 2.4f;
 // The color is measured within this part of the disk's radius.
 constexpr float kCore = 0.6f;
 // Radius around the disk's center in which the shape is measured.
 constexpr float kShapeSampleRadius = 1.5f;
-// Weight of a pixel of the ball's color in the ring against one in the disk.
+// Weight of a pixel of the ball's color in the ring, relative to such a pixel in the disk.
 constexpr float kRingWeight = 0.7f;
 // Weight of a visible pixel of another color in the disk of a ball that a robot may hide.
 constexpr float kUnfilledWeight = 0.5f;
@@ -42,7 +42,7 @@ constexpr std::array<std::array<float, 2>, 8> kFloorDirections{{{1, 0},
                                                                 {0, -1},
                                                                 {kDiagonal, -kDiagonal}}};
 
-// From this radius in samples on, no ball is between the coarse samples.
+// From this radius in samples on, the coarse samples cannot miss a ball.
 constexpr float kMinCoarseRadius = 4.0f;
 // A disk is rejected if the visible pixels of the ball's color cover less than this share of it.
 constexpr float kMinBallShare = 0.09f;
@@ -73,7 +73,7 @@ bool look_at_floor(const Frame& frame, int u, int v, float radius_px, Rgb& out) 
 }
 
 // Second and fourth angular moments of the pixels of the ball's color around a disk, relative to the largest possible
-// values. On a finer grid than the search: shapes differ by few pixels.
+// values. The grid is finer than that of the search, because shapes differ by few pixels.
 void measure_shape(const Frame& frame, const BallColor& color, std::span<const TopOutline> tops, int center_u,
                    int center_v, float radius_px, BallAppearance& out) {
   const int step = static_cast<int>(std::ceil(kShapeSampleRadius * radius_px / static_cast<float>(kSampleReach)));
@@ -141,7 +141,7 @@ bool look_at_ball(const Frame& frame, PixelPoint seed, float radius_px, const st
   const SampleRing disk(0.0f, radius), surroundings(inner, outer),
       ring(inner, inner + std::max(kMinRingWidth, kRingWidth * radius));
   const int search = static_cast<int>(radius), dense = search + ring.reach;
-  // Centers of the disk that are examined.
+  // Positions at which the center of the disk is tried.
   const SampleRing places(0.0f, static_cast<float>(search) + 0.01f);
   FixedVector<TopOutline, kMaxRobots> tops;
   for (const RobotTop& robot : robots) tops.push_back(TopOutline(robot));
@@ -155,7 +155,7 @@ bool look_at_ball(const Frame& frame, PixelPoint seed, float radius_px, const st
   samples.read_dense(color, !is_coarse_enough);
   const Samples& ball = samples.ball;
 
-  // The best disk; of equally good ones, their mean.
+  // Find the best disk, or the mean of equally good ones.
   const SampleSums sums(ball, dense);
   float best = -1e9f, sum_u = 0, sum_v = 0, equal = 0;
   const auto add_row = [&](int row, int reach) {
@@ -216,7 +216,7 @@ bool look_at_ball(const Frame& frame, PixelPoint seed, float radius_px, const st
                   static_cast<float>(seed_v) + static_cast<float>(step) * sum_v / equal};
   }
   measure_shape(frame, color, {tops.data(), tops.size()}, seed_u + step * at_u, seed_v + step * at_v, radius_px, out);
-  // The rim is darker than the patch that the typical value is from.
+  // The core is used because the rim of a ball is darker than the patch on which the typical value was measured.
   const SampleRing core(0.0f, std::max(1.0f, kCore * radius));
   const SampleRing& middle = ball.count(core, at_u, at_v) > 0 ? core : disk;
   const auto samples_in_middle = static_cast<float>(ball.count(middle, at_u, at_v));

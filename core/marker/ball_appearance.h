@@ -11,13 +11,13 @@ namespace touchline {
 
 /// What the pixels around a possible ball show. Areas are shares from 0 to 1.
 struct BallAppearance {
-  PixelPoint center;   // of the ball in the best disk; of the disk itself if the ball is partly hidden
-  float radius = 0;    // of the disk in pixels, less where pixels share chroma and the outline is less sharp
-  float area_px = 0;   // of the ball's color in the disk
+  PixelPoint center;   // center of the ball's pixels in the best disk; center of the disk if the ball is partly hidden
+  float radius = 0;    // radius of the disk in pixels, less where pixels share chroma and the outline is less sharp
+  float area_px = 0;   // area of the ball's color in the disk
   float visible = 0;   // share of the disk that is in the picture and on no robot
   float filled = 0;    // share of the visible disk that has the ball's color
-  float overflow = 0;  // share of a ring around the disk that has it
-  float colorful = 0;  // share of the wider surroundings with another strong color, as the patches of a robot
+  float overflow = 0;  // share of a ring around the disk that has the ball's color
+  float colorful = 0;  // share of the wider surroundings with another strong color, as robots' patches have
   // Angular moments of the pixels of the ball's color, up to half a radius beyond the disk: 0 for a disk, at most 1.
   float elongation = 0;        // second moment: 0.38 for a rectangle of 3 : 2
   float squareness = 0;        // fourth moment: 0.43 for a square
@@ -27,7 +27,7 @@ struct BallAppearance {
 /// Below this visible share, the mean of the ball's pixels is not its center.
 constexpr float kWholeBall = 0.9f;
 
-/// Smallest radius for look_at_ball(), in pixels. A smaller ball has no pixel without its surroundings.
+/// Smallest radius for look_at_ball(), in pixels. In a smaller ball, every pixel is mixed with the surroundings.
 constexpr float kMinAppearanceRadius_px = 1.5f;
 
 /// Fits a disk of the ball's size to the pixels around `seed`, a point of the ball, whatever boxes they fell into. A

@@ -16,7 +16,7 @@ constexpr float kHueTolerance_rad = 0.35f, kPastPrimary_rad = 0.14f, kMaxHueExce
 constexpr float kPixelNoise_levels = 5.0f;
 // A pixel of the ball has at least this part of the ball's saturation, and of the difference between floor and ball.
 constexpr float kMinSaturation = 0.3f, kMinContrast = 0.3f;
-// Below this distance between ball and floor in levels, noise decides.
+// Smallest usable distance between the colors of ball and floor in levels. Noise dominates smaller distances.
 constexpr float kMinFloorDistance = 15.0f;
 // Relative saturation below which a color has no hue: white, grey, black.
 constexpr float kNoHue = 0.12f;
@@ -28,7 +28,7 @@ constexpr Rgb kRed{0.8164966f, -0.4082483f, -0.4082483f}, kGreenToBlue{0.0f, 0.7
 
 float dot(const Rgb& a, const Rgb& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 Rgb minus(const Rgb& a, const Rgb& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
-// The part of a color that white light does not have.
+// Returns the color without its white part.
 Rgb chroma_of(const Rgb& rgb) {
   const float mean = (rgb[0] + rgb[1] + rgb[2]) / 3.0f;
   return {rgb[0] - mean, rgb[1] - mean, rgb[2] - mean};
@@ -36,7 +36,7 @@ Rgb chroma_of(const Rgb& rgb) {
 
 Simd4<float> broadcast4(float value) { return Simd4<float>{value, value, value, value}; }
 
-// Bit i: lane i of the comparison is true.
+// Sets bit i if lane i of the comparison is true.
 std::uint32_t bits_of_eight(const std::array<Simd4<std::int32_t>, 2>& is_true) {
   using Four = Simd4<std::int32_t>;
   const Four bits = (is_true[0] & Four{1, 2, 4, 8}) | (is_true[1] & Four{16, 32, 64, 128});
@@ -53,7 +53,7 @@ BallColor::BallColor(const Rgb& ball, const Rgb& floor) : ball_(ball), floor_(fl
   float saturation = std::sqrt(dot(chroma, chroma)), tolerance = kColorTolerance;
   const bool has_hue = saturation > kNoHue * std::sqrt(dot(ball, ball));
   if (!has_hue) {
-    // The color itself is used instead of the hue.
+    // Without a hue, the color itself is compared.
     saturation = std::sqrt(dot(ball, ball));
     for (std::size_t c = 0; c < 3; ++c) axis[c] = ball[c] / saturation;
   } else {
@@ -97,7 +97,7 @@ std::uint32_t BallColor::is_ball(const PixelGroup& rgb) const {
     const Simd4<float> sum = r + g + b;
     // The axis of a hue has no white part.
     const Simd4<float> along = r * hue_[0] + g * hue_[1] + b * hue_[2];
-    // Rounding may make it negative; `allowed` is not 0.
+    // Rounding may make across2 negative, which does no harm because `allowed` is not 0.
     const Simd4<float> across2 = r * r + g * g + b * b - white_factor_ * sum * sum - along * along;
     const Simd4<float> allowed = kPixelNoise_levels + tolerance_ * along;
     is_like[half] &= (along > least_along_) & (across2 < allowed * allowed);

@@ -9,20 +9,19 @@
 namespace touchline {
 namespace {
 
-// --- Regions alone: a ball that is half covered by a robot is still accepted. The center of a smaller part would be
-// wrong.
+// --- Regions alone: a ball that a robot half covers is still accepted. If less is visible, the center would be wrong.
 constexpr float kMinBallRatio = 0.35f;
 // A disk fills 0.79 of its bounding box. Partly covered disks and small ones on the pixel grid fill at least half.
 constexpr float kMinFill = 0.45f;
 constexpr float kMaxAspectRatio = 2.6f;
 // Ratio of scores above which two candidates are equally likely.
 constexpr float kClearlyBetter = 0.85f;
-// Probability that a region of the right size and shape is the ball: of the best one, and with the smallest area.
+// Probability that a region of the right size and shape is the ball: for the expected area, and for the smallest one.
 constexpr float kBestRegion = 0.98f, kSmallestRegion = 0.9f;
 
-// --- Pixels: log odds. Those of fill, overflow, shape and color were fitted (logistic regression, then rounded) to
-// balls and to painted distractors of other shapes and colors in every second real picture.
-// A region in the ball's boxes, before its pixels are examined; a place where only the track expects it.
+// --- Pixels: log odds. The log odds of fill, overflow, shape and color were fitted (logistic regression, then rounded)
+// to balls and to painted distractors of other shapes and colors in every second real picture. Prior log odds of a
+// region in the ball's boxes, and of a place where only the track expects the ball.
 constexpr float kRegionOdds = 0.5f, kExpectedOdds = -1.0f;
 // Log odds of a completely filled disk; the share at which the log odds are 0; their minimum and maximum.
 constexpr float kFilledOdds = 10.0f, kNeutralFilled = 0.6f, kMinFilledOdds = -4.0f, kMaxFilledOdds = 3.5f;
@@ -41,27 +40,28 @@ constexpr float kUnclearShapeOdds = 0.1f;
 constexpr float kColorfulOdds = -8.0f, kNeutralColorful = 0.25f;
 // Log odds that this is an undetected robot's patch: base value, and slope per share of other colors.
 constexpr float kPatchOdds = -6.0f, kPatchBesideOdds = 80.0f, kMaxPatchOdds = 2.0f;
-// Least visible share of the ball: anywhere, and where the track expects it. Robots can pin the ball against a wall for
-// many seconds and leave a crescent of it.
+// Smallest visible share of the ball: anywhere, and where the track expects it. A ball that robots pin against a wall
+// may show only a crescent for many seconds.
 constexpr float kMinVisible = 0.35f, kMinVisibleExpected = 0.15f;
 // Standard deviations of the log color: brightness, and one channel relative to the others.
 constexpr float kBrightnessSigma = 0.5f, kChannelSigma = 0.22f;
 constexpr float kColorNoise_levels = 12.0f, kMinColorOdds = -10.0f;
-// Weight of the color's log likelihood: its errors are correlated with those of the other evidence.
+// Weight of the color's log likelihood: its errors are correlated with errors of the other evidence.
 constexpr float kColorWeight = 0.9f;
 // A seed whose color is less likely than this shows a reflection or the ball's rim.
 constexpr float kCredibleSeed = -3.0f;
-// Share of the seed's tint that comes from the lamp. The rest comes from another color.
+// Share of the seed's tint that is attributed to the lamp. The rest is attributed to another color of the object.
 constexpr float kTintShare = 0.5f;
-// A candidate on the top of a robot whose heading is unknown.
+// Log odds of a candidate on the top of a robot whose heading is unknown.
 constexpr float kOnRobotOdds = -5.0f;
-// Log odds from the track: at the predicted position, and far from it. Then the model error of the prediction, added to
-// the covariance of the track.
+// Log odds from the track: at the predicted position, and far from it. The last constant is the model error of the
+// prediction, which is added to the track's covariance.
 constexpr float kExpectedPlaceOdds = 1.5f, kOtherPlaceOdds = -1.0f, kPredictionSigma_m = 0.02f;
-// There is one ball. If the candidate at the predicted position passes for the ball, another candidate is the ball only
-// if the track is wrong: prior one in twenty, as for a confidence of 0.95.
+// There is only one ball. If the candidate at the predicted position passes for the ball, another candidate can be the
+// ball only if the track is wrong (prior 0.05).
 constexpr float kTrackIsRight = 0.95f;
-// A region with this part of the ball's area has a more accurate center than the disk, which is centered on a pixel.
+// A region with at least this part of the ball's area has a more accurate center than the disk, whose center is a
+// pixel.
 constexpr float kWholeRegion = 0.5f, kSameCenter = 0.35f;
 // Upper limit of the confidence, because the model does not contain every error.
 constexpr float kMaxConfidence = 0.998f;
@@ -75,7 +75,7 @@ bool looks_like_a_disk(const Region& region) {
          std::max(width, height) <= kMaxAspectRatio * std::min(width, height);
 }
 
-// A pixel on the planes of both teams' patches.
+// Projects a pixel to the planes of both teams' patches.
 std::array<FieldPoint, 2> on_both_planes(PixelPoint center, const BallFinder::Scene& now) {
   const CameraModel& camera = now.finder.camera();
   const float own_m = now.teams[0].layout.height_m, other_m = now.teams[1].layout.height_m;
@@ -97,7 +97,7 @@ bool on_a_robot(PixelPoint center, const BallFinder::Scene& now, const Sightings
   });
 }
 
-// 1 for the expected area, less for smaller and larger ones.
+// Returns 1 for the expected area, and less for smaller and larger areas.
 float score(const PatchCandidate& patch) { return patch.ratio <= 1.0f ? patch.ratio : 1.0f / patch.ratio; }
 
 void report(const PatchCandidate& patch, float confidence, Sightings& out) {
@@ -108,12 +108,12 @@ void report(const PatchCandidate& patch, float confidence, Sightings& out) {
   out.ball.confidence = confidence;
 }
 
-// Tops of the robots that may hide a ball here.
+// Returns the tops of the robots that may hide a ball at this position.
 FixedVector<RobotTop, kMaxRobots> tops_at(FieldPoint ball, const BallFinder::Scene& now, const Sightings& seen) {
   return tops_near(ball, now.finder.camera(), sizes_of(now.teams), seen);
 }
 
-// 0 up to the first limit, 1 from the second one on.
+// Rises linearly from 0 at the first limit to 1 at the second one.
 float ramp(float value, const std::array<float, 2>& limits) {
   return std::clamp((value - limits[0]) / (limits[1] - limits[0]), 0.0f, 1.0f);
 }
@@ -165,7 +165,7 @@ void BallFinder::find_by_regions(const Scene& now, Sightings& out) const {
       continue;
     }
     verdict = Verdict::kSurplus;
-    // A candidate on top of a robot is accepted only if there is no other.
+    // A candidate on top of a robot is accepted only if there is no other candidate.
     const float m = score(patch) * (on_a_robot(patch.center, now, out, 0.0f) ? 0.1f : 1.0f);
     if (m > best_score) {
       second_score = best_score;
@@ -251,7 +251,7 @@ void BallFinder::examine(const Scene& now, const PatchCandidate& patch, const Si
   const float radius_px = ball_.radius_m * patch.scale_px_per_m;
   std::array<float, 3> rgb = surface.rgb;
   if (is_sampled && colors_.knows(ball_.color)) {
-    // The typical color in the light of this place: a thin region has many mixed pixels.
+    // Use the typical color in the light of this place, because most pixels of a thin region are mixed.
     rgb = colors_.typical_rgb(ball_.color, space);
     if (log_likelihood(surface.rgb, ball_.color, space) > kCredibleSeed) {
       std::array<float, 3> gain{};
@@ -301,7 +301,8 @@ void BallFinder::find_by_pixels(const Scene& now, Sightings& out) const {
   std::size_t looks = 0;
   for (const PatchCandidate& patch : now.patches) {
     out.verdicts[patch.region] = patch.is_partly_visible ? Verdict::kTooSmall : Verdict::kSurplus;
-    // A patch of a robot, which hides any ball there. The center of a ball's region is beside the robot, or nearly.
+    // Skip a patch of a robot, which would hide a ball under it. The center of a visible ball's region is beside the
+    // robot, or nearly.
     if (on_a_robot(patch.center, now, out, 0.5f * ball_.radius_m)) continue;
     if (candidates.size() == kMaxExamined || looks == kMaxLooks) continue;
     ++looks;

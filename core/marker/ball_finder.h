@@ -24,18 +24,18 @@ PatchPlace outline_of(const BallParameters& ball);
 /// Without a frame: the candidate whose area fits best and whose region looks like a disk. Candidates on the top of a
 /// reported robot have a much lower rank. If two candidates are about equally likely, no ball is reported.
 ///
-/// With a frame, regions only tell where to look. Evidence are the pixels there (ball_appearance.h), whatever boxes
-/// they fell into: how well a disk of the ball's size is filled, whether its color ends where the disk ends, whether
-/// its outline is that of a disk, whether patches of a robot are beside it, and how much its color differs from the
-/// typical one. Pixels on the top of a robot
-/// do not count, because they hide the ball. A track adds its expectation; if no region is there, the place is
-/// examined, too, and a ball there makes others unlikely. The confidence is the probability of a candidate against all
-/// others and no ball; a ball with less than kMinConfidence is not reported. The work is bounded: at most kMaxLooks
-/// patches and the expected place.
+/// With a frame, regions only tell where to look. The evidence comes from the pixels at these places
+/// (ball_appearance.h), whatever boxes they fell into: how well a disk of the ball's size is filled, whether its color
+/// ends where the disk ends, whether its outline is that of a disk, whether patches of a robot are beside it, and how
+/// much its color differs from the typical one. Pixels on the top of a robot do not count, because they hide the ball.
+/// A track adds its expectation; if no region is there, the place is examined, too, and a ball there makes others
+/// unlikely. The confidence is the probability of a candidate against all others and no ball; a ball with less than
+/// kMinConfidence is not reported. The work is bounded: at most kMaxLooks patches and the expected place.
 class BallFinder {
  public:
   static constexpr float kMinConfidence = 0.6f;
-  // The ball, and clutter of its color that is as large; patches that turn out to be none of both.
+  // kMaxExamined: the ball, and clutter of its color and size. kMaxLooks also allows for patches of robots, which are
+  // skipped.
   static constexpr std::size_t kMaxExamined = 6, kMaxLooks = 8;
 
   /// What is known in one frame. `patches`: candidates of the ball's color inside the field.
@@ -69,7 +69,7 @@ class BallFinder {
   void examine_expected_place(const Scene& now, const Sightings& seen, Candidates& out) const;
   // Log likelihood of a surface's mean color relative to that of the typical value, in a light of unknown brightness.
   [[nodiscard]] float log_likelihood(const std::array<float, 3>& rgb, ColorId color, ColorSpace space) const;
-  // Log odds of the ball against a patch of another color, whose robot was not found, or anything else.
+  // Log odds of the ball against all alternatives, among them a patch of another color whose robot was not found.
   [[nodiscard]] float log_odds_of(const BallAppearance& shown, float prior, ColorSpace space) const;
   [[nodiscard]] float place_log_odds(const Scene& now, PixelPoint center, const Sightings& seen) const;
   [[nodiscard]] float expectation_log_odds(const Scene& now, PixelPoint center) const;

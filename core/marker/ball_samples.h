@@ -15,16 +15,16 @@ namespace touchline {
 constexpr int kSampleReach = 16;
 constexpr std::size_t kSampleSide = 2 * kSampleReach + 1;
 
-/// Index of a row or column, which is relative to the middle.
+/// Converts a row or column relative to the middle to an array index.
 constexpr std::size_t sample_index(int i) {
   const int from_first = i + kSampleReach;
   return static_cast<std::size_t>(from_first);
 }
 constexpr std::uint64_t sample_bit(int column) { return std::uint64_t{1} << sample_index(column); }
-/// The columns from -last to last; none if it is negative.
+/// Sets the bits of the columns from -last to last; none if `last` is negative.
 constexpr std::uint64_t middle_sample_bits(int last) { return last < 0 ? 0 : 2 * sample_bit(last) - sample_bit(-last); }
 
-/// Number of bits. std::popcount calls a function on processors that may lack the instruction.
+/// Counts the bits that are set. std::popcount calls a function on processors that may lack the instruction.
 constexpr int count_sample_bits(std::uint64_t bits) {
   bits -= bits >> 1u & 0x5555555555555555u;
   bits = (bits & 0x3333333333333333u) + (bits >> 2u & 0x3333333333333333u);
@@ -48,14 +48,14 @@ class SampleRing {
       count += (dv == 0 ? 1 : 2) * count_sample_bits(rows_[row]);
     }
   }
-  /// The columns of row `dv`, if the point is in this column.
+  /// Returns the ring's columns in row `dv`, relative to a point in `column`.
   [[nodiscard]] std::uint64_t at(int dv, int column) const {
     const std::uint64_t mask = rows_[static_cast<std::size_t>(std::abs(dv))];
     return column >= 0 ? mask << static_cast<unsigned>(column) : mask >> static_cast<unsigned>(-column);
   }
 
   int reach = 0, count = 0;
-  // By distance of the row from the point: the last column, and the last of the hole; -1: there is none.
+  // By distance of the row from the point: the last column of the ring and of its hole; -1: there is none.
   std::array<int, kSampleReach + 1> last{}, hole{};
 
  private:
@@ -76,7 +76,8 @@ class Samples {
     return sum;
   }
 
-  /// The samples in a disk around (column, row), and those between them both in their row and in their column.
+  /// Returns the samples in a disk around (column, row), and fills holes: samples of the disk that lie between others
+  /// both in their row and in their column.
   [[nodiscard]] Samples without_holes(const SampleRing& disk, int column, int row) const {
     Samples out;
     std::array<std::uint64_t, kSampleSide> below{};  // or in it
@@ -105,14 +106,15 @@ class SampleSums {
   /// Counts around 16 neighboring columns, modulo 256.
   using Counts [[gnu::vector_size(16)]] = std::uint8_t;
 
-  /// Of the samples at most `reach` rows and columns from the middle.
+  /// Prepares the counts of samples that are at most `reach` rows and columns from the middle.
   SampleSums(const Samples& samples, int reach) {
     for (int row = -reach; row <= reach; ++row) {
       std::uint8_t* const sums = &sums_[sample_index(row) * kWidth];
       std::uint64_t bits = samples.row(row);
-      std::uint64_t sum = 0;  // the same in each byte
+      std::uint64_t sum = 0;  // one value, repeated in each byte
       for (std::size_t byte = 0; byte < kWidth; byte += 8, bits >>= 8u) {
-        // One bit in each byte, then in each byte the number of bits up to it; the lowest byte is the first column.
+        // Spread one bit to each byte, then add up: each byte counts the bits up to its column. The lowest byte is the
+        // first column.
         static_assert(std::endian::native == std::endian::little);
         const std::uint64_t spread = ((bits & 0xffu) * kOnes) & 0x8040201008040201u;
         const std::uint64_t ones = (spread + 0x7f7f7f7f7f7f7f7fu) >> 7u & kOnes;
@@ -123,7 +125,7 @@ class SampleSums {
     }
   }
   /// Number of samples in a ring around (column + i, row) for i = 0 to 15. The ring must not extend beyond the reach;
-  /// counts for which it does have no meaning.
+  /// otherwise the count is undefined.
   [[nodiscard]] Counts count(const SampleRing& ring, int column, int row) const {
     Counts counts{};
     for (int dv = -ring.reach; dv <= ring.reach; ++dv) {

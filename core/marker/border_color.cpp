@@ -21,11 +21,11 @@ constexpr std::array<PixelPoint, kPairs> kRayDirections = {{{1.0f, 0.0f},
                                                             {-0.7071f, 0.7071f},
                                                             {-0.9239f, 0.3827f}}};
 static_assert(kMinBorderRays == kPairs);
-// Mixed pixels of a ray at most: the blur of an edge is narrower.
+// Largest number of mixed pixels of a ray. The blur of an edge is narrower.
 constexpr std::size_t kMaxMixed = 12;
-// A patch that is hardly saturated has noise below the value at which it saturates.
+// Tolerance below the value of saturation: noise darkens pixels of a patch that is hardly saturated.
 constexpr float kPlateau_levels = 12.0f;
-// The end of a border: the sum of channels falls by less than this from one pixel to the next.
+// A border ends where the sum of channels falls by less than this from one pixel to the next.
 constexpr float kEndOfFall_levels = 6.0f;
 // Brightest surroundings, relative to a saturated pixel. The top of a robot is black; neighbors may be brighter.
 constexpr float kDarkSurroundings = 0.5f;

@@ -15,11 +15,11 @@ struct BorderColor {
   std::array<float, 3> excess{};
   std::array<float, 3> error{};       // standard deviation of the excess' logarithm
   std::array<float, 3> background{};  // the patch's surroundings: square of the value above black
-  std::size_t rays = 0;               // that have their border in front of darker surroundings
+  std::size_t rays = 0;               // number of rays whose border lies in front of darker surroundings
 };
 
-/// Rays that must find a border: half of all. For a square that is merged with another surface at two sides: the rays
-/// to its two free sides, without those along the edge of the free part.
+/// Smallest number of rays that must find a border: half of all. For a square that is merged with another surface at
+/// two sides, the rays to its free sides suffice, without those along the edge of the free part.
 constexpr std::size_t kMinBorderRays = 8, kRaysOfTwoSides = 5;
 
 /// Finds the color of a patch with saturated channels. `surface` tells which channels are saturated. A pixel at the

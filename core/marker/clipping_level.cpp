@@ -39,7 +39,7 @@ class SampledRow {
   /// Moves to a row, which begins here.
   void move_to(const std::uint8_t* pixels) { pixels_ = pixels; }
 
-  /// The highest channel of all sampled pixels.
+  /// Returns the highest channel value of all sampled pixels.
   [[nodiscard]] std::uint8_t highest() const {
     Bytes16 most{};
     std::size_t at = 0;
@@ -115,7 +115,7 @@ int saturated_from(const Frame& frame) {
     });
   }
   if (clipped < kMinClipped || clipped <= below) return kSaturatedValue;
-  // As far below the highest value as usual.
+  // Keep the usual ratio to the highest value.
   return highest * kSaturatedValue / 255;
 }
 

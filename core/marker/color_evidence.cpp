@@ -16,7 +16,7 @@ constexpr float kWhite = 255.0f, kHaze = 0.01f, kHazeOfTeamPatch = 0.02f;
 // Glare on the team patch is measured in channels that are this dark in its color, relative to the brightest one. Less
 // glare than this is stray light and gloss.
 constexpr float kDarkInColor = 0.4f, kMinGlare = 0.02f;
-// The light of a saturated channel may be brighter by this factor.
+// Expected factor by which the light of a saturated channel exceeds its lower bound.
 constexpr float kSaturatedGain = 1.5f;
 // Standard deviation of the log gain of a saturated channel.
 constexpr float kSaturatedSigma = 0.5f;
@@ -27,7 +27,7 @@ constexpr float kDegreesOfFreedom = 3.0f;
 // Model error of a border's color, added to the error that its pixels show, and the probability of an outlier: another
 // object beside the patch.
 constexpr float kBorderSigma = 0.06f, kForeignBorder = 0.05f;
-// kNoColor for the two ratios of channels alone.
+// Part of kNoColor that belongs to the two ratios of channels.
 constexpr float kNoBorderColor = ColorEvidence::kNoColor * 2.0f / 3.0f;
 // Error of a channel in which the patch is as dark as its surroundings, relative to the color's linear light.
 constexpr float kMinExcess = 0.3f;

@@ -50,7 +50,7 @@ class ColorEvidence {
   /// Log likelihood of a surface that has none of the venue's colors: a robot's top, the floor, a hand.
   static constexpr float kNoColor = -3.0f;
   /// Floor of a color's log likelihood, because a robot's own patch may be covered or reflect a lamp. One patch at the
-  /// floor costs more than a patch of the right color gains, so a robot that is not in the team file gets no name.
+  /// floor costs more than a patch of the right color gains, so a robot that is not in the team file gets no id.
   static constexpr float kFloor = kNoColor - 8.0f;
 
   void configure(const TypicalColors& typical);

@@ -16,7 +16,7 @@ using Lanes = Simd4<std::int32_t>;  // -1: true, 0: false
 // Prior of glare: one patch in five mirrors a lamp, on average a tenth of its light (exponential distribution). As log
 // likelihood.
 constexpr float kGlareIsRare = 1.6f, kMeanGlare = 0.1f;
-// Between two places of the floor, per channel.
+// Standard deviation of the log ratio between two places of the floor, per channel.
 constexpr float kFloorSigma = 0.12f;
 // Log likelihood ratio of the first and of each further saturated channel that a color predicts with certainty: about
 // one surface of no color in seven saturates a channel, but white lines saturate all. A channel's part of kNoColor is
@@ -49,8 +49,8 @@ float log_upper_tail(float z) {
 //
 // Errors are relative: 2 (a - b) / (a + b), which is nearly log(a / b). Their covariance is diagonal plus that of a
 // factor that is common to all channels; it is inverted with the formula of Sherman and Morrison. A saturated value is
-// a lower bound: its likelihood is the probability of larger values, given the other channels. What is surely below
-// kFloor is not exact.
+// a lower bound: its likelihood is the probability of larger values, given the other channels. Values that are surely
+// below kFloor are not exact.
 Floats log_densities(const SurfaceColor& surface, const ExpectedColors4& expected) {
   std::array<Floats, 3> error, variance;
   const float noise = square(kNoise_levels) + square(surface.spread);

@@ -10,7 +10,7 @@ namespace touchline {
 namespace {
 
 constexpr std::uint16_t kNone = 0xffff;
-// Smaller differences of pose do not matter to the controller.
+// Two poses that differ by less than these are equivalent for the controller.
 constexpr float kNegligibleDistance_m = 0.01f, kNegligibleTurn_rad = 0.2f;
 
 bool same_identity(const Hypothesis& a, const Hypothesis& b) {
@@ -119,7 +119,7 @@ void Selector::search(const Group& group, std::size_t depth, const Set& excluded
       search(group, depth + 1, excluded.with(conflicts_[h]), with);
       if (stop_at_first_ && found_) return;
     } else {
-      --nodes_left_;  // a node without more
+      --nodes_left_;  // the node has no children
     }
   }
   path_[depth] = kNone;

@@ -36,7 +36,7 @@ constexpr float kSampledRadius = 0.5f;
 // The border of a saturated patch is looked for from this part of its inner circle to beyond its blurred corners.
 constexpr float kBorderFrom = 0.4f, kBorderBlur_px = 3.0f;
 
-// Robots of a team that are looked at.
+// Returns the number of a team's robots that are examined.
 std::size_t robots_of(const Sightings& seen, std::size_t team) {
   const auto robots = std::count_if(seen.robots.begin(), seen.robots.end(),
                                     [&](const RobotSighting& robot) { return index_of(robot.team) == team; });
@@ -197,7 +197,7 @@ bool Identifier::has_only_claimed_regions(const Candidate& candidate) const {
          });
 }
 
-// What the pixels of a slot show in this pose.
+// Returns the evidence that the pixels of a slot give in this pose.
 Identifier::SlotEvidence Identifier::evidence_in_slot(const Scene& now, const Candidate& candidate,
                                                       const PoseEvidence& pose, std::size_t s) const {
   const MarkerLayout& layout = teams_[now.team].layout;

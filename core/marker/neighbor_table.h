@@ -20,15 +20,15 @@ struct Neighbor {
   bool is_partly_visible = false;
 };
 
-/// One bit per neighbor.
+/// A set of neighbors, with one bit for each.
 using NeighborSet = std::uint16_t;
 static_assert(kMaxNeighbors <= 16);
 
-/// Caches what the search for hypotheses needs of a team patch's neighbors: which slots each may fill, and how well the
-/// distances between them agree with the layout.
+/// Caches properties of a team patch's neighbors for the search for hypotheses: which slots each may fill, and how well
+/// the distances between them agree with the layout.
 class NeighborTable {
  public:
-  /// In place of the neighbor of an empty slot.
+  /// Stands in a list of neighbors, one per slot, for a slot that no neighbor fills.
   static constexpr std::uint8_t kNone = 255;
 
   /// For a team with at least one identification patch. The marking must outlive the table.
@@ -45,7 +45,8 @@ class NeighborTable {
   /// robot if it is negative; then they must be completely visible, too.
   [[nodiscard]] NeighborSet candidates(std::size_t slot, int robot) const;
 
-  /// By neighbor: sum of squared errors of its distances from other patches, relative to the layout.
+  /// Sum of the squared errors of a neighbor's distances from other patches, relative to the layout; indexed by
+  /// neighbor.
   using Spreads = std::array<float, kMaxNeighbors>;
   /// Returns the neighbors of `candidates` that fit beside `set`, the patches of the slots before: each distance
   /// differs from the layout's by at most `gate_m`, and the spread is at most `most_m2`.
@@ -55,7 +56,7 @@ class NeighborTable {
  private:
   [[nodiscard]] bool is_used_in_slot(std::size_t slot, ColorId color) const;
 
-  // Values of all neighbors, four at a time.
+  // Holds values of all neighbors, four in each vector.
   static constexpr std::size_t kFours = kMaxNeighbors / 4;
   using Fours = std::array<Simd4<float>, kFours>;
   static float& value_of(Fours& values, std::size_t i) { return reinterpret_cast<float*>(values.data())[i]; }

@@ -21,7 +21,7 @@ constexpr float kRoughAxisSigma = 0.25f;
 // Area of a team patch that is grown from its pixels, relative to the layout's. Halos of sharpening and shared chroma
 // leave half of a small patch.
 constexpr float kMinGrownArea = 0.35f, kMaxGrownArea = 1.5f;
-// A region of the right shape with this part of the area shows the whole patch.
+// From this area ratio on, a region of the right shape shows the whole patch.
 constexpr float kWholePatchRatio = 0.75f;
 // The window for growing contains the patch if its seed is in the middle third.
 constexpr float kWindowMargin = 1.3f, kBlur_px = 2.0f;
@@ -35,9 +35,9 @@ constexpr float kManyDirections = 2.8f;
 // kFourDirections is the logarithm of the four directions that the sides of a square team patch allow. kSideError is
 // the error of these sides in radians.
 constexpr float kFourDirections = 1.4f, kSideError = 0.2f, kMinSquareness = 0.5f;
-// Ratio of variances of patches whose axis is visible: in the layout, and in the picture.
+// Smallest ratio of variances of a patch whose axis is visible: in the layout, and in the picture.
 constexpr float kLong = 2.0f, kVisiblyLong = 1.5f;
-// Smaller differences of pose show the same pixels.
+// Two poses that differ by less than these would be compared with the same pixels, so only the first is kept.
 constexpr float kSamePlace = 0.006f, kSameHeading = 0.2f;
 
 // The sides of a square are tested at this distance from its edge, and along a part of each side. Pixels outside must
@@ -58,7 +58,7 @@ bool same_pose(const Pose& a, const Pose& b) {
 
 }  // namespace
 
-// False if another robot is there.
+// Returns false if another robot occupies the place of the pose.
 bool Identifier::is_free(const Scene& now, std::size_t robot, const PoseEvidence& evidence) const {
   const MarkerLayout& layout = teams_[now.team].layout;
   const Pose& pose = evidence.pose;
@@ -224,8 +224,8 @@ bool Identifier::is_part(const Scene& now, const PatchCandidate& region) const {
 }
 
 // Assigns the largest visible part of the only identification patch to the pose, if the pose predicts the patch there.
-// Layouts with more patches do not need it: complete patches give the pose, and color fringes would confirm wrong
-// poses.
+// Layouts with more patches do not need such parts: complete patches give the pose, and color fringes would confirm
+// wrong poses.
 void Identifier::claim_part(const Scene& now, PoseEvidence& pose) const {
   const MarkerLayout& layout = teams_[now.team].layout;
   pose.identification.fill(kMissing);
@@ -270,7 +270,7 @@ bool Identifier::align(const Scene& now, const Candidate& candidate, PoseEvidenc
   const float scale = now.patches.team[now.boxes[candidate.robot].team_patch].patch.scale_px_per_m;
   const float reach_px = kWindowMargin * 0.5f * std::hypot(place.length_m, place.width_m) * scale + kBlur_px;
   const float expected_px = area_m2(place) * scale * scale;
-  // The pose has its patch within half a patch.
+  // The pose predicts the patch to within half of its size.
   GrownPatch patch;
   if (!grow_patch(now.frame, camera_.to_pixel(on_field(pose.pose, place), layout.height_m), reach_px, patch) ||
       patch.area_px < kMinGrownArea * expected_px || patch.area_px > kMaxGrownArea * expected_px) {

@@ -9,7 +9,7 @@
 
 namespace touchline {
 
-/// The square top of a robot near a possible ball, in pixels. It hides what is under it.
+/// The square top of a robot near a possible ball, in pixels. It hides a ball that lies under it.
 struct RobotTop {
   PixelPoint center;
   std::array<PixelPoint, 2> half_side;  // from the center to the middle of two adjacent sides

@@ -32,7 +32,7 @@ class SampledPixels {
   }
   // The columns that are in the picture.
   [[nodiscard]] std::uint64_t columns() const { return columns_; }
-  // Where a column or row is in the picture, and the reverse.
+  // Convert columns and rows of the grid to pixels, and pixels back to columns and rows.
   [[nodiscard]] int u_px(int column) const { return seed_u_ + column * step_; }
   [[nodiscard]] int v_px(int row) const { return seed_v_ + row * step_; }
   [[nodiscard]] float column_at(float u_px) const {
@@ -92,7 +92,7 @@ class TopOutline {
     first = std::max(first, static_cast<float>(-kSampleReach - 1));
     last = std::min(last, static_cast<float>(kSampleReach + 1));
     if (!(last > first)) return 0;
-    // The sides themselves do not count.
+    // Samples exactly on a side are not covered.
     const int from = static_cast<int>(std::floor(first)) + 1, to = static_cast<int>(std::ceil(last)) - 1;
     return from <= to ? 2 * sample_bit(to) - sample_bit(from) : 0;
   }
@@ -104,7 +104,7 @@ class TopOutline {
   std::array<std::array<float, 2>, 2> inverse_{};
 };
 
-/// What the samples around a seed show.
+/// Classes of the samples around a seed.
 class BallSamples {
  public:
   // `reach`: that of the surroundings; `dense`: radius within which all samples count.

@@ -28,7 +28,7 @@ struct Samples {
   int seed, first, last;
   [[nodiscard]] int place(int i, int step) const { return seed + i * step; }
 };
-// Place of sample i in a grid.
+// Index of sample i in a grid.
 constexpr int in_grid(int i) { return i + kGridReach; }
 
 // Finds the samples whose squared color distance from the surface is at most the limit. The middle sample always

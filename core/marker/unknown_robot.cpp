@@ -21,10 +21,10 @@ namespace {
 // a quarter of which have a covered identification patch.
 constexpr float kComplete = 3.9f, kPerInside = 4.6f, kPerOutside = 8.2f, kPerPatches = 3.2f, kPerArea = 3.2f;
 constexpr float kPerPatchLikeTop = 2.3f, kPerPatchOutline = 1.9f;
-// An identification region at the right distance.
+// Log odds of an identification region at the right distance.
 constexpr float kPerRegion = 2.4f;
-// Another region of the team's color within a robot's side: stripes of a shoe are more frequent than two robots without
-// an id that touch.
+// Log-odds penalty for another region of the team's color within a robot's side: stripes of a shoe are more frequent
+// than two robots without an id that touch.
 constexpr float kStripes = 2.0f;
 constexpr float kMaxUnknownIdProbability = 0.99f;
 
@@ -67,7 +67,7 @@ Lanes differ(const Rgb4& a, const Rgb& b) {
   return out;
 }
 
-// Number of lanes. std::popcount calls a function on processors that may lack the instruction.
+// Counts the true lanes. std::popcount calls a function on processors that may lack the instruction.
 std::size_t count(Lanes is_true) {
   constexpr std::array<std::uint8_t, 16> kBits{0, 1, 1, 2, 1, 2, 2, 3, 1, 2, 2, 3, 2, 3, 3, 4};
   return kBits[bits_of(is_true)];
@@ -87,7 +87,7 @@ FourPoints points_of(const PatchPlace& patch, const PatchPlace& origin, float pa
           Lanes{} - 1};
 }
 
-// Cosine and sine of a direction.
+// A rotation as cosine and sine of its angle.
 struct Turn {
   float c = 1, s = 0;
   explicit Turn(float angle_rad) : c(std::cos(angle_rad)), s(std::sin(angle_rad)) {}
@@ -116,7 +116,7 @@ class Surroundings {
     const Floats v = center_.v_px + x * by_x_.v_px + y * by_y_.v_px + 0.5f;
     const Lanes inside = points.is_point & (u >= 0.0f) & (v >= 0.0f) & (u < static_cast<float>(frame_.width_px)) &
                          (v < static_cast<float>(frame_.height_px));
-    // The first pixel stands for those that do not count.
+    // Points outside the picture read its first pixel, which is ignored.
     const Lanes column = __builtin_convertvector(inside ? u : Floats{}, Lanes);
     const Lanes row = __builtin_convertvector(inside ? v : Floats{}, Lanes);
     std::array<std::array<std::int32_t, 4>, 3> value{};
@@ -185,7 +185,7 @@ bool floor_around(const Surroundings& picture, float radius_m, Rgb& out) {
   return true;
 }
 
-// Place of the team patch.
+// Returns the position of the team patch on the field.
 FieldPoint team_patch_at(const RobotSighting& robot, const PatchPlace& patch) {
   if (!robot.has_heading) return robot.pose.position;
   const float c = std::cos(robot.pose.theta_rad), s = std::sin(robot.pose.theta_rad);

@@ -61,6 +61,8 @@ def pages_of(program):
 
 def check_example(name, pages, example):
     words = shlex.split(example)
+    if words[0] == "sudo":
+        words = words[3:] if words[1] == "-u" else words[1:]
     if words[0] != name:
         fail(f"the example begins with {words[0]}: {example}")
     command = words[1] if len(words) > 1 and words[1] in pages else ""

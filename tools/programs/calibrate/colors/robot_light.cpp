@@ -20,7 +20,8 @@ constexpr double kBlack = 2.0;
 // Factors and glare that are tried.
 constexpr double kGains[] = {0.25, 0.35, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0, 1.15, 1.35, 1.6, 2.0};
 constexpr double kGlares[] = {0, 0.01, 0.02, 0.04, 0.07, 0.1, 0.14, 0.18, 0.24, 0.3};
-// Scales of the factor of a robot's light, and of the difference between the robot's glare and that of one patch.
+// Standard deviation of the logarithm of a robot's light factor; scale of the glare on a robot and of its difference on
+// one patch.
 constexpr double kGainSigma = 0.6, kGlareScale = 0.1;
 // Greatest change by the light on a robot, as logarithm of its factor and as glare, that is usual.
 constexpr double kUsualGain = 0.25, kUsualGlare = 0.05;

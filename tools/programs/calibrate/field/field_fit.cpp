@@ -233,7 +233,7 @@ Result<void> check_corners(const Corners& corners) {
   for (std::size_t i = 0; i < 4; ++i) {
     const PixelPoint a = corners[i], b = corners[(i + 1) % 4], c = corners[(i + 2) % 4];
     const double turn = cross(a, b, c);
-    // Least angle at a corner: 2 degrees. Coincident corners have less.
+    // Sine of the least angle at a corner, 2 degrees.
     constexpr double kStraight = 0.035;
     if (std::abs(turn) < std::max(1.0, kStraight * distance(a, b) * distance(b, c))) {
       return failure(ErrorCode::kInconsistent, "corners %zu, %zu and %zu lie on one line", i + 1, (i + 1) % 4 + 1,

@@ -15,9 +15,10 @@ struct LumaPicture {
   [[nodiscard]] float at(std::size_t x, std::size_t y) const { return value[y * width + x]; }
 };
 
-/// Returns the side in pixels of the squares to average, so that a frame of width `width_px` gives a LumaPicture of at
-/// most kMaxLumaWidth columns. Small pictures are fast to search, and means have less noise.
+/// Greatest number of columns of a LumaPicture. Small pictures are fast to search, and means have less noise.
 inline constexpr std::size_t kMaxLumaWidth = 640;
+/// Returns the side in pixels of the squares to average, so that a frame of width `width_px` gives a LumaPicture of at
+/// most kMaxLumaWidth columns.
 constexpr std::size_t luma_square(std::size_t width_px) { return (width_px + kMaxLumaWidth - 1) / kMaxLumaWidth; }
 
 /// Columns and rows that do not fill a square are left out. `square`: at least 1.

@@ -176,8 +176,7 @@ struct RobotSighting {
   bool has_heading = false;
   Pose pose;
   float residual_m = 0.0f;  // RMS distance of the patches from their positions in the layout
-  PoseCovariance
-      noise;  // covariance of the pose's errors, as far as this picture tells; without a heading only xx and yy
+  PoseCovariance noise;     // of the pose's errors, as this picture tells; without a heading only xx and yy
   // Share of these variances that is a bias from the pixel grid, colors and shape. The bias stays constant while the
   // robot stands, and decorrelates when the robot moves by `lasts_m`. The rest is noise, which differs from picture to
   // picture.

@@ -12,8 +12,8 @@
 namespace touchline::calibrate {
 namespace {
 
-// Standard deviations of the priors: the principal point lies within a few percent of the picture width from the center;
-// sensors have square pixels.
+// Standard deviations of the priors: the principal point lies within a few percent of the picture width from the
+// center; sensors have square pixels.
 constexpr double kCenterSigma = 0.04;
 constexpr double kSensorAspectSigma = 0.002;
 // Prior of the pixel aspect ratio. If the start differs from square pixels by more than kSquare, the driver has

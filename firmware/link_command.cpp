@@ -68,7 +68,9 @@ Result<void> restart(const LinkOptions& options) {
 /// its place: the open file is changed, not what its name leads to.
 Result<void> give_to_service(const std::string& path, bool must_have_user) {
   const passwd* const user = ::getpwnam("touchline");  // NOLINT(concurrency-mt-unsafe): one thread
-  if (user == nullptr && must_have_user) return failure(ErrorCode::kNotFound, "there is no user touchline");
+  if (user == nullptr && must_have_user) {
+    return failure(ErrorCode::kNotFound, "the system has no user touchline: install the package touchline again");
+  }
   if (user == nullptr) return {};
   const int file = ::open(path.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
   struct stat status {};

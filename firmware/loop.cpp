@@ -149,7 +149,7 @@ void Loop::process_frame(const hal::FrameLease& lease) {
   // The emergency stop may have been pulled meanwhile.
   read_inputs(devices_.clock().now());
   if (!rules_.may_move() && !trace.commands.stop) pipeline_.revoke();
-  send(trace.packet, trace.commands.stop, timing.received);
+  send(trace.packets, trace.commands.stop, timing.received);
   timing.sent = devices_.clock().now();
   const Instant machine_sent = hal::MonotonicClock::read();
   timing.processing = machine_sent - machine_received;
@@ -298,26 +298,29 @@ void Loop::stop_if_due(Instant now) {
 
 void Loop::send_stop(Instant now) { send(pipeline_.stop(now), true, now); }
 
-void Loop::send(const Packet& packet, bool is_stop, Instant now) {
+void Loop::send(const OutgoingPackets& packets, bool is_stop, Instant now) {
   if (crash_stop::is_stopping()) return;  // another thread has crashed; its stop packets must be the last ones
   last_packet_ = now;
-  packet_time_ = static_cast<Duration::rep>(packet.size()) * settings_.radio_byte_time;
+  std::size_t bytes = 0;
+  for (const OutgoingPacket& outgoing : packets) bytes += outgoing.packet.size();
+  packet_time_ = static_cast<Duration::rep>(bytes) * settings_.radio_byte_time;
   needs_final_stops_ = true;
   if (!devices_.is_open(Device::kRadio)) {
     ++statistics_.packets_refused;
     return;
   }
-  const Result<void> sent = devices_.radio().send(packet);
-  crash_stop::record_sent(packet);
-  const bool drops = sent.code() == ErrorCode::kBusy;
-  if (sent.ok() || drops) {
-    ++statistics_.packets;
-    statistics_.stop_packets += is_stop ? 1 : 0;
-    statistics_.packets_dropped += drops ? 1 : 0;
-  } else {
-    ++statistics_.packets_refused;
+  for (const OutgoingPacket& outgoing : packets) {
+    const Result<void> sent = devices_.radio().send(outgoing.packet);
+    const bool drops = sent.code() == ErrorCode::kBusy;
+    if (sent.ok() || drops) {
+      ++statistics_.packets;
+      statistics_.stop_packets += is_stop ? 1 : 0;
+      statistics_.packets_dropped += drops ? 1 : 0;
+    } else {
+      ++statistics_.packets_refused;
+    }
+    if (!sent.ok()) return on_fault(Device::kRadio, sent.error(), now);
   }
-  if (!sent.ok()) on_fault(Device::kRadio, sent.error(), now);
 }
 
 void Loop::serve_radio(Instant now) {

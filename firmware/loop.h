@@ -154,7 +154,7 @@ class Loop {
   void read_inputs(Instant now);
   void check_radio(Instant now);
   void acknowledge_start();
-  void send(const Packet& packet, bool is_stop, Instant now);
+  void send(const OutgoingPackets& packets, bool is_stop, Instant now);
   void send_stop(Instant now);
   void on_reopened(Device device, Instant now);
   void on_fault(Device device, const Error& error, Instant now);

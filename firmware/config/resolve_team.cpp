@@ -185,7 +185,7 @@ Result<void> resolve_team(const TeamFile& team, const Locations& where, const Ve
   out.track = team.tracking;
   add_noise(venue.noise, out.track);
   out.control = team.control;
-  out.team_number = static_cast<TeamNumber>(team.team_number);
+  out.radio = touchline_layout(static_cast<TeamNumber>(team.team_number));
   return resolver.result();
 }
 

@@ -132,6 +132,11 @@ const Packet& Pipeline::stop(Instant now) {
   return trace_.packet;
 }
 
+void Pipeline::encode_next_stop(Packet& out) const {
+  // With an empty list, which cannot fail.
+  static_cast<void>(encode(Commands{}, packet_sequence_, out, team_number_));
+}
+
 void Pipeline::revoke() {
   --packet_sequence_;
   for (RobotCommand& robot : trace_.commands.robots) {

@@ -95,6 +95,8 @@ class Pipeline {
   /// Creates a packet that stops all robots, for times without a frame. It acts after the action delay, counted from
   /// `now`. Valid until the next call.
   const Packet& stop(Instant now);
+  /// Encodes the packet that would stop all robots if it were the next one to be sent. Changes nothing else.
+  void encode_next_stop(Packet& out) const;
   /// Replaces the last step's commands by a stop, in its trace and with its packet's sequence number. Call it if the
   /// robots must stop before the step's packet was sent.
   void revoke();

@@ -302,6 +302,10 @@ struct Commands {
 constexpr std::size_t kMaxPacketBytes = 128;
 using Packet = FixedVector<std::byte, kMaxPacketBytes>;
 
+// The receiver of a packet is a robot, given by its index in the team file's list own.robot, or kAllRobots.
+constexpr std::size_t kAllRobots = kMaxRobotsPerTeam;
+constexpr std::size_t kMaxReceivers = kMaxRobotsPerTeam + 1;
+
 // --- radio -> telemetry ---------------------------------------------------------------------------------------------
 
 constexpr std::int8_t kLinkUnknown = -1;

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "firmware/crash_stop.h"
 #include "hal/linux/monotonic_clock.h"
 
 namespace touchline {
@@ -60,7 +59,7 @@ Result<void> Loop::open() {
   const Result<LoopDevices::OpenResults> opened =
       devices_.open(from_seconds(settings_.faults.reopen_after_s), settings_.awaited);
   if (!opened.ok()) return opened.error();
-  if (devices_.is_open(Device::kRadio)) crash_stop::set_radio(devices_.radio().descriptor());
+  prepare_crash_stop();
   const Instant now = devices_.clock().now();
   statistics_.begin = last_frame_ = last_packet_ = now;
   reports_.begin(now);
@@ -307,8 +306,8 @@ void Loop::send(const Packet& packet, bool is_stop, Instant now) {
     ++statistics_.packets_refused;
     return;
   }
-  const Result<void> sent = devices_.radio().send(packet);
-  crash_stop::record_sent(packet);
+  prepare_crash_stop();  // with the number after this packet's
+  const Result<void> sent = devices_.radio().send(packet, kAllRobots);
   const bool drops = sent.code() == ErrorCode::kBusy;
   if (sent.ok() || drops) {
     ++statistics_.packets;
@@ -318,6 +317,21 @@ void Loop::send(const Packet& packet, bool is_stop, Instant now) {
     ++statistics_.packets_refused;
   }
   if (!sent.ok()) on_fault(Device::kRadio, sent.error(), now);
+}
+
+void Loop::prepare_crash_stop() {
+  stop_targets_.clear();
+  if (devices_.is_open(Device::kRadio)) {
+    hal::RadioRoutes routes;
+    devices_.radio().add_routes(kAllRobots, routes);
+    crash_stop::StopTarget target;
+    pipeline_.encode_next_stop(target.bytes);
+    for (const hal::RadioRoute& route : routes) {
+      target.route = route;
+      stop_targets_.push_back(target);
+    }
+  }
+  crash_stop::prepare(stop_targets_);
 }
 
 void Loop::serve_radio(Instant now) {
@@ -366,7 +380,7 @@ void Loop::close() {
   if (!devices_.are_open()) return;
   if (needs_final_stops_) send_final_stops();
   outputs_.switch_light_off();
-  crash_stop::set_radio(-1);
+  crash_stop::prepare({});
   devices_.close();
 }
 
@@ -382,7 +396,7 @@ void Loop::on_fault(Device device, const Error& error, Instant now) {
   const FaultAction action = is_required(device) ? action_for(error.code) : reopening_action(device);
   report_fault(device, error, action, now);
   if (action == FaultAction::kReopen || action == FaultAction::kContinueWithout) {
-    if (device == Device::kRadio) crash_stop::set_radio(-1);  // its descriptor will be closed
+    if (device == Device::kRadio) crash_stop::prepare({});  // its descriptors will be closed
     devices_.mark_lost(device, now);
   }
   if (action == FaultAction::kLeave) end_ = LoopEnd::kFault;
@@ -432,7 +446,7 @@ void Loop::on_reopened(Device device, Instant now) {
       outputs_.on_reopened();
       break;
     case Device::kRadio:
-      crash_stop::set_radio(devices_.radio().descriptor());
+      prepare_crash_stop();
       break;
   }
 }

@@ -301,8 +301,9 @@ struct Commands {
 constexpr std::size_t kMaxPacketBytes = 256;
 using Packet = FixedVector<std::byte, kMaxPacketBytes>;
 
-/// Instead of an index in the list of robots that packets are sent to (own.robot of the team file).
-constexpr std::size_t kAllRobots = ~std::size_t{0};
+// The receiver of a packet is a robot, given by its index in the team file's list own.robot, or kAllRobots.
+constexpr std::size_t kAllRobots = kMaxRobotsPerTeam;
+constexpr std::size_t kMaxReceivers = kMaxRobotsPerTeam + 1;
 
 struct OutgoingPacket {
   Packet packet;

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "firmware/crash_stop.h"
 #include "hal/linux/monotonic_clock.h"
 
 namespace touchline {
@@ -60,8 +59,8 @@ Result<void> Loop::open() {
   const Result<LoopDevices::OpenResults> opened =
       devices_.open(from_seconds(settings_.faults.reopen_after_s), settings_.awaited);
   if (!opened.ok()) return opened.error();
-  if (devices_.is_open(Device::kRadio)) crash_stop::set_radio(devices_.radio().descriptor());
   const Instant now = devices_.clock().now();
+  prepare_crash_stop(now);
   statistics_.begin = last_frame_ = last_packet_ = now;
   reports_.begin(now);
   for (const Device device : kDevices) {
@@ -309,8 +308,9 @@ void Loop::send(const OutgoingPackets& packets, bool is_stop, Instant now) {
     ++statistics_.packets_refused;
     return;
   }
+  prepare_crash_stop(now);  // with the number after this packet's
   for (const OutgoingPacket& outgoing : packets) {
-    const Result<void> sent = devices_.radio().send(outgoing.packet);
+    const Result<void> sent = devices_.radio().send(outgoing.packet, outgoing.receiver);
     const bool drops = sent.code() == ErrorCode::kBusy;
     if (sent.ok() || drops) {
       ++statistics_.packets;
@@ -319,8 +319,22 @@ void Loop::send(const OutgoingPackets& packets, bool is_stop, Instant now) {
     } else {
       ++statistics_.packets_refused;
     }
-    if (!sent.ok()) return on_fault(Device::kRadio, sent.error(), now);
+    if (!sent.ok()) on_fault(Device::kRadio, sent.error(), now);
+    if (!devices_.is_open(Device::kRadio)) return;
   }
+}
+
+void Loop::prepare_crash_stop(Instant now) {
+  stop_targets_.clear();
+  if (devices_.is_open(Device::kRadio)) {
+    pipeline_.prepare_stop(now, stop_packets_);
+    for (const OutgoingPacket& outgoing : stop_packets_) {
+      hal::RadioRoutes routes;
+      devices_.radio().add_routes(outgoing.receiver, routes);
+      for (const hal::RadioRoute& route : routes) stop_targets_.push_back({route, outgoing.packet});
+    }
+  }
+  crash_stop::prepare(stop_targets_);
 }
 
 void Loop::serve_radio(Instant now) {
@@ -369,7 +383,7 @@ void Loop::close() {
   if (!devices_.are_open()) return;
   if (needs_final_stops_) send_final_stops();
   outputs_.switch_light_off();
-  crash_stop::set_radio(-1);
+  crash_stop::prepare({});
   devices_.close();
 }
 
@@ -385,7 +399,7 @@ void Loop::on_fault(Device device, const Error& error, Instant now) {
   const FaultAction action = is_required(device) ? action_for(error.code) : reopening_action(device);
   report_fault(device, error, action, now);
   if (action == FaultAction::kReopen || action == FaultAction::kContinueWithout) {
-    if (device == Device::kRadio) crash_stop::set_radio(-1);  // its descriptor will be closed
+    if (device == Device::kRadio) crash_stop::prepare({});  // its descriptors will be closed
     devices_.mark_lost(device, now);
   }
   if (action == FaultAction::kLeave) end_ = LoopEnd::kFault;
@@ -435,7 +449,8 @@ void Loop::on_reopened(Device device, Instant now) {
       outputs_.on_reopened();
       break;
     case Device::kRadio:
-      crash_stop::set_radio(devices_.radio().descriptor());
+      pipeline_.on_radio_opened();
+      prepare_crash_stop(now);
       break;
   }
 }

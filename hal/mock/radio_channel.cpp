@@ -32,12 +32,13 @@ void RadioChannel::set_layouts(const PacketLayout& commands, const PacketLayout&
   telemetry_.set_layout(telemetry);
 }
 
-Result<void> RadioChannel::send(std::span<const std::byte> bytes, Instant now) {
+Result<void> RadioChannel::send(std::span<const std::byte> bytes, Instant now, std::size_t receiver) {
   PacketInFlight in_flight;
   if (bytes.empty() || bytes.size() > in_flight.packet.capacity()) {
     return failure(ErrorCode::kOutOfRange, "a packet has 1 to %zu bytes, not %zu", in_flight.packet.capacity(),
                    bytes.size());
   }
+  in_flight.receiver = receiver;
   const Instant begin = std::max(now, line_free_);
   if (queued_bytes(now) + bytes.size() > static_cast<std::size_t>(parameters_.queue_bytes) || in_flight_.full()) {
     return failure(ErrorCode::kBusy, "the queue is full");
@@ -64,8 +65,10 @@ void RadioChannel::deliver(Instant now, World& world) {
         next = i;
     }
     if (next == in_flight_.size()) break;
-    for (RobotReceiver& receiver : receivers_)
+    for (RobotReceiver& receiver : receivers_) {
+      if (!is_for(in_flight_[next], receiver)) continue;
       deliver_to(receiver, in_flight_[next].packet, in_flight_[next].arrival, world);
+    }
     in_flight_[next] = in_flight_.back();
     in_flight_.pop_back();
   }
@@ -78,6 +81,11 @@ void RadioChannel::deliver(Instant now, World& world) {
     telemetry_.on_wheel_speeds(receiver.id, {});
   }
   telemetry_.advance(now);
+}
+
+bool RadioChannel::is_for(const PacketInFlight& packet, const RobotReceiver& receiver) const {
+  if (packet.receiver >= layout_.receivers.size()) return true;
+  return layout_.receivers[packet.receiver].id == receiver.id;
 }
 
 void RadioChannel::deliver_to(RobotReceiver& receiver, const Packet& packet, Instant now, World& world) {

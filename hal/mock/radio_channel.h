@@ -40,9 +40,9 @@ class RadioChannel {
 
   /// Sets the packets that the robots understand and send. They obey packets of the layout's team alone.
   void set_layouts(const PacketLayout& commands, const PacketLayout& telemetry);
-  /// Queues one packet. kBusy: the queue is full, and nothing was queued. kOutOfRange: `bytes` is empty or larger than
+  /// Queues one packet for `receiver`, an index of the layout's receivers, or for all robots. kBusy: the queue is full, and nothing was queued. kOutOfRange: `bytes` is empty or larger than
   /// a packet.
-  Result<void> send(std::span<const std::byte> bytes, Instant now);
+  Result<void> send(std::span<const std::byte> bytes, Instant now, std::size_t receiver = kAllRobots);
   /// The time at which the last queued byte will be sent.
   [[nodiscard]] Instant drained() const { return line_free_; }
   /// Number of queued bytes that are not sent yet.
@@ -57,6 +57,7 @@ class RadioChannel {
   struct PacketInFlight {
     Instant arrival{};
     Packet packet;
+    std::size_t receiver = kAllRobots;
   };
   struct RobotReceiver {
     int id = 0;
@@ -66,6 +67,7 @@ class RadioChannel {
     bool timed_out = true;  // robots do not drive at the start
   };
 
+  [[nodiscard]] bool is_for(const PacketInFlight& packet, const RobotReceiver& receiver) const;
   void deliver_to(RobotReceiver& receiver, const Packet& packet, Instant now, World& world);
 
   ChannelParameters parameters_;

@@ -29,14 +29,16 @@ class TerminalRadio final : public hal::Radio {
     ::cfmakeraw(&line);
     ::tcsetattr(file_, TCSANOW, &line);
   }
-  [[nodiscard]] int descriptor() const override { return file_; }
+  void add_routes(std::size_t /*receiver*/, hal::RadioRoutes& out) const override {
+    out.push_back({.descriptor = file_});
+  }
 
  private:
   Result<void> do_open() override {
     if (file_ >= 0) return {};
     return failure(ErrorCode::kNotFound, "no terminal");
   }
-  Result<void> do_send(const Packet& packet) override {
+  Result<void> do_send(const Packet& packet, std::size_t /*receiver*/) override {
     if (::write(file_, packet.data(), packet.size()) == static_cast<ssize_t>(packet.size())) return {};
     return failure(ErrorCode::kIo, "the terminal is full");
   }

@@ -200,7 +200,7 @@ class PacketEncoder {
   std::span<const RobotValues> robots_;
   const PacketValues& values_;
   Packet packet_;
-  unsigned bit_ = 0;  // next one of the last byte
+  unsigned bit_ = 0;                                       // next one of the last byte
   std::array<std::size_t, kMaxPacketFields + 1> begin_{};  // of each field's first repetition, and of the list's end
 };
 

@@ -81,12 +81,12 @@ struct PacketField {
   std::uint8_t decimals = 0;  // of kDigits
   std::uint8_t width = 0;     // of kDigits: filled with zeros to this number of characters; 0: as short as possible
   bool big_endian = false;
-  bool magnitude = false;   // without its sign, which kDirections carries
-  bool between = false;     // is left out after the last robot
-  std::uint8_t block = 0;   // consecutive fields of one block are repeated for each robot; 0: once in a packet
+  bool magnitude = false;  // without its sign, which kDirections carries
+  bool between = false;    // is left out after the last robot
+  std::uint8_t block = 0;  // consecutive fields of one block are repeated for each robot; 0: once in a packet
   CheckKind check = CheckKind::kSum8;
   std::uint8_t first = 0, end = 0;  // fields that kLength and kCheck cover: without `end`, which may be the list's end
-  std::uint8_t text_size = 0;        // constant: its bytes in PacketLayout::text
+  std::uint8_t text_size = 0;       // constant: its bytes in PacketLayout::text
   std::uint16_t text_at = 0;
   double scale = 1.0, offset = 0.0;
   double low = std::numeric_limits<double>::lowest(), high = std::numeric_limits<double>::max();
@@ -123,16 +123,16 @@ struct PacketLayout {
   FixedVector<PacketField, kMaxPacketFields> fields;
   FixedVector<std::byte, kMaxPacketTextBytes> text;
   Framing framing = Framing::kNone;
-  bool one_each = false;       // a packet for each robot instead of one for all
-  bool commanded_only = false; // robots without a command are not listed; robots of this layout stop then
-  std::uint8_t slots = 0;      // robots in each packet; 0: as many as there are
-  RobotId first_id = 0;        // id of the first place, if places stand for ids
+  bool one_each = false;        // a packet for each robot instead of one for all
+  bool commanded_only = false;  // robots without a command are not listed; robots of this layout stop then
+  std::uint8_t slots = 0;       // robots in each packet; 0: as many as there are
+  RobotId first_id = 0;         // id of the first place, if places stand for ids
   TeamNumber team = kNoTeamNumber;
   // Bytes before the first packets after the radio was opened, and before a packet every period; 0: not again.
   std::uint16_t start_at = 0;
   std::uint8_t start_size = 0;
   double start_period_s = 0.0;
-  double wheel_base_m = 0.1;   // of robots that get forward speed and turn rate
+  double wheel_base_m = 0.1;                 // of robots that get forward speed and turn rate
   FixedVector<PwmPoint, kMaxPwmPoints> pwm;  // ascending from (0, share at which the wheel starts to turn)
   FixedVector<Receiver, kMaxRobotsPerTeam> receivers;
 

@@ -201,9 +201,8 @@ class PacketParser {
       const std::size_t begin = begin_[field.first], end = begin_[field.end];
       if (end < begin) return false;
       const std::span<const std::byte> covered = bytes_.subspan(begin, end - begin);
-      const double expected = field.value == FieldValue::kLength
-                                  ? static_cast<double>(covered.size()) + field.offset
-                                  : static_cast<double>(checksum(field.check, covered));
+      const double expected = field.value == FieldValue::kLength ? static_cast<double>(covered.size()) + field.offset
+                                                                 : static_cast<double>(checksum(field.check, covered));
       if (reading.number != expected) return false;
     }
     return true;

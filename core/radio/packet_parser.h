@@ -30,8 +30,8 @@ struct ParsedPacket {
   bool has_sequence = false;
   std::uint8_t sequence = 0;
   TeamNumber team = kNoTeamNumber;
-  Commands commands;           // the twists are those of the wheels
-  RobotTelemetry telemetry;    // of one robot, if the layout is one of telemetry
+  Commands commands;         // the twists are those of the wheels
+  RobotTelemetry telemetry;  // of one robot, if the layout is one of telemetry
 };
 
 /// Decodes the bytes of one packet without framing, as a robot or the mock arena does. `receiver`: the robot that got

@@ -29,14 +29,15 @@ void append_top_level(std::vector<std::string>& words) {
   }
 }
 
-// `key` with the indices of its lists.
+// Whether the file knows `key`, which may have indices of lists.
 template <class File>
 bool has_key(std::string_view key) {
   std::string path;
-  bool index = false;
+  bool is_index = false;
   for (const char c : key) {
-    index = c == '[' || (index && c != ']');
-    if (!index && c != ']') path += c;
+    if (c == ']') is_index = false;
+    if (!is_index) path += c;
+    if (c == '[') is_index = true;
   }
   static const std::vector<KeyInfo> keys = KeyLister::keys_of<File>();
   return std::any_of(keys.begin(), keys.end(), [&](const KeyInfo& info) { return info.path == path; });

@@ -1,5 +1,5 @@
 # Writes the files of FOLDER as C++ into OUT: cmake -DFOLDER=... -DOUT=... -P embed_radio_presets.cmake
-file(GLOB files CONFIGURE_DEPENDS "${FOLDER}/*.toml")
+file(GLOB files "${FOLDER}/*.toml")
 list(SORT files)
 set(entries "")
 foreach(file IN LISTS files)

@@ -300,8 +300,8 @@ class LayoutResolver {
     const auto& speeds = radio_.pwm_speed_mps;
     const auto& shares = radio_.pwm_share;
     if (speeds.size() != shares.size() || speeds.size() > kMaxPwmPoints || speeds.size() == 1) {
-      add("radio.pwm_share", "pwm_speed_mps and pwm_share have the same number of values, 2 to " +
-                                 std::to_string(kMaxPwmPoints));
+      add("radio.pwm_share",
+          "pwm_speed_mps and pwm_share have the same number of values, 2 to " + std::to_string(kMaxPwmPoints));
       return;
     }
     const auto rises = [](const std::vector<double>& values) {

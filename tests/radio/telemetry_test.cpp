@@ -62,9 +62,7 @@ TEST(Telemetry, RoundsAndSaturatesVoltages) {
 TEST(Telemetry, WithAnyOneToThreeBitsFlippedIsRejected) {
   const Packet good = encode_telemetry(telemetry_of(3, 42));
   constexpr std::size_t kBits = kTelemetryBytes * 8;
-  const auto turn = [](Packet& p, std::size_t bit) {
-    p[bit / 8] ^= std::byte{1} << static_cast<int>(bit % 8);
-  };
+  const auto turn = [](Packet& p, std::size_t bit) { p[bit / 8] ^= std::byte{1} << static_cast<int>(bit % 8); };
   RobotTelemetry read = telemetry_of(9, 9);
   for (std::size_t i = 0; i < kBits; ++i) {
     for (std::size_t k = i; k < kBits; ++k) {
@@ -96,7 +94,7 @@ TEST(Telemetry, WithAWrongFieldButAValidChecksumIsRejected) {
 
 TEST(TelemetryStream, LosesOnlyTheTruncatedPacket) {
   const Packet before = encode_telemetry(telemetry_of(1, 1)), cut = encode_telemetry(telemetry_of(2, 2)),
-                        after = encode_telemetry(telemetry_of(3, 3));
+               after = encode_telemetry(telemetry_of(3, 3));
   for (std::size_t begin = 0; begin < kTelemetryBytes; ++begin) {
     for (std::size_t gone = 1; begin + gone <= kTelemetryBytes; ++gone) {
       std::vector<std::byte> bytes;

@@ -145,6 +145,26 @@ TEST_F(RadioSection, RobotsNeedAPlaceOrAnId) {
   EXPECT_NE(refusal({"radio.robots=1"}).find("own.robot[1].id: has no place in the packets"), std::string::npos);
 }
 
+// The first block of TOML on the page.
+TEST_F(RadioSection, TheExampleOfThePageIsRead) {
+  const std::string page = read(std::string(TOUCHLINE_SOURCE_DIR) + "/docs/radio.md");
+  const std::size_t begin = page.find("```toml\n");
+  ASSERT_NE(begin, std::string::npos);
+  append(page.substr(begin + 8, page.find("```", begin + 8) - begin - 8));
+  ASSERT_OK(load()) << errors();
+  Commands commands;
+  commands.stop = false;
+  commands.robots.push_back({1, {}, {0.25f, -0.25f}});
+  OutgoingPackets packets;
+  ASSERT_TRUE(encode(configuration_->pipeline.radio, commands, {false, false, 3, {}}, packets).ok());
+  ASSERT_EQ(packets.size(), 2U);
+  // 0.25 m/s are 95 turns a minute of a wheel of 25 mm.
+  const std::vector<int> expected{0xAA, 0x55, 6, 1, 3, 0, 95, 0xFF, 0xA1};
+  for (std::size_t i = 0; i < expected.size(); ++i) {
+    EXPECT_EQ(std::to_integer<int>(packets[1].packet[i]), expected[i]) << i;
+  }
+}
+
 TEST_F(RadioSection, AddressesAreNumbersBytesOrNetworkAddresses) {
   EXPECT_EQ(radio_address("81"), 81U);
   EXPECT_EQ(radio_address("0x35D0"), 0x35D0U);

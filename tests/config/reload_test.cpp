@@ -151,7 +151,7 @@ TEST(Reloadable, AllKeys) {
   }
   keys.erase(Reload::kRestart);
   using Keys = std::set<std::string>;
-  EXPECT_EQ(keys, (std::map<Reload, Keys>{{Reload::kNoEffect, {"name", "venue", "team"}},
+  EXPECT_EQ(keys, (std::map<Reload, Keys>{{Reload::kNoEffect, {"name", "radio.about", "radio.note", "radio.source", "venue", "team"}},
                                           {Reload::kCamera,
                                            {"camera.exposure_us", "camera.exposure_steps", "camera.gain",
                                             "camera.white_balance_k", "camera.focus", "camera.power_line"}},

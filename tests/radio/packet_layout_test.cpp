@@ -269,7 +269,9 @@ TEST_P(Framings, PacketsSurviveBytesOfTheFramingAndDamagedNeighbors) {
 
 INSTANTIATE_TEST_SUITE_P(All, Framings,
                          ::testing::Values(Framing::kNone, Framing::kCobs, Framing::kSlip, Framing::kXbee),
-                         [](const auto& framing) { return "Framing" + std::to_string(static_cast<int>(framing.param)); });
+                         [](const auto& framing) {
+                           return "Framing" + std::to_string(static_cast<int>(framing.param));
+                         });
 
 TEST(Checksum, HasTheCatalogsCheckValues) {
   constexpr std::string_view kDigits = "123456789";

@@ -6,8 +6,8 @@
 #include <string>
 
 #include "core/radio/packet.h"
-#include "firmware/config/radio_presets.h"
 #include "firmware/config/resolve_radio.h"
+#include "tests/config/preset_team.h"
 
 namespace touchline {
 namespace {
@@ -42,26 +42,9 @@ double time_of(const PacketLayout& layout) {
   return times[kRuns / 2];
 }
 
-// A team of as many robots as the format has places for.
-config::TeamFile team_of(const config::RadioEntry& radio, const std::string& format) {
-  config::TeamFile team;
-  team.radio = radio;
-  team.radio.format = format;
-  const int robots = radio.robots > 0 && radio.packet_for == config::PacketFor::kAll
-                         ? radio.robots
-                         : static_cast<int>(kMaxRobotsPerTeam);
-  for (int i = 0; i < robots; ++i) {
-    config::RobotEntry robot;
-    robot.id = radio.first_id + i;
-    robot.address = std::to_string(10 + i);
-    team.own.robot.push_back(robot);
-  }
-  return team;
-}
-
-bool print(const std::string& format, const config::RadioEntry& radio, double& touchline_ns) {
+bool print(const std::string& format, double& touchline_ns) {
   const auto parameters = std::make_unique<PipelineParameters>();
-  const config::TeamFile team = team_of(radio, format);
+  const config::TeamFile team = config::team_of(format);
   const config::Locations where("team.toml");
   if (const Result<void> resolved = config::resolve_radio(team, where, *parameters); !resolved.ok()) {
     std::fprintf(stderr, "%s: %s\n", format.c_str(), resolved.error().text.c_str());
@@ -79,11 +62,9 @@ bool print(const std::string& format, const config::RadioEntry& radio, double& t
 
 int main() {
   double touchline_ns = 0.0;
-  bool ok = touchline::print("touchline", {}, touchline_ns);
+  bool ok = touchline::print("touchline", touchline_ns);
   for (const touchline::config::RadioPreset& preset : touchline::config::radio_presets()) {
-    touchline::config::RadioEntry radio;
-    ok = touchline::config::read_radio_preset(preset.name, radio) &&
-         touchline::print(std::string(preset.name), radio, touchline_ns) && ok;
+    ok = touchline::print(std::string(preset.name), touchline_ns) && ok;
   }
   return ok ? 0 : 1;
 }

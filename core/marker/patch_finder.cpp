@@ -253,8 +253,11 @@ bool PatchFinder::split_touching(const PatchKind& kind, const Runs& runs, const 
     budget.exceeded = true;
     return false;
   }
-  const RegionSplit found = split(runs, region, shape, count);
-  budget.pairs -= work * static_cast<float>(found.passes) / float{kUsualPasses};
+  // Parts that are not compact take more passes than usual, if the budget has them.
+  const float pass = work / float{kUsualPasses};
+  const float affordable = std::min(budget.pairs / pass, float{kMaxPasses});
+  const RegionSplit found = split(runs, region, shape, count, std::max(kUsualPasses, static_cast<int>(affordable)));
+  budget.pairs = std::max(budget.pairs - pass * static_cast<float>(found.passes), 0.0f);  // not by a rounding error
   for (const RegionPart& part : found.parts) {
     PatchCandidate patch = whole;
     patch.center = part.center;

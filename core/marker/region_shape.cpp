@@ -11,8 +11,6 @@ namespace {
 
 // This number of sampled pixels gives the centers of compact parts to a tenth of a pixel.
 constexpr std::uint32_t kMaxSamples = 2048;
-// Started along the major axis, k-means of two to four compact parts converges in three to six passes.
-constexpr int kMaxPasses = 10;
 
 struct Cluster {
   std::uint64_t twice_sum_u = 0, sum_v = 0, count = 0;
@@ -151,7 +149,7 @@ RegionShape shape_of(const Runs& runs, const Region& region) {
           static_cast<float>(0.5 * std::atan2(2 * uv, uu - vv))};
 }
 
-RegionSplit split(const Runs& runs, const Region& region, const RegionShape& shape, std::size_t count) {
+RegionSplit split(const Runs& runs, const Region& region, const RegionShape& shape, std::size_t count, int max_passes) {
   RegionSplit out;
   RegionParts& parts = out.parts;
   count = std::clamp<std::size_t>(count, 2, kMaxParts);
@@ -162,7 +160,7 @@ RegionSplit split(const Runs& runs, const Region& region, const RegionShape& sha
     parts.push_back({{region.centroid.u_px + along * c, region.centroid.v_px + along * s}, 0.0f});
   }
   const std::uint32_t step = 1 + region.area_px / kMaxSamples;
-  while (out.passes < kMaxPasses) {
+  while (out.passes < max_passes) {
     ++out.passes;
     const std::array<Cluster, kMaxParts> clusters = assign(runs, region, parts, step);
     float moved = 0;

@@ -30,9 +30,12 @@ struct RegionSplit {
 
 /// Two to four compact parts take at most this many passes.
 constexpr int kUsualPasses = 6;
+/// Started along the major axis, k-means of two to four compact parts converges in three to six passes.
+constexpr int kMaxPasses = 10;
 
 /// Splits a region of several touching patches into `count` parts (2 to kMaxParts) by k-means clustering of its pixels.
-/// The work is bounded: at most ten passes over a bounded sample of the pixels.
-RegionSplit split(const Runs& runs, const Region& region, const RegionShape& shape, std::size_t count);
+/// The work is bounded: at most `max_passes` passes over a bounded sample of the pixels.
+RegionSplit split(const Runs& runs, const Region& region, const RegionShape& shape, std::size_t count,
+                  int max_passes = kMaxPasses);
 
 }  // namespace touchline

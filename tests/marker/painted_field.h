@@ -84,6 +84,7 @@ class PaintedField {
   void set_typical_colors(const TypicalColors& typical) { matcher_->set_typical_colors(typical); }
 
   [[nodiscard]] const Regions& regions() const { return *regions_; }
+  [[nodiscard]] const Runs& runs() const { return *runs_; }
   /// Verdict of the region at this pixel of the last picture. The pixel must not be background.
   [[nodiscard]] Verdict verdict_at(PixelPoint pixel) const;
   [[nodiscard]] Verdict verdict_at(FieldPoint point, float height_m) const {

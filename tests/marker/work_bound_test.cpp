@@ -4,6 +4,8 @@
 #include <array>
 #include <memory>
 
+#include "core/marker/patch_finder.h"
+#include "core/marker/region_shape.h"
 #include "tests/marker/ids_from_pixels.h"
 #include "tests/marker/real_layouts.h"
 #include "tests/marker/region_list.h"
@@ -111,6 +113,42 @@ TEST(WorkBound, EveryColorMayHaveARegionOfFourPatches) {
   for (const ColorId color : {kBlue, kYellow, kRed, kGreen, kMagenta}) paint_column(field, {x += 0.2f, 0.0f}, color);
   EXPECT_FALSE(field.match().cut_short);
   EXPECT_EQ(field.regions().size(), 5u);
+}
+
+// Pairs of patches of which one is partly hidden: k-means needs more passes than usual for some of them. Whatever the
+// budget, it must not become negative, because the next colors would get less.
+TEST(WorkBound, SplittingTakesNoMoreThanItsBudget) {
+  const MarkerParameters parameters = small_teams(3);
+  PaintedField field(straight_camera(), parameters);
+  PortableRandom random(5);
+  for (int i = 0; i < 36; ++i) {
+    const Placed thing{
+        Team::kOwn,
+        0,
+        {{0.15f * static_cast<float>(i % 12) - 0.8f, 0.3f * static_cast<float>(i / 12 - 1)}, random.real(0.0f, 3.0f)}};
+    const float low_m = random.real(0.0f, 0.03f) - 0.02f;
+    field.paint_part(thing, {-0.034f, -0.017f}, {0.0f, 0.017f}, kRed);
+    field.paint_part(thing, {0.0f, low_m}, {0.034f, low_m + 0.01f + random.real(0.0f, 0.03f)}, kRed);
+  }
+  static_cast<void>(field.match());
+  PatchFinder finder;
+  finder.configure(field.camera(), parameters.field);
+  const TeamMarking& team = parameters.teams[0];
+  const PatchKind kind = kind_of(team.layout.patches[1], team.layout.height_m);
+  Sightings verdicts;
+  verdicts.verdicts.resize(field.regions().size());
+  int most = 0;
+  for (std::uint16_t number = 0; number < field.regions().size(); ++number) {
+    const Region& region = field.regions()[number];
+    most = std::max(most, split(field.runs(), region, shape_of(field.runs(), region), 2).passes);
+    for (int tenths = 1; tenths < 20; ++tenths) {
+      SplitBudget budget{0.1f * static_cast<float>(tenths)};
+      ColorPatches patches;
+      finder.find(kind, field.runs(), field.regions(), {&number, 1}, verdicts, budget, patches);
+      EXPECT_GE(budget.pairs, 0.0f) << "region " << number << " with " << tenths << " tenths of a pair";
+    }
+  }
+  EXPECT_GT(most, kUsualPasses) << "the test needs a region that takes longer";
 }
 
 TEST(WorkBound, EveryClaimantHasAnEqualShareOfWhatIsLeft) {

@@ -298,14 +298,14 @@ void BallFinder::examine_expected_place(const Scene& now, const Sightings& seen,
 
 void BallFinder::find_by_pixels(const Scene& now, Sightings& out) const {
   Candidates candidates;
-  std::size_t looks = 0;
+  int looks_left = kMaxBallLooks;
   for (const PatchCandidate& patch : now.patches) {
     out.verdicts[patch.region] = patch.is_partly_visible ? Verdict::kTooSmall : Verdict::kSurplus;
     // Skip a patch of a robot, which would hide a ball under it. The center of a visible ball's region is beside the
     // robot, or nearly.
     if (on_a_robot(patch.center, now, out, 0.5f * ball_.radius_m)) continue;
-    if (candidates.size() == kMaxExamined || looks == kMaxLooks) continue;
-    ++looks;
+    if (looks_left == 0) continue;
+    --looks_left;
     examine(now, patch, out, candidates);
   }
   const auto is_expected = [&](const Candidate& candidate) {

@@ -7,6 +7,7 @@
 #include "core/marker/color_evidence.h"
 #include "core/marker/marker_layout.h"
 #include "core/marker/patch_finder.h"
+#include "core/marker/work_budget.h"
 #include "core/types.h"
 
 namespace touchline {
@@ -30,13 +31,11 @@ PatchPlace outline_of(const BallParameters& ball);
 /// much its color differs from the typical one. Pixels on the top of a robot do not count, because they hide the ball.
 /// A track adds its expectation; if no region is there, the place is examined, too, and a ball there makes others
 /// unlikely. The confidence is the probability of a candidate against all others and no ball; a ball with less than
-/// kMinConfidence is not reported. The work is bounded: at most kMaxLooks patches and the expected place.
+/// kMinConfidence is not reported. The work is bounded: at most kMaxBallLooks patches (work_budget.h) and the expected
+/// place.
 class BallFinder {
  public:
   static constexpr float kMinConfidence = 0.6f;
-  // kMaxExamined: the ball, and clutter of its color and size. kMaxLooks also allows for patches of robots, which are
-  // skipped.
-  static constexpr std::size_t kMaxExamined = 6, kMaxLooks = 8;
 
   /// What is known in one frame. `patches`: candidates of the ball's color inside the field.
   struct Scene {
@@ -61,7 +60,7 @@ class BallFinder {
     BallAppearance shown;
     float log_odds = 0;  // against no ball
   };
-  using Candidates = FixedVector<Candidate, kMaxExamined + 1>;
+  using Candidates = FixedVector<Candidate, kMaxBallLooks + 1>;
 
   void find_by_regions(const Scene& now, Sightings& out) const;
   void find_by_pixels(const Scene& now, Sightings& out) const;

@@ -41,6 +41,7 @@ class WorkBudget {
 // best sets of hypotheses          node of the search tree       groups of conflicting hypotheses
 // alternatives to the best sets    node of the search tree       groups of conflicting hypotheses
 // borders of saturated patches     patch                         robots, then pairs of robots
+// looking for the ball             patch of the ball's color     not shared: the largest patches are looked at
 
 /// As if all patches of 22 robots touched another one. Teams with few patches get less (matcher.cpp).
 constexpr float kMaxTouchingPairs = static_cast<float>(kMaxRobots * kMaxPatches) / 2;
@@ -50,5 +51,8 @@ constexpr int kMaxNeighborTests = 400000;
 constexpr int kMaxNodesForBest = 2000, kMaxNodesForAlternatives = 3000;
 /// Two patches of 22 robots, and some poses that turn out to be wrong.
 constexpr int kMaxBorders = 64;
+/// The ball, and clutter of its color and size. A look cannot be divided: equal shares would be less than one, so the
+/// largest patches are looked at, and the others are surplus. The track's place is examined in addition.
+constexpr int kMaxBallLooks = 8;
 
 }  // namespace touchline

@@ -6,6 +6,7 @@
 #include <limits>
 #include <optional>
 
+#include "core/marker/work_budget.h"
 #include "tests/color/owned_picture.h"
 #include "tests/marker/painted_colors.h"
 #include "tests/marker/painted_field.h"
@@ -161,6 +162,20 @@ TEST_P(BallFromPixels, IsNoSquare) {
   const auto is_in_square = [](float right, float down) { return std::max(std::abs(right), std::abs(down)) < 0.95f; };
   show_area({0.3f, 0.2f}, 1.5f, is_in_square);
   EXPECT_FALSE(look().ball.seen);
+}
+
+// Squares of its color are larger than the ball, so they are looked at first. The work is bounded, but the expected
+// place is examined in any case.
+TEST_P(BallFromPixels, IsFoundAmongAsMuchClutterAsTheWorkAllows) {
+  const auto is_in_square = [](float right, float down) { return std::max(std::abs(right), std::abs(down)) < 0.95f; };
+  const FieldPoint at{0.1f, -0.6f};
+  for (int squares = 0; squares <= kMaxBallLooks; ++squares) {
+    if (squares > 0) show_area({0.2f * static_cast<float>(squares) - 0.9f, 0.3f}, 1.5f, is_in_square);
+    if (squares < kMaxBallLooks - 1) continue;
+    show_ball(at, evenly_lit, everywhere);
+    EXPECT_EQ(look().ball.seen, squares < kMaxBallLooks);
+    expect_ball(look({true, at, 0.01f}), at, 0.8f, 0.9f);
+  }
 }
 
 // The identification patch of a robot whose team patch fell into no box.

@@ -88,9 +88,10 @@ struct CameraSettings {
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
     visit.choice(self.backend, kCameraBackends, {.name = "backend", .help = "Source of the frames"});
-    visit.text(self.device, {.name = "device",
-                             .help = "v4l2: a device, preferably a link in /dev/v4l; libcamera: \"auto\", an id or a "
-                                     "part of one; replay: a folder of pictures or a video"});
+    visit.text(self.device,
+               {.name = "device",
+                .help = "v4l2: a device, preferably a link in /dev/v4l; libcamera: \"auto\", an id or a "
+                        "part of one; replay: a folder of pictures, or a video (package touchline-tools)"});
     visit.choice(self.format, kCameraFormats,
                  {.name = "format", .help = "Requested pixel format (docs/cameras.md); mjpg is decoded to yuvj422p"});
     visit.number(self.width_px,

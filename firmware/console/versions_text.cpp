@@ -2,6 +2,7 @@
 
 #include <gnu/libc-version.h>
 #include <libwebsockets.h>
+#include <png.h>
 #include <sys/utsname.h>
 #include <zlib.h>
 
@@ -13,10 +14,6 @@
 
 // Included after <cstdio>, because libjpeg's header needs FILE.
 #include <jpeglib.h>
-
-extern "C" {
-#include <libavutil/avutil.h>
-}
 
 namespace touchline::console {
 namespace {
@@ -86,7 +83,7 @@ std::string versions_text(const Scene& scene) {
   add("libc", ::gnu_get_libc_version());
   add("libwebsockets", ::lws_get_library_version());
   add("libjpeg-turbo (header)", TOUCHLINE_TEXT_OF(LIBJPEG_TURBO_VERSION));
-  add("FFmpeg", ::av_version_info());
+  add("libpng", ::png_get_libpng_ver(nullptr));
   add("zlib", ::zlibVersion());
   return text;
 }

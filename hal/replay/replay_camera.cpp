@@ -2,8 +2,8 @@
 
 #include <filesystem>
 
-#include "hal/replay/frame_converter.h"
-#include "hal/replay/video_reader.h"
+#include "hal/replay/replay_source.h"
+#include "hal/replay/video_module.h"
 
 namespace touchline::hal {
 namespace {
@@ -19,12 +19,10 @@ std::string size_text(std::uint32_t width, std::uint32_t height) {
 }  // namespace
 
 struct ReplayCamera::Input {
-  explicit Input(PixelFormat format) : converter(format) {}
-  std::unique_ptr<ffmpeg::ReplaySource> source;
-  ffmpeg::FrameConverter converter;
-  ffmpeg::SourceFrame decoded;  // the next frame, if `pending`
+  std::unique_ptr<ReplaySource> source;
+  SourceFrame decoded;  // the next frame, if `pending`
   bool pending = false;
-  std::array<ffmpeg::ConvertedFrame, kBuffers> buffer;
+  std::array<SourceFrame, kBuffers> buffer;
   std::array<bool, kBuffers> leased{};
 };
 
@@ -42,12 +40,7 @@ Result<void> ReplayCamera::fetch() {
   Result<void> decoded = input_->source->next(input_->decoded);
   file_ = input_->decoded.file;
   if (!decoded.ok()) return decoded;
-  const AVFrame& picture = *input_->decoded.picture;
-  const auto width = static_cast<std::uint32_t>(picture.width), height = static_cast<std::uint32_t>(picture.height);
-  if (width > kMaxFrameWidth || height > kMaxFrameHeight) {
-    return failed(ErrorCode::kUnsupported, file_ + " is " + size_text(width, height) + ", larger than " +
-                                               size_text(kMaxFrameWidth, kMaxFrameHeight));
-  }
+  const std::uint32_t width = input_->decoded.view.width_px, height = input_->decoded.view.height_px;
   if (info_.width_px != 0 && (info_.width_px != width || info_.height_px != height)) {
     return failed(ErrorCode::kInconsistent, file_ + " is " + size_text(width, height) + ", but " + first_file_ +
                                                 " is " + size_text(info_.width_px, info_.height_px));
@@ -76,12 +69,18 @@ Result<void> ReplayCamera::do_open() {
     return failed(error == std::errc::permission_denied ? ErrorCode::kPermission : ErrorCode::kNotFound,
                   error ? error.message() : "No such file or directory");
   }
-  input_ = std::make_unique<Input>(parameters_.format);
-  if (std::filesystem::is_directory(path, error) || ffmpeg::is_picture_name(path)) {
+  input_ = std::make_unique<Input>();
+  if (std::filesystem::is_directory(path, error) || is_picture_name(path)) {
     const double rate_hz = parameters_.rate_hz > 0.0 ? parameters_.rate_hz : kPictureRateHz;
-    input_->source = std::make_unique<ffmpeg::PictureSource>(path, rate_hz);
+    input_->source = std::make_unique<PictureSource>(path, rate_hz, parameters_.format);
   } else {
-    input_->source = std::make_unique<ffmpeg::VideoReader>(parameters_.path, parameters_.rate_hz);
+    Result<std::unique_ptr<ReplaySource>> video =
+        make_video_source(parameters_.path, parameters_.rate_hz, parameters_.format);
+    if (!video.ok()) {
+      input_.reset();
+      return failed(video.code(), video.text());
+    }
+    input_->source = std::move(video).value();
   }
   Result<void> opened = input_->source->open();
   // The first frame contains the size and shows whether the input can be decoded.
@@ -94,8 +93,8 @@ Result<void> ReplayCamera::do_open() {
     return opened;
   }
   first_file_ = file_;
-  info_ = {parameters_.format, static_cast<std::uint16_t>(input_->decoded.picture->width),
-           static_cast<std::uint16_t>(input_->decoded.picture->height), input_->source->rate_hz()};
+  info_ = {parameters_.format, input_->decoded.view.width_px, input_->decoded.view.height_px,
+           input_->source->rate_hz()};
   return {};
 }
 
@@ -128,13 +127,10 @@ Result<FrameLease> ReplayCamera::do_wait(Instant deadline) {
     }
   }
   input_->pending = false;
-  ffmpeg::ConvertedFrame& converted = input_->buffer[slot];
-  if (const Result<void> done = input_->converter.convert(*input_->decoded.picture, converted); !done.ok()) {
-    return failed(done.code(), file_ + " " + done.text());
-  }
+  std::swap(input_->buffer[slot], input_->decoded);
   input_->leased[slot] = true;
   latest_ = stamp;
-  Frame frame = converted.view;
+  Frame frame = input_->buffer[slot].view;
   frame.capture_time = stamp;
   frame.sequence = sequence_++;
   return FrameLease(*this, frame, slot);

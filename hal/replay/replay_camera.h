@@ -12,7 +12,7 @@ namespace touchline::hal {
 
 struct ReplayParameters {
   std::string path;                          // a folder of pictures, one picture, or a video
-  PixelFormat format = PixelFormat::kRgb24;  // frames are converted to it; see hal/replay/frame_converter.h
+  PixelFormat format = PixelFormat::kRgb24;  // frames are converted to it: source_frame.h, frame_converter.h
   double rate_hz = 0.0;                      // 0: the time stamps of a video; 30 Hz for pictures
   bool skip_damaged = false;                 // open() and wait() pass over pictures that cannot be decoded
 };
@@ -31,9 +31,10 @@ constexpr PixelFormat replay_format(ColorSpace space) {
   return PixelFormat::kRgb24;
 }
 
-/// Plays pictures and videos as a camera. Time stamps begin at 0 and depend only on the input, so replays are identical
-/// bit by bit. wait() returns kCorruptFrame for a picture that cannot be decoded, and kInconsistent if its size differs
-/// from the first one. Decoding allocates: for tools and tests, not for a real-time loop.
+/// Plays pictures and videos as a camera; videos need the module of video_module.h. Time stamps begin at 0 and depend
+/// only on the input, so replays are identical bit by bit. wait() returns kCorruptFrame for a picture that cannot be
+/// decoded, and kInconsistent if its size differs from the first one. Decoding allocates: for tools and tests, not for
+/// a real-time loop.
 class ReplayCamera final : public Camera {
  public:
   /// With a clock, frames arrive in real time, the first one at start(), with time stamps of that clock; a real radio
@@ -54,7 +55,7 @@ class ReplayCamera final : public Camera {
   [[nodiscard]] Instant latest() const { return latest_; }
 
  private:
-  struct Input;  // hides FFmpeg's types
+  struct Input;
 
   Result<void> do_open() override;
   Result<void> do_start() override;

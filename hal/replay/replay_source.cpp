@@ -8,7 +8,7 @@
 #include "core/types.h"
 #include "hal/replay/picture_decoder.h"
 
-namespace touchline::hal::ffmpeg {
+namespace touchline::hal {
 namespace {
 
 bool digit(char c) { return c >= '0' && c <= '9'; }
@@ -91,8 +91,12 @@ Result<void> PictureSource::next(SourceFrame& out) {
   out.file = file.filename().string();
   out.stamp = from_seconds(static_cast<double>(next_) / rate_hz_);
   ++next_;
-  TOUCHLINE_TRY_ASSIGN(out.picture, decode_picture(file.string(), std::int64_t{kMaxFrameWidth} * kMaxFrameHeight));
-  return {};
+  const JpegColors colors = is_yuv(color_space(format_)) ? JpegColors::kAsStored : JpegColors::kRgb;
+  constexpr std::int64_t kMaxPixels = std::int64_t{kMaxFrameWidth} * kMaxFrameHeight;
+  TOUCHLINE_TRY_ASSIGN(const StoredPicture picture, decode_picture(file.string(), kMaxPixels, colors));
+  Result<void> converted = convert(picture, format_, out);
+  if (!converted.ok()) return prefixed(file.string(), std::move(converted).error());
+  return converted;
 }
 
-}  // namespace touchline::hal::ffmpeg
+}  // namespace touchline::hal

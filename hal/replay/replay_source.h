@@ -6,18 +6,10 @@
 #include <string>
 #include <vector>
 
-#include "core/time.h"
-#include "hal/replay/ffmpeg.h"
+#include "hal/replay/source_frame.h"
 #include "hal/result.h"
 
-namespace touchline::hal::ffmpeg {
-
-/// A decoded frame, its time (the first one: 0), and its file name without folder.
-struct SourceFrame {
-  FramePtr picture;
-  Duration stamp{};
-  std::string file;
-};
+namespace touchline::hal {
 
 /// A sequence of decoded pictures. Messages of errors name the file.
 class ReplaySource {
@@ -40,7 +32,8 @@ bool is_picture_name(const std::filesystem::path& path);
 /// All pictures of a folder in natural order, or one picture.
 class PictureSource final : public ReplaySource {
  public:
-  PictureSource(std::filesystem::path path, double rate_hz) : path_(std::move(path)), rate_hz_(rate_hz) {}
+  PictureSource(std::filesystem::path path, double rate_hz, PixelFormat format)
+      : path_(std::move(path)), rate_hz_(rate_hz), format_(format) {}
   Result<void> open() override;
   Result<void> next(SourceFrame& out) override;
   [[nodiscard]] std::uint64_t frame_count() const override { return files_.size(); }
@@ -49,8 +42,9 @@ class PictureSource final : public ReplaySource {
  private:
   std::filesystem::path path_;
   double rate_hz_;
+  PixelFormat format_;
   std::vector<std::filesystem::path> files_;
   std::size_t next_ = 0;
 };
 
-}  // namespace touchline::hal::ffmpeg
+}  // namespace touchline::hal

@@ -11,7 +11,6 @@
 #include <utility>
 
 #include "core/types.h"
-#include "hal/files/interruption.h"
 
 namespace touchline::hal::ffmpeg {
 namespace {
@@ -26,21 +25,21 @@ ErrorCode code_of(int error) {
   return ErrorCode::kIo;
 }
 
+constexpr int kStreamInBytes = 65536;
+
+}  // namespace
+
 // FFmpeg's callback: reads from a FIFO or device until this process is to end.
-int read_bytes(void* opaque, std::uint8_t* bytes, int size) {
-  const int file = *static_cast<const int*>(opaque);
+int VideoReader::read_bytes(void* reader, std::uint8_t* bytes, int size) {
+  const auto& self = *static_cast<const VideoReader*>(reader);
   for (;;) {
-    if (!wait_until_ready(file, Ready::kRead)) return AVERROR_EXIT;
-    const ssize_t count = ::read(file, bytes, static_cast<std::size_t>(size));
+    if (!self.wait_until_ready_(self.file_, Ready::kRead)) return AVERROR_EXIT;
+    const ssize_t count = ::read(self.file_, bytes, static_cast<std::size_t>(size));
     if (count > 0) return static_cast<int>(count);
     if (count == 0) return AVERROR_EOF;
     if (errno != EINTR && errno != EAGAIN) return AVERROR(errno);
   }
 }
-
-constexpr int kStreamInBytes = 65536;
-
-}  // namespace
 
 VideoReader::~VideoReader() {
   input_.reset();  // reads from the stream until it is closed
@@ -58,7 +57,7 @@ Result<void> VideoReader::open_stream() {
   file_ = ::open(path_.c_str(), O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC);
   if (file_ < 0) return fail(code_of(AVERROR(errno)), error_text(AVERROR(errno)));
   auto* const buffer = static_cast<unsigned char*>(av_malloc(kStreamInBytes));
-  stream_in_.reset(avio_alloc_context(buffer, kStreamInBytes, 0, &file_, read_bytes, nullptr, nullptr));
+  stream_in_.reset(avio_alloc_context(buffer, kStreamInBytes, 0, this, read_bytes, nullptr, nullptr));
   return {};
 }
 
@@ -154,9 +153,9 @@ Result<void> VideoReader::next(SourceFrame& out) {
   const LogCapture log;
   if (codec_ == nullptr) return fail(ErrorCode::kIo, "is not open");
   out.file = std::filesystem::path(path_).filename().string();
-  out.picture.reset(av_frame_alloc());
+  picture_.reset(av_frame_alloc());
   for (;;) {
-    const int result = avcodec_receive_frame(codec_.get(), out.picture.get());
+    const int result = avcodec_receive_frame(codec_.get(), picture_.get());
     if (result >= 0) break;
     if (result == AVERROR_EOF) {
       return fail(ErrorCode::kEndOfStream, frames_read_ == 0 ? "contains no frame" : "no more frames");
@@ -167,12 +166,14 @@ Result<void> VideoReader::next(SourceFrame& out) {
     }
     TOUCHLINE_TRY(feed_decoder());
   }
-  out.stamp = stamp_of(*out.picture);
+  out.stamp = stamp_of(*picture_);
   ++frames_read_;
-  if (out.picture->decode_error_flags != 0 || (out.picture->flags & AV_FRAME_FLAG_CORRUPT) != 0) {
+  if (picture_->decode_error_flags != 0 || (picture_->flags & AV_FRAME_FLAG_CORRUPT) != 0) {
     return fail(ErrorCode::kCorruptFrame, "frame " + std::to_string(frames_read_ - 1) + " is damaged");
   }
-  return {};
+  Result<void> converted = converter_.convert(*picture_, out);
+  if (!converted.ok()) return prefixed(path_, std::move(converted).error());
+  return converted;
 }
 
 }  // namespace touchline::hal::ffmpeg

@@ -1,6 +1,9 @@
 #pragma once
 
+#include "hal/replay/ffmpeg.h"
+#include "hal/replay/frame_converter.h"
 #include "hal/replay/replay_source.h"
+#include "hal/replay/video_module.h"
 
 namespace touchline::hal::ffmpeg {
 
@@ -9,7 +12,11 @@ namespace touchline::hal::ffmpeg {
 class VideoReader final : public ReplaySource {
  public:
   /// A `rate_hz` above 0 replaces the stream's time stamps: frame n is at n / rate_hz.
-  VideoReader(std::string path, double rate_hz) : path_(std::move(path)), forced_rate_hz_(rate_hz) {}
+  explicit VideoReader(const VideoRequest& request)
+      : path_(request.path),
+        forced_rate_hz_(request.rate_hz),
+        wait_until_ready_(request.wait_until_ready),
+        converter_(request.format) {}
   ~VideoReader() override;
   VideoReader(const VideoReader&) = delete;
   VideoReader& operator=(const VideoReader&) = delete;
@@ -19,6 +26,7 @@ class VideoReader final : public ReplaySource {
   [[nodiscard]] double rate_hz() const override { return rate_hz_; }
 
  private:
+  static int read_bytes(void* reader, std::uint8_t* bytes, int size);
   [[nodiscard]] Error fail(ErrorCode code, const std::string& cause) const;
   Result<void> feed_decoder();
   Duration stamp_of(const AVFrame& frame);
@@ -27,12 +35,15 @@ class VideoReader final : public ReplaySource {
 
   std::string path_;
   double forced_rate_hz_;
+  bool (*wait_until_ready_)(int descriptor, Ready what);
   // For a FIFO or device. Declared before `input_`, which reads from it until it is closed.
   int file_ = -1;
   IoPtr stream_in_;
   InputPtr input_;
   CodecPtr codec_;
   PacketPtr packet_;
+  FramePtr picture_;
+  FrameConverter converter_;
   int stream_ = -1;
   double rate_hz_ = 0.0;
   std::uint64_t frame_count_ = 0, frames_read_ = 0;

@@ -92,7 +92,7 @@ TEST_F(WebBugReport, ContainsPictureFilesVersionsAndResults) {
   EXPECT_GT(nlohmann::json::parse(files["status.json"])["latency"]["start"]["count"], 50);
   EXPECT_EQ(nlohmann::json::parse(files["hello.json"])["type"], "hello");
   EXPECT_NE(files["versions.txt"].find("touchline: 1.2.3\n"), std::string::npos) << files["versions.txt"];
-  for (const char* const what : {"\nkernel: Linux ", "\nlibwebsockets: ", "\nprocessor: ", "\nFFmpeg: "}) {
+  for (const char* const what : {"\nkernel: Linux ", "\nlibwebsockets: ", "\nprocessor: ", "\nlibpng: "}) {
     EXPECT_NE(files["versions.txt"].find(what), std::string::npos) << what << files["versions.txt"];
   }
   EXPECT_NE(files["configuration.toml"].find("picture_rate_hz"), std::string::npos);

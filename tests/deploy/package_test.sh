@@ -41,7 +41,7 @@ case $1 in
     [ ! -e "$etc/team.toml" ] || fail "a file that the team removed was copied again"
     ;;
   ABoardGetsNoTools)
-    # $2: the build. Its components are the packages touchline and touchline-tools.
+    # $2: the build. Its components are the packages touchline and touchline-tools. The rest: an emulator for its programs, if they need one.
     files() { cmake --install "$1" --component "$2" --prefix "$work/components/$2" >"$work/output" && (cd "$work/components/$2" && find . -type f | sort); }
     files "$2" board >"$work/board-files"
     files "$2" tools >"$work/tools-files"
@@ -54,6 +54,19 @@ case $1 in
     # All that is installed is in one of the packages.
     cmake --install "$2" --prefix "$work/all" >"$work/output"
     (cd "$work/all" && find . -type f | sort) | diff - <(sort "$work/board-files" "$work/tools-files") || fail "a file is in neither package"
+    # FFmpeg's libraries come with touchline-tools.
+    for program in "$work"/components/board/bin/*; do
+      readelf -d "$program" >"$work/dynamic"
+      grep -q 'NEEDED.*libc\.so' "$work/dynamic" || fail "cannot list the libraries of ${program##*/}"
+      ! grep -E 'NEEDED.*\[lib(av|sw)' "$work/dynamic" || fail "${program##*/} needs FFmpeg"
+    done
+    # Programs find the module for videos where it is installed, and say what is missing without it. The video has no frame.
+    echo "YUV4MPEG2 W16 H16 F25:1 C420mpeg2" >"$work/match.y4m"
+    open_video() { ! "${@:2}" "$1/bin/touchline-calibrate" noise "$work/match.y4m" --venue "$boards/mock/venue.toml" --team "$boards/mock/team.toml" 2>"$work/output"; }
+    open_video "$work/components/board" "${@:3}"
+    grep -q "match.y4m: is not a picture .* the package touchline-tools" "$work/output" || fail "does not name the missing package: $(cat "$work/output")"
+    open_video "$work/all" "${@:3}"
+    grep -q "match.y4m: contains no frame" "$work/output" || fail "does not find the module: $(cat "$work/output")"
     ;;
   AnInterruptedFirstInstallationIsCompleted)
     printf '#!/bin/sh\ncase $1 in *team.toml) echo half >"$2"; exit 1 ;; esac\nexec %s "$@"\n' "$(command -v cp)" >"$work/fakes/cp"

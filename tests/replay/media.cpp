@@ -3,9 +3,13 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <cstdio>
+#include <cstdlib>
 #include <fstream>
 
-#include "hal/replay/ffmpeg.h"
+// Included after <cstdio>, because libjpeg's header needs FILE.
+#include <jpeglib.h>
+
 #include "tests/results.h"
 
 namespace touchline::media {
@@ -45,31 +49,37 @@ hal::Picture colorful(std::uint32_t width_px, std::uint32_t height_px, std::uint
 
 void write_png(const std::string& path, const hal::Picture& picture) { ASSERT_OK(hal::write_picture(path, picture)); }
 
-void write_jpeg(const std::string& path, const hal::Picture& picture) {
-  using namespace hal::ffmpeg;
-  const LogCapture log;
-  const AVCodec* encoder = avcodec_find_encoder(AV_CODEC_ID_MJPEG);
-  ASSERT_NE(encoder, nullptr);
-  CodecPtr codec(avcodec_alloc_context3(encoder));
-  FramePtr frame(av_frame_alloc());
-  PacketPtr packet(av_packet_alloc());
-  codec->width = frame->width = static_cast<int>(picture.width_px);
-  codec->height = frame->height = static_cast<int>(picture.height_px);
-  codec->pix_fmt = AV_PIX_FMT_YUVJ420P;
-  frame->format = codec->pix_fmt;
-  codec->time_base = {1, 1};
-  codec->flags |= AV_CODEC_FLAG_QSCALE;
-  codec->global_quality = frame->quality = 2 * FF_QP2LAMBDA;
-  ASSERT_GE(avcodec_open2(codec.get(), encoder, nullptr), 0);
-  ASSERT_GE(av_frame_get_buffer(frame.get(), 0), 0);
-  const ScalerPtr scaler(sws_getContext(frame->width, frame->height, AV_PIX_FMT_RGB24, frame->width, frame->height,
-                                        AV_PIX_FMT_YUVJ420P, SWS_BILINEAR, nullptr, nullptr, nullptr));
-  const std::uint8_t* const data[4] = {picture.rgb8.data(), nullptr, nullptr, nullptr};
-  const int stride[4] = {3 * frame->width, 0, 0, 0};
-  sws_scale(scaler.get(), data, stride, 0, frame->height, frame->data, frame->linesize);
-  ASSERT_GE(avcodec_send_frame(codec.get(), frame.get()), 0);
-  ASSERT_GE(avcodec_receive_packet(codec.get(), packet.get()), 0);
-  write_bytes(path, {packet->data, static_cast<std::size_t>(packet->size)});
+void write_jpeg(const std::string& path, const hal::Picture& picture, JpegKind kind) {
+  jpeg_compress_struct jpeg{};
+  jpeg_error_mgr errors{};
+  jpeg.err = jpeg_std_error(&errors);
+  jpeg_create_compress(&jpeg);
+  unsigned char* bytes = nullptr;
+  unsigned long size = 0;
+  jpeg_mem_dest(&jpeg, &bytes, &size);
+  jpeg.image_width = picture.width_px;
+  jpeg.image_height = picture.height_px;
+  const std::size_t channels = kind == JpegKind::kCmyk ? 4 : 3;
+  jpeg.input_components = static_cast<int>(channels);
+  jpeg.in_color_space = kind == JpegKind::kCmyk ? JCS_CMYK : JCS_RGB;
+  jpeg_set_defaults(&jpeg);
+  jpeg_set_quality(&jpeg, 95, TRUE);
+  if (kind == JpegKind::k422) jpeg.comp_info[0].v_samp_factor = 1;
+  if (kind == JpegKind::kGray) jpeg_set_colorspace(&jpeg, JCS_GRAYSCALE);
+  if (kind == JpegKind::kProgressive) jpeg_simple_progression(&jpeg);
+  jpeg_start_compress(&jpeg, TRUE);
+  for (std::size_t y = 0; y < picture.height_px; ++y) {
+    std::vector<std::uint8_t> row(picture.width_px * channels, 0);
+    for (std::size_t x = 0; x < picture.width_px; ++x) {
+      std::copy_n(&picture.rgb8[3 * (y * picture.width_px + x)], 3, &row[x * channels]);
+    }
+    JSAMPROW samples = row.data();
+    jpeg_write_scanlines(&jpeg, &samples, 1);
+  }
+  jpeg_finish_compress(&jpeg);
+  jpeg_destroy_compress(&jpeg);
+  write_bytes(path, {bytes, size});
+  std::free(bytes);
 }
 
 void write_y4m(const std::string& path, int width_px, int height_px, const std::string& header,

@@ -32,8 +32,9 @@ void write_text(const std::string& path, const std::string& text);
 /// A picture in which neighboring pixels differ. Different seeds give different pictures.
 hal::Picture colorful(std::uint32_t width_px, std::uint32_t height_px, std::uint32_t seed = 0);
 void write_png(const std::string& path, const hal::Picture& picture);
-/// Writes a JPEG with chroma subsampling 4:2:0, as from cameras.
-void write_jpeg(const std::string& path, const hal::Picture& picture);
+/// 4:2:0: as from cameras. 4:2:2, gray, in two passes (progressive), and in the colors of a printer.
+enum class JpegKind : std::uint8_t { k420, k422, kGray, kProgressive, kCmyk };
+void write_jpeg(const std::string& path, const hal::Picture& picture, JpegKind kind = JpegKind::k420);
 
 /// Writes an uncompressed video (YUV4MPEG2). Each of `frames` contains the planes Y, U and V one after another.
 void write_y4m(const std::string& path, int width_px, int height_px, const std::string& header,

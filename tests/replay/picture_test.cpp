@@ -1,6 +1,7 @@
 #include "hal/replay/picture.h"
 
 #include <gtest/gtest.h>
+#include <png.h>
 
 #include <algorithm>
 #include <array>
@@ -63,6 +64,64 @@ TEST(Picture, PpmAndPgmAreRead) {
   const std::string deep("P6 1 1 65535\n\x12\x34\x56\x78\x9a\xbc");
   media::write_text(folder / "deep.ppm", deep);
   EXPECT_EQ(read(folder / "deep.ppm").rgb16, (std::vector<std::uint16_t>{0x1234, 0x5678, 0x9abc}));
+}
+
+TEST(Picture, PnmOfAnyDepthAndAsTextIsRead) {
+  const media::Folder folder;
+  media::write_text(folder / "a.ppm", "P3 2 1 # depth\n100\n0 50 100\n1 99 2\n");
+  EXPECT_EQ(read(folder / "a.ppm").rgb8, (std::vector<std::uint8_t>{0, 128, 255, 3, 252, 5}));
+  media::write_text(folder / "a.pgm", "P2\n2 1\n1023\n0\n1023");
+  EXPECT_EQ(read(folder / "a.pgm").rgb16, (std::vector<std::uint16_t>{0, 0, 0, 65535, 65535, 65535}));
+  media::write_text(folder / "bright.ppm", "P3 1 1 100 0 0 101");
+  refused(folder / "bright.ppm", ErrorCode::kCorruptFrame);
+  media::write_text(folder / "short.ppm", "P3 2 1 9 1 2 3 4 5");
+  refused(folder / "short.ppm", ErrorCode::kCorruptFrame);
+  media::write_text(folder / "deep.ppm", "P6 1 1 65536\n123456");
+  refused(folder / "deep.ppm", ErrorCode::kCorruptFrame);
+}
+
+// Written by libpng's simple interface.
+TEST(Picture, EveryKindOfPngIsRead) {
+  const media::Folder folder;
+  const auto file_of = [&](png_uint_32 format, const std::vector<std::uint8_t>& pixels, const void* palette = nullptr) {
+    png_image image{};
+    image.version = PNG_IMAGE_VERSION;
+    image.width = 2;
+    image.height = 1;
+    image.format = format;
+    image.colormap_entries = palette == nullptr ? 0 : 2;
+    const std::string path = folder / "a.png";
+    EXPECT_NE(png_image_write_to_file(&image, path.c_str(), 0, pixels.data(), 0, palette), 0) << image.message;
+    return path;
+  };
+  using Values = std::vector<std::uint8_t>;
+  EXPECT_EQ(read(file_of(PNG_FORMAT_GRAY, {7, 250})).rgb8, (Values{7, 7, 7, 250, 250, 250}));
+  EXPECT_EQ(read(file_of(PNG_FORMAT_GA, {7, 0, 250, 128})).rgb8, (Values{7, 7, 7, 250, 250, 250}));
+  EXPECT_EQ(read(file_of(PNG_FORMAT_RGBA, {1, 2, 3, 0, 4, 5, 6, 128})).rgb8, (Values{1, 2, 3, 4, 5, 6}));
+  // One bit per pixel, and transparent colors.
+  const std::array<std::uint8_t, 8> palette{10, 20, 30, 255, 40, 50, 60, 0};
+  EXPECT_EQ(read(file_of(PNG_FORMAT_RGBA_COLORMAP, {1, 0}, palette.data())).rgb8, (Values{40, 50, 60, 10, 20, 30}));
+}
+
+TEST(Picture, EveryKindOfJpegIsRead) {
+  const media::Folder folder;
+  Picture flat{32, 32, {}, {}};
+  for (int i = 0; i < 32 * 32; ++i) flat.rgb8.insert(flat.rgb8.end(), {200, 60, 30});
+  for (const media::JpegKind kind : {media::JpegKind::k422, media::JpegKind::kProgressive}) {
+    media::write_jpeg(folder / "a.jpg", flat, kind);
+    const Picture picture = read(folder / "a.jpg");
+    ASSERT_EQ(picture.rgb8.size(), flat.rgb8.size());
+    for (std::size_t i = 0; i < picture.rgb8.size(); ++i) {
+      ASSERT_LE(std::abs(picture.rgb8[i] - flat.rgb8[i]), 3) << "value " << i;
+    }
+  }
+  media::write_jpeg(folder / "gray.jpg", flat, media::JpegKind::kGray);
+  const Picture gray = read(folder / "gray.jpg");
+  ASSERT_EQ(gray.rgb8.size(), flat.rgb8.size());
+  EXPECT_NEAR(gray.rgb8[0], 0.299 * 200 + 0.587 * 60 + 0.114 * 30, 2);
+  EXPECT_TRUE(gray.rgb8[0] == gray.rgb8[1] && gray.rgb8[1] == gray.rgb8[2]);
+  media::write_jpeg(folder / "printer.jpg", flat, media::JpegKind::kCmyk);
+  EXPECT_NE(refused(folder / "printer.jpg", ErrorCode::kUnsupported).find("CMYK"), std::string::npos);
 }
 
 TEST(Picture, JpegKeepsTheColors) {

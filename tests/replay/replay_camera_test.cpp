@@ -138,6 +138,70 @@ TEST(ReplayCamera, APictureIsConvertedToEveryFormat) {
   });
 }
 
+// Blocks of 2 x 2 pixels share a color, so chroma of 4:2:0 and 4:2:2 is exact but for the quantization.
+TEST(ReplayCamera, AJpegKeepsItsYuvSamples) {
+  const media::Folder folder;
+  hal::Picture blocks{32, 32, std::vector<std::uint8_t>(std::size_t{3} * 32 * 32), {}};
+  for (std::size_t i = 0; i < blocks.rgb8.size(); ++i) {
+    const std::size_t pixel = i / 3, v = pixel / 32 / 8, u = pixel % 32 / 8;
+    blocks.rgb8[i] = static_cast<std::uint8_t>(60 + 20 * ((3 * v + u + 2 * (i % 3)) % 7));
+  }
+  for (const media::JpegKind kind : {media::JpegKind::k420, media::JpegKind::k422, media::JpegKind::kProgressive}) {
+    media::write_jpeg(folder / "a.jpg", blocks, kind);
+    const auto sample = [&](PixelFormat format) {
+      ReplayCamera camera({.path = folder / "a.jpg", .format = format});
+      EXPECT_TRUE(camera.open().ok() && camera.start().ok());
+      const Result<FrameLease> lease = camera.wait(Instant::max());
+      EXPECT_TRUE(lease.ok()) << lease.text();
+      std::vector<std::array<std::uint8_t, 3>> all;
+      for (std::size_t v = 0; lease.ok() && v < 32; ++v) {
+        for (std::size_t u = 0; u < 32; ++u) {
+          std::array<std::uint8_t, 3> value{};
+          for (std::size_t c = 0; c < 3; ++c) {
+            const Frame& frame = lease.value().frame();
+            const ChannelLayout& channel = info_of(format).channel[c];
+            value[c] =
+                frame
+                    .plane[channel.plane][(v >> channel.shift_v) * frame.stride_bytes[channel.plane] + channel.byte(u)];
+          }
+          all.push_back(value);
+        }
+      }
+      return all;
+    };
+    const auto planar = sample(PixelFormat::kYuvj422p);
+    // The range of a file is kept, so all YUV formats have the same samples.
+    for (const PixelFormat format : {PixelFormat::kYuyv, PixelFormat::kUyvy}) EXPECT_EQ(sample(format), planar);
+    if (kind != media::JpegKind::k422) {
+      EXPECT_EQ(sample(PixelFormat::kNv12), planar);
+      EXPECT_EQ(sample(PixelFormat::kI420), planar);
+    }
+    ASSERT_EQ(planar.size(), 32u * 32u);
+    for (std::size_t i = 0; i < planar.size(); ++i) {
+      const std::array<std::uint8_t, 3> rgb = to_rgb8(planar[i], ColorSpace::kYuvFullRange);
+      for (std::size_t c = 0; c < 3; ++c) ASSERT_NEAR(rgb[c], blocks.rgb8[3 * i + c], 12) << i;
+    }
+  }
+}
+
+TEST(ReplayCamera, PixelsThatShareChromaGetItsMean) {
+  const media::Folder folder;
+  media::write_png(folder / "a.png",
+                   {4, 2, {0, 0, 0, 0, 0, 240, 0, 0, 80, 0, 0, 80, 0, 0, 120, 0, 0, 0, 0, 0, 80, 0, 0, 160}, {}});
+  const auto u_of = [&](PixelFormat format, std::size_t row) {
+    ReplayCamera camera({.path = folder / "a.png", .format = format});
+    EXPECT_TRUE(camera.open().ok() && camera.start().ok());
+    const Result<FrameLease> lease = camera.wait(Instant::max());
+    if (!lease.ok()) return std::vector<int>();
+    const std::uint8_t* const u = lease.value().frame().plane[1] + row * lease.value().frame().stride_bytes[1];
+    return std::vector<int>{u[0], u[1]};
+  };
+  // U of full range is 128 + B / 2; of limited range 128 + B * 112 / 255.
+  EXPECT_EQ(u_of(PixelFormat::kYuvj422p, 0), (std::vector<int>{188, 168}));
+  EXPECT_EQ(u_of(PixelFormat::kYuvj422p, 1), (std::vector<int>{158, 188}));
+  EXPECT_EQ(u_of(PixelFormat::kI420, 0), (std::vector<int>{168, 172}));
+}
+
 TEST(ReplayCamera, SixteenBitPicturesAreRoundedToEight) {
   const media::Folder folder;
   media::write_png(folder / "deep.png", {2, 1, {}, {0, 128, 129, 32896, 65535, 257}});

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "hal/replay/replay_camera.h"
+#include "hal/replay/video_module.h"
 #include "hal/replay/video_writer.h"
 #include "tests/replay/media.h"
 #include "tests/results.h"
@@ -217,6 +218,14 @@ TEST(Video, AVideoWithoutFramesIsAnError) {
   ReplayCamera other({.path = folder / "none.y4m"});
   const std::string other_error = other.open().text();
   EXPECT_NE(other_error.find("none.y4m"), std::string::npos) << other_error;
+}
+
+TEST(Video, WithoutTheModuleTheMissingPackageIsNamed) {
+  const Result<std::unique_ptr<hal::ReplaySource>> none =
+      hal::make_video_source("match.mp4", 0.0, PixelFormat::kRgb24, "touchline-no-such-module.so");
+  EXPECT_EQ(none.code(), ErrorCode::kUnsupported);
+  EXPECT_NE(none.text().find("sudo apt install touchline-tools (touchline-no-such-module.so: "), std::string::npos)
+      << none.text();
 }
 
 TEST(VideoWriter, AFifoGetsAVideoThatNeedsNoSeeking) {

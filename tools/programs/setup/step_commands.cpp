@@ -256,7 +256,7 @@ Answer SetupProgram::robots_noise(const Arguments&) {
   job.frame_count = kNoiseFrames;
   job.frame_interval_s = kNoiseInterval_s;
   job.take_frame = [recorder, number = 0](Frame frame) mutable {
-    // Number and time are assigned here, because frames were skipped and the camera's would show gaps.
+    // Pictures get consecutive numbers and equal intervals, not those of the camera.
     ++number;
     frame.sequence = static_cast<decltype(frame.sequence)>(number);
     frame.capture_time = Instant(from_seconds(number * kNoiseInterval_s));

@@ -85,7 +85,7 @@ void RobotTelemetrySource::send_report(Robot& robot, Instant now) {
   if (random_.bernoulli(parameters_.corruption)) {
     const auto at = static_cast<std::size_t>(random_.bits() % in_flight.size);
     if (random_.bernoulli(0.5)) {
-      in_flight.size = at;  // truncated
+      in_flight.size = at;  // the packet is truncated
     } else {
       in_flight.packet[at] ^= static_cast<std::byte>(1U << (random_.bits() % 8U));
     }

@@ -11,7 +11,8 @@
 // Formats numbers, ranges and lists of words for messages, dumps and documentation.
 namespace touchline::config {
 
-/// The shortest text in TOML that reads back as the same value. A floating-point number has a point or an exponent.
+/// Returns the shortest text in TOML that reads back as the same value. A floating-point number has a point or an
+/// exponent.
 std::string number_text(double value);
 std::string number_text(float value);
 std::string number_text(long long value);
@@ -24,12 +25,12 @@ std::string value_text(T value) {
   }
 }
 
-/// "0 to 10 m", "at least 0 m", "at most 1", or "" for an unlimited range.
+/// Returns "0 to 10 m", "at least 0 m", "at most 1", or "" for an unlimited range.
 std::string range_text(Range range, std::string_view unit);
-/// The range with its unit, or the unit alone.
+/// Returns the range with its unit, or the unit alone.
 std::string limits_text(const Key& key);
 
-/// "a, b, c".
+/// Returns "a, b, c".
 std::string joined(std::span<const std::string_view> words);
 template <class Choices>
 std::vector<std::string_view> words_of(const Choices& choices) {
@@ -38,7 +39,7 @@ std::vector<std::string_view> words_of(const Choices& choices) {
   for (const auto& choice : choices) words.push_back(choice.word);
   return words;
 }
-/// The word for a value; empty if it has none.
+/// Returns the word for a value; empty if it has none.
 template <class Enum, class Choices>
 std::string_view word_of(Enum value, const Choices& choices) {
   for (const auto& choice : choices) {

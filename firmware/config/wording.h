@@ -48,20 +48,21 @@ std::string_view word_of(Enum value, const Choices& choices) {
   return {};
 }
 
-/// Returns the known word with the smallest edit distance, or one that begins with `word`. "" if more than a third of
-/// the letters differ.
+/// Returns the known word with the smallest edit distance, or a known word that begins with `word`. Returns "" if more
+/// than a third of the letters differ.
 std::string_view nearest_word(std::string_view word, std::span<const std::string_view> known);
 
-/// `; did you mean "x"?`, `; known <what>: a, b, c` if no word is similar, or "" if there are no known words.
+/// Returns `; did you mean "x"?`, or `; known <what>: a, b, c` if no word is similar, or "" if there are no known
+/// words.
 std::string suggestion(std::string_view word, std::span<const std::string_view> known, std::string_view what);
 
-/// The key of an element of a list: "list[0]".
+/// Returns the key of an element of a list: "list[0]".
 std::string element(std::string_view list, std::size_t index);
 
-/// A text as a TOML basic string.
+/// Returns a text as a TOML basic string.
 std::string toml_string(std::string_view text);
 
-/// A list of numbers or texts in TOML: "[1, 2, 3]".
+/// Returns a list of numbers or texts in TOML: "[1, 2, 3]".
 template <class Container>
 std::string list_text(const Container& values) {
   std::string list;

@@ -146,7 +146,7 @@ void read_adaptation(MemberReader& reader, ClientMessage& out) {
 }
 
 void read_start(MemberReader& reader, ClientMessage& out) {
-  // The hub rejects it, because older pages show only answers that have their number.
+  // Without it, the hub rejects the start; its answer has the request's number, which older pages need to show it.
   if (!reader.has("stop_number")) return;
   constexpr std::int64_t kLargest = std::numeric_limits<std::uint32_t>::max();
   out.stop_number = static_cast<std::uint32_t>(reader.integer("stop_number", 0, kLargest));

@@ -29,8 +29,7 @@ class Driving {
   void stop();
   /// Stops the robots after a setup, until a person starts them.
   void stop_after_setup();
-  /// Takes the loop's values of ConsoleLink. Returns whether robots have begun or ceased to be held (stopped by the
-  /// setup).
+  /// Takes the loop's values of ConsoleLink. Returns whether robots have begun or ceased to wait for a start.
   bool set_held(std::uint32_t number, bool is_held);
   /// Sets the robots of other files; nobody drives a robot any more.
   void set_robots(std::vector<RobotId> robots) {

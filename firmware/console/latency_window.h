@@ -30,7 +30,7 @@ class LatencyBins {
   Duration max_{};
 };
 
-/// Counts latencies since the start, and those of the last minute in steps of a second.
+/// Counts latencies since the start, and the latencies of the last minute in steps of a second.
 class LatencyWindow {
  public:
   static constexpr std::size_t kSeconds = 60;

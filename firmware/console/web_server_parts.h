@@ -25,7 +25,7 @@ struct HttpRequest {
   std::size_t sent = LWS_PRE;  // bytes of the body already sent
   std::uint64_t picture = 0;   // lowest number of the next picture
   Instant begin{};             // begin of the wait for a picture
-  bool is_made = false;        // kind of a slow answer, and whether it is being made
+  bool is_made = false;        // a slow answer is being made
 };
 
 /// Headers of an answer in addition to the usual ones.

@@ -20,7 +20,7 @@ class Mailbox {
     writer_ = static_cast<std::uint8_t>(between_.exchange(offered, std::memory_order_acq_rel) & kSlot);
   }
 
-  /// For the reading thread. False: there is no new value, and `value` is unchanged.
+  /// For the reading thread. Returns false if there is no new value, and `value` is unchanged.
   bool take(T& value) {
     if ((between_.load(std::memory_order_relaxed) & kIsNew) == 0) return false;
     reader_ = static_cast<std::uint8_t>(between_.exchange(reader_, std::memory_order_acq_rel) & kSlot);

@@ -26,7 +26,7 @@ class SpscRing {
     return true;
   }
 
-  /// For the consuming thread. False: the ring is empty.
+  /// For the consuming thread. Returns false if the ring is empty.
   bool pop(T& value) {
     const std::size_t head = head_.load(std::memory_order_relaxed);
     if (head == tail_.load(std::memory_order_acquire)) return false;

@@ -46,7 +46,7 @@ SpanKernel portable_span_kernel(PixelFormat format);
 SpanKernel avx2_span_kernel(PixelFormat format);
 SpanKernel neon_span_kernel(PixelFormat format);
 
-/// Returns the kernel of the chosen set. Replaces kFastest in `choice` by the set that it selects. Null if this
+/// Returns the kernel of the chosen set. Replaces kFastest in `choice` by the set that it selects. Returns null if this
 /// processor lacks the set.
 SpanKernel find_span_kernel(PixelFormat format, KernelChoice& choice);
 

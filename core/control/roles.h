@@ -30,7 +30,7 @@ class Roles {
 
   [[nodiscard]] RobotId goalkeeper() const { return goalkeeper_; }
   [[nodiscard]] RobotId attacker() const { return attacker_; }
-  /// Null if this robot has no place.
+  /// Returns null if this robot has no place.
   [[nodiscard]] const Vector2* place_of(RobotId id) const;
   [[nodiscard]] PlayRole role_of(RobotId id) const;
 

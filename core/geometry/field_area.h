@@ -51,7 +51,8 @@ struct FieldParameters {
   }
 };
 
-/// True if the point is on the field or in a goal, each enlarged by the margin. False if a coordinate is NaN.
+/// Returns true if the point is on the field or in a goal, each enlarged by the margin. Returns false if a coordinate
+/// is NaN.
 bool inside_field(const FieldParameters& field, FieldPoint point);
 
 }  // namespace touchline

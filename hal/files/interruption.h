@@ -9,7 +9,7 @@
 namespace touchline::hal {
 
 /// `requested` becomes true when the process is to end, from a signal handler for example, and must outlive all waits.
-/// Null: nothing ends a wait.
+/// Returns null if nothing ends a wait.
 void set_interruption(const std::atomic<bool>* requested);
 [[nodiscard]] bool is_interrupted();
 
@@ -17,7 +17,7 @@ void set_interruption(const std::atomic<bool>* requested);
 inline constexpr std::chrono::milliseconds kInterruptionDelay{50};
 
 enum class Ready : std::uint8_t { kRead, kWrite };
-/// Waits until reading or writing no longer blocks (it may fail at once). False: the wait was interrupted.
+/// Waits until reading or writing no longer blocks (it may fail at once). Returns false if the wait was interrupted.
 [[nodiscard]] bool wait_until_ready(int descriptor, Ready what);
 
 }  // namespace touchline::hal

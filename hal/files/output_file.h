@@ -46,7 +46,7 @@ class OutputFile {
 
   Result<void> open(const std::string& path, const OutputOptions& options = {});
   Result<void> write(std::string_view bytes);
-  /// True for regular files: seek() works, and nothing can be read before commit().
+  /// Returns true for regular files: seek() works, and nothing can be read before commit().
   [[nodiscard]] bool replaces_file() const { return !temporary_.empty(); }
   /// Position in bytes from the file's beginning for the next write(). kUnsupported unless replaces_file().
   Result<void> seek(std::uint64_t position);

@@ -31,7 +31,7 @@ class TextOutput {
   /// memory the text is lost.
   void print(std::string text);
   void print_error(std::string text);
-  /// Waits until everything is written, `at_most` this long. False: the reader does not read.
+  /// Waits until everything is written, `at_most` this long. Returns false if the reader does not read.
   bool finish(std::chrono::milliseconds at_most);
 
  private:

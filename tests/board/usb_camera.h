@@ -21,7 +21,7 @@ class UsbCamera final : public UsbDevice {
   [[nodiscard]] UsbIdentity identity() const override;
   std::optional<Bytes> answer(const ControlRequest& request) override;
 
-  /// Splits a picture (YUYV; RGB24 if the host has chosen MJPG) into packets of the chosen format. Empty: the picture
+  /// Splits a picture (YUYV; RGB24 if the host has chosen MJPG) into packets of the chosen format. Empty if the picture
   /// has another format or size. Every other JPEG has no Huffman tables, as with many cameras.
   std::vector<Bytes> packets_of(const FrameHeader& header, std::span<const std::uint8_t> picture);
 

@@ -15,8 +15,8 @@ struct SymbolFindings {
 /// Runs `nm` on the archive. Returns zero objects if it cannot be read.
 SymbolFindings check_heap_symbols(const std::string& nm, const std::string& archive);
 
-/// True for the mangled name of anything that allocates, frees, throws, catches, needs run-time type information, locks
-/// a static variable or reads a clock.
+/// Returns true for the mangled name of anything that allocates, frees, throws, catches, needs run-time type
+/// information, locks a static variable or reads a clock.
 bool is_refused_symbol(const std::string& symbol);
 
 }  // namespace touchline::checks

@@ -138,7 +138,7 @@ class SpanKernelTest : public ::testing::TestWithParam<std::tuple<PixelFormat, K
     return {tables_.get(),    nibbles_.get(),           lights_.data(), unshaded,
             ranges_->exist(), ranges_->begin_at_zero(), false,          unshaded ? nullptr : pale()};
   }
-  // The second range of a row with a light map. Null if it does not exist.
+  // The second range of a row with a light map. Returns null if it does not exist.
   [[nodiscard]] const TileParameters* pale() const { return has_pale_ ? &pale_ : nullptr; }
 
   // A row with a light map whose tiles are equal.

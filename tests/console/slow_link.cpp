@@ -34,7 +34,7 @@ class Lane {
   Lane(int from, int to, double bytes_per_s, Duration delay)
       : from_(from), to_(to), bytes_per_s_(bytes_per_s), delay_(delay) {}
 
-  /// False: one side has closed. Returns what has passed in `passed`.
+  /// Returns false if one side has closed. Returns what has passed in `passed`.
   bool move(Instant now, std::uint64_t& passed) {
     // A turn that was late makes up for some of the time, as a link would.
     budget_ = std::min(budget_ + bytes_per_s_ * seconds(now - last_), bytes_per_s_ * seconds(20ms) + 1500.0);

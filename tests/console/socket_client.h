@@ -27,7 +27,7 @@ class SocketClient {
   SocketClient& operator=(const SocketClient&) = delete;
 
   void send(std::string_view bytes) const;
-  /// Whether the other side has not closed the connection. Never waits.
+  /// Returns whether the other side has not closed the connection. Never waits.
   [[nodiscard]] bool is_open() const;
   /// Makes the receive buffer as small as the kernel permits, so that the TCP window closes soon when nothing is read.
   void shrink_window() const;
@@ -72,7 +72,8 @@ class SocketPage {
   void send_frame(int opcode, std::string_view payload, bool is_final = true);
   /// The next message. Pings are answered.
   SocketMessage read();
-  /// The next text whose type is this one; others are skipped, and pictures too. nullopt: the connection has ended.
+  /// The next text whose type is this one; others are skipped, and pictures too. Returns nullopt if the connection has
+  /// ended.
   std::optional<std::string> read_type(std::string_view type);
   SocketClient& socket() { return client_; }
 

@@ -15,7 +15,7 @@ class WebConditions : public ConsoleServer {
  protected:
   using Pages = std::vector<std::unique_ptr<SocketPage>>;
 
-  /// Whether the server answers a new client.
+  /// Returns whether the server answers a new client.
   [[nodiscard]] bool accepts() const { return SocketPage(port()).read().opcode == 1; }
   /// Number of clients, as a client is told.
   static std::uint64_t count_clients(SocketPage& page) {

@@ -163,7 +163,7 @@ inline std::vector<PixelPoint> whole_picture() {
   return out;
 }
 
-/// True if the pixel is above the horizon, where the model differs.
+/// Returns true if the pixel is above the horizon, where the model differs.
 inline bool over_horizon(const CameraModel& model, PixelPoint pixel) {
   const std::array<float, 3> d = model.ray(pixel).direction;
   const double level = std::hypot(static_cast<double>(d[0]), static_cast<double>(d[1]));

@@ -18,7 +18,7 @@ class File {
  public:
   virtual ~File() = default;
   virtual int open() { return 0; }
-  /// True if it may be opened without O_NONBLOCK, because its calls never wait.
+  /// Returns true if it may be opened without O_NONBLOCK, because its calls never wait.
   [[nodiscard]] virtual bool never_blocks() const { return false; }
   virtual void close() {}
   virtual int ioctl(unsigned long request, void* argument) = 0;
@@ -27,7 +27,7 @@ class File {
   virtual Instant next_event() { return Instant::max(); }
   /// Null: EINVAL.
   virtual void* map(std::size_t length, long offset, int protection);
-  /// False: the memory does not belong to this file.
+  /// Returns false if the memory does not belong to this file.
   virtual bool unmap(void* memory);
   virtual int lock() { return 0; }
 };

@@ -46,13 +46,13 @@ struct Placed {
   Pose pose;
 };
 
-/// True if the point (in the robot's frame) is on the patch.
+/// Returns true if the point (in the robot's frame) is on the patch.
 bool covers(const PatchPlace& place, FieldPoint point);
 
 /// Transforms a point of the robot's frame to the field.
 FieldPoint on_field(const Pose& pose, float x_m, float y_m);
 
-/// True if the two squares overlap.
+/// Returns true if the two squares overlap.
 bool overlap(const Pose& a, const Pose& b, float side_m);
 
 /// Robots 0 to `robots` - 1 of every team with a color, their centers anywhere in the rectangle around the field's

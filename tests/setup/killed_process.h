@@ -14,7 +14,7 @@ namespace touchline::setup {
 
 enum class Killed : std::uint8_t { kYes, kEndedBefore, kNotPermitted };
 
-/// Whether a system call can change a file or a folder. There are more of them; those are not used.
+/// Returns whether a system call can change a file or a folder. There are more of them; those are not used.
 inline bool changes_files(std::uint64_t system_call) {
   constexpr std::array kChanges{SYS_write,  SYS_openat,   SYS_renameat, SYS_renameat2, SYS_unlinkat,
                                 SYS_fchmod, SYS_fchownat, SYS_mkdirat,  SYS_ftruncate,

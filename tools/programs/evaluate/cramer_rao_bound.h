@@ -36,7 +36,7 @@ class StaticPictures {
   /// Because edges are long, the spectral density of the noise at low frequencies matters: the sum of its correlations
   /// with the neighbors.
   void estimate_noise();
-  /// True if a Bayer pattern was found.
+  /// Returns true if a Bayer pattern was found.
   [[nodiscard]] bool is_bayer() const { return step_ == 2; }
   /// Ratio of this spectral density to that of independent noise, averaged over the channels.
   [[nodiscard]] double correlation() const { return density_.trace() / 3.0; }

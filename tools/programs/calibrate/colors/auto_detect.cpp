@@ -103,8 +103,9 @@ struct Marked {
   bool by_click = false;                          // learn from the click's place instead of the patch's seed
 };
 
-// True if the region around the patch's seed does not contain the click, and the one around the click looks more like
-// the color's name: in the middle of a ball that the search met at its shaded rim, for example, but not on a highlight.
+// Returns true if the region around the patch's seed does not contain the click, and the one around the click looks
+// more like the color's name: in the middle of a ball that the search met at its shaded rim, for example, but not on a
+// highlight.
 bool has_better_shade(const Click& click, const FoundPatch& patch, const ChannelImage& image,
                       const std::vector<std::uint8_t>& inside) {
   const std::optional<Rgb> look = usual_rgb(click.color);

@@ -15,7 +15,7 @@ struct Finding {
   std::string reason;  // "it delivers 12.5 frames a second"
 };
 
-/// Returns the camera's weaknesses, worst first. Empty: everything that was measured is good.
+/// Returns the camera's weaknesses, worst first. Empty if everything that was measured is good.
 std::vector<Finding> judge_findings(const JudgeReport& report);
 
 /// Returns one sentence: good; usable, because ...; or not usable, because ....

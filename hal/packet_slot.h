@@ -19,16 +19,16 @@ class ByteLine {
   ByteLine(const ByteLine&) = delete;
   ByteLine& operator=(const ByteLine&) = delete;
   virtual ~ByteLine() = default;
-  /// Number of bytes that the driver has accepted and not sent yet.
+  /// Returns the number of bytes that the driver has accepted and not sent yet.
   virtual Result<std::size_t> unsent_bytes() = 0;
-  /// Accepts as many bytes as fit, from the first one on; returns their number, which may be 0.
+  /// Accepts as many bytes as fit, beginning with the first; returns their number, which may be 0.
   virtual Result<std::size_t> write(std::span<const std::byte> bytes) = 0;
 };
 
-/// Sends packets over a line that may be slower than the rate of packets. Only the newest command is useful: the driver
-/// gets a packet when it has sent all earlier bytes. Until then one packet waits here, and a newer one replaces it, so
-/// no queue builds up. A packet that the driver has accepted in part is completed first: the receiver never gets a part
-/// of a packet followed by another packet.
+/// Sends packets over a line that may be slower than the rate of packets. Because only the newest command is useful,
+/// the driver gets a packet only when it has sent all earlier bytes. Until then one packet waits here, and a newer one
+/// replaces it, so no queue builds up. A packet that the driver has accepted in part is completed first: the receiver
+/// never gets a part of a packet followed by another packet.
 class PacketSlot {
  public:
   /// Accepts the packet unless the line fails. kBusy: the packet was accepted and replaced an older one.
@@ -38,15 +38,14 @@ class PacketSlot {
   /// Drops waiting bytes.
   void clear();
 
-  /// Number of bytes that the driver has not accepted yet.
+  /// Returns the number of bytes that the driver has not accepted yet.
   [[nodiscard]] std::size_t bytes() const { return unsent_end_ - unsent_begin_ + waiting_.size(); }
-  /// Number of packets that the driver accepted in several parts.
+  /// Returns the number of packets that the driver accepted in several parts.
   [[nodiscard]] std::uint64_t split_packets() const { return split_packets_; }
 
  private:
-  Packet waiting_;  // waits for the line
-  std::array<std::byte, kMaxPacketBytes>
-      partly_sent_{};  // end of a packet of which the driver has accepted the beginning
+  Packet waiting_;                                        // packet that waits for the line
+  std::array<std::byte, kMaxPacketBytes> partly_sent_{};  // rest of a packet whose beginning the driver has accepted
   std::size_t unsent_begin_ = 0, unsent_end_ = 0;
   std::uint64_t split_packets_ = 0;
 };

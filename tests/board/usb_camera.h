@@ -43,7 +43,7 @@ class UsbCamera final : public UsbDevice {
   Bytes configuration_;
   std::vector<Control> controls_;
   uvc_streaming_control probed_{}, committed_{};
-  std::uint8_t error_ = 0;  // error code of the last refused request
+  std::uint8_t error_ = 0;  // error code of the last rejected request
   std::uint8_t frame_ = 0;  // number of the frame; the packets contain its lowest bit
 };
 

@@ -4,12 +4,13 @@
 #include <string>
 #include <vector>
 
-// Undefined symbols of the objects of a static library: the core must not allocate memory and must not throw.
+// Checks the undefined symbols in the objects of a static library: the core must not allocate memory and must not
+// throw.
 namespace touchline::checks {
 
 struct SymbolFindings {
-  std::size_t objects = 0, undefined = 0;  // examined
-  std::vector<std::string> refused;        // "region.cpp.o: operator new(unsigned long)"
+  std::size_t objects = 0, undefined = 0;  // numbers of examined objects and symbols
+  std::vector<std::string> refused;        // such as "region.cpp.o: operator new(unsigned long)"
 };
 
 /// Runs `nm` on the archive. Returns zero objects if it cannot be read.

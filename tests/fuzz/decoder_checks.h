@@ -7,20 +7,20 @@
 
 #include "hal/result.h"
 
-// What must hold for any bytes that a decoder gets. The fuzz targets and a test with fixed random numbers use it.
+// Requirements that a decoder must meet for any bytes. The fuzz targets and a test with fixed random numbers use it.
 namespace touchline::fuzz {
 
 struct DecoderCheck {
   const char* name;
   /// Decodes the bytes. Aborts with a message if the result breaks a promise of the decoder.
   void (*check)(std::span<const std::byte> bytes);
-  /// Valid inputs to start from.
+  /// Returns valid inputs to start from.
   std::vector<std::string> (*seeds)();
-  /// Number of damaged inputs in the short test: those that take longer get fewer.
+  /// Number of damaged inputs in the short test; decoders that take longer get fewer.
   int inputs = 20000;
 };
 
-/// All checks. tests/fuzz/CMakeLists.txt names them in the same order.
+/// Returns all checks. tests/fuzz/CMakeLists.txt names them in the same order.
 std::span<const DecoderCheck> decoder_checks();
 
 /// Aborts with a message that names the promise.
@@ -32,7 +32,7 @@ void require_result(const Result<T>& result) {
   if (!result.ok()) require_error(result.error());
 }
 
-// Of tests/fuzz/file_checks.cpp and tests/fuzz/stream_checks.cpp.
+// Checks in tests/fuzz/file_checks.cpp and tests/fuzz/stream_checks.cpp.
 void check_board_file(std::span<const std::byte> bytes);
 void check_venue_file(std::span<const std::byte> bytes);
 void check_team_file(std::span<const std::byte> bytes);

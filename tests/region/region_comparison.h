@@ -22,7 +22,7 @@ struct ExpectedRegion {
 std::vector<ExpectedRegion> expected_regions(const ColorGrid& grid, std::uint32_t min_area_px = 1,
                                              std::uint32_t min_height_px = 1);
 
-/// Returns the first difference as a sentence, or an empty text. Also checks the runs: raster order, maximal length,
+/// Returns the first difference as a sentence, or an empty text. It also checks the runs: raster order, maximal length,
 /// each run in exactly one chain, chains in raster order.
 std::string difference(const std::vector<ExpectedRegion>& expected, const Runs& runs, const Regions& regions);
 

@@ -207,7 +207,8 @@ TEST(Summary, ContainsAllCounts) {
           "reopened  camera, 2 times\n");
 }
 
-// Noise damages some reports on every link, in the arena too. Their numbers are missing in the reports that follow.
+// Noise damages some reports on every link, in the arena too. The following reports show that their numbers are
+// missing.
 TEST(Summary, DamagedReportsAreNoForeignBytes) {
   LoopStatistics statistics;
   statistics.robots.robots.push_back({{0, 5, 7.92f, 98}, statistics.end, 58, 2, false});

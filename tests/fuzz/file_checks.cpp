@@ -1,4 +1,4 @@
-// The three files of a board, whatever they contain.
+// Checks of the three files of a board, whatever they contain.
 #include <memory>
 
 #include "firmware/config/configuration.h"

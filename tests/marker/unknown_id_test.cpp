@@ -1,4 +1,4 @@
-// Robots whose pixels do not decide their id: they stay without one, and confidence says how sure the others are.
+// Robots whose pixels do not decide their id: they get none, and the confidence tells how likely the others are robots.
 #include <gtest/gtest.h>
 
 #include "tests/marker/ids_from_pixels.h"
@@ -43,8 +43,8 @@ TEST_F(IdsFromPixels, IsNeverWrongIfThePatchIsCovered) {
   }
 }
 
-// Things of a team's color and of an identification color on the floor, of which the boxes see a part and a whole
-// patch. Beside them is floor, not the top of a robot.
+// Objects of a team's color and of an identification color lie on the floor; boxes contain a part of the first and a
+// whole patch of the second. Beside them is floor, not the top of a robot.
 TEST_F(IdsFromPixels, WithoutAHeadingNeedTheShapeOfARobot) {
   use(paper_teams());
   const MarkerLayout& layout = parameters.teams[0].layout;
@@ -68,7 +68,7 @@ TEST_F(IdsFromPixels, WithoutAHeadingNeedTheShapeOfARobot) {
   }
 }
 
-// Of a sheet of the team's color, an overload left as much as a team patch. The pixels show the whole sheet.
+// An overload left as much of a sheet of the team's color as a team patch has. The pixels show the whole sheet.
 TEST_F(IdsFromPixels, NeedOutlinesIfAnOverloadCutThePatches) {
   use(paper_teams());
   for (const bool is_sheet : {false, true}) {
@@ -140,7 +140,7 @@ TEST_F(IdsFromPixels, TheOthersOfTheTeamDecideADoubtfulId) {
   teams.teams[0].robots[0].colors[0] = kRed;
   teams.teams[0].robots[1].colors[0] = kLime;
   use(teams);
-  // Halfway between red and lime, a robot alone may be either of the two.
+  // A color halfway between red and lime alone fits either of the two robots.
   paint_without_regions(kMiddle);
   shown->paint_patch(kMiddle, 1, kGrey);
   for (std::size_t c = 0; c < 3; ++c) covered[c] = 0.5 * (painted_rgb(kRed)[c] + painted_rgb(kLime)[c]);

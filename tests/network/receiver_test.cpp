@@ -205,7 +205,7 @@ class Input : public ::testing::Test {
     input_.serve(now_, print_);
   }
 
-  // Receives all that waits.
+  // Receives all messages that wait.
   std::vector<AcceptedMessage> receive() {
     std::vector<AcceptedMessage> accepted;
     std::optional<AcceptedMessage> message;
@@ -271,7 +271,7 @@ TEST_F(Input, AFloodOfDifferentMessagesPrintsFewLines) {
 }
 
 // 100 messages of refused senders in each millisecond, and a socket that holds as many as one of the usual size. The
-// receiver's thread wakes up with the first ones, and later gets the processor every 20 ms only.
+// receiver's thread wakes up with the first ones, and later gets the processor only every 20 ms.
 TEST_F(Input, NoStopIsLostInAFloodOfRefusedMessages) {
   line_.capacity = 270;
   std::size_t halts = 0, sent = 0;
@@ -290,7 +290,7 @@ TEST_F(Input, NoStopIsLostInAFloodOfRefusedMessages) {
   EXPECT_EQ(sent, 93U);
   EXPECT_EQ(halts, 93U);
   EXPECT_EQ(input_.counts().accepted, 93U);
-  // All are counted as soon as the flood is over, and the refused ones reach us again.
+  // When the flood is over, all messages are counted, and rejected ones reach the receiver again.
   for (int i = 0; i < 30; ++i) {
     now_ += 100ms;
     receive();

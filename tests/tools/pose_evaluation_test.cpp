@@ -130,7 +130,7 @@ TEST(PoseEvaluation, MissesAndGhosts) {
   expect_counts(evaluate({truth_frame(0)}, result).sightings, 4, 0, 0, 1, 0);
   result[0].sightings.robots.push_back(robot("blue", 0, -0.7, 0.1));
   expect_counts(evaluate({truth_frame(0)}, result).sightings, 4, 0, 0, 1, 1);
-  // Two reports of one robot: the closer one counts, the other is a ghost.
+  // If there are two reports of one robot, the closer one counts, and the other is a false positive.
   result[0] = truth_frame(0);
   result[0].sightings.robots.push_back(robot("blue", 1, 0.205, 0.0));
   const PoseReport twice = evaluate({truth_frame(0)}, result);

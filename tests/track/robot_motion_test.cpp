@@ -29,7 +29,7 @@ void drive(RobotMotion& motion, SimulatedRobot& robot, const Twist& command, int
   }
 }
 
-// Where the motion predicts the robot after three frames, along x from its present place.
+// Returns the predicted position after three frames, along x from the present position.
 double ahead(RobotMotion motion, const Twist& command) {
   const double now = static_cast<double>(motion.pose().position.x_m);
   for (int k = 0; k < 3; ++k) motion.predict_state(kFrame, {true, command}, {});
@@ -139,8 +139,8 @@ TEST(Tracker, VelocitiesOfRestlessOpponentsAreNotWorseThanDifferences) {
                                                    {.rate_hz = 60.0},
                                                    {.speed_mps_rts = 0.1, .turn_radps_rts = 1.0},
                                                    {.rate_hz = 100.0, .speed_mps_rts = 0.8, .turn_radps_rts = 8.0}}};
-  // With known noise and densities, it would be 0.93 without the sightings' noise. A filter that has to find them from
-  // a few innovations loses some of that.
+  // With known noise and densities, the ratio would be 0.93 of that without the sightings' noise. A filter that has to
+  // find them from a few innovations loses some of that.
   double mean = 0.0;
   for (std::size_t i = 0; i < opponents.size(); ++i) {
     const std::array<double, 2> ratio = track_by_difference(opponents[i]);

@@ -131,8 +131,8 @@ constexpr std::size_t plane_bytes(PixelFormat format, std::size_t plane, std::si
   return row == 0 ? 0 : (plane_rows(format, plane, height_px) - 1) * stride_bytes + row;
 }
 
-/// Returns the stride of a plane if the driver reports only that of the first plane: strides have the same ratio as the
-/// bytes of the rows (V4L2, struct v4l2_pix_format).
+/// Returns the stride of a plane, computed from the stride of the first plane, for drivers that report only the first
+/// one. Strides have the same ratio as the bytes of a row in the two planes (V4L2, struct v4l2_pix_format).
 constexpr std::uint32_t plane_stride(PixelFormat format, std::size_t plane, std::uint32_t first_stride_bytes) {
   if (plane == 0) return first_stride_bytes;
   const ChannelLayout& chroma = info_of(format).channel[plane];

@@ -252,7 +252,7 @@ struct BallTrack {
   FieldPoint position, velocity;  // at capture time
   FieldPoint position_at_action, velocity_at_action;
   float sigma_m = 0.0f;
-  float innovation2 = -1.0f;  // as for robots, with 2 degrees of freedom
+  float innovation2 = -1.0f;  // squared innovation as in RobotTrack, with 2 degrees of freedom
   Instant last_seen{};
   float confidence = 0.0f;  // see Confidence
 };

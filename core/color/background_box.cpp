@@ -147,7 +147,7 @@ static std::uint32_t first_value(std::uint32_t end, Condition holds) {
 }
 
 ValueRange before_correction(ValueRange corrected_range, std::uint8_t level, std::uint8_t black) {
-  // Both conditions are monotonic in the value.
+  // Both conditions below are monotonic in the value, as first_value() requires.
   const auto reaches_low = [&](std::uint32_t value) {
     return corrected(static_cast<std::uint8_t>(value), level, black) >= corrected_range.low;
   };

@@ -77,7 +77,7 @@ class BackgroundRanges {
   /// levels of `pale` are undefined. Returns false if there are no such values, or if the format is RGB.
   [[nodiscard]] bool find_pale(std::span<const TileParameters> tiles, TileParameters& pale) const;
   [[nodiscard]] bool exist() const { return exist_; }
-  /// Returns whether all ranges begin at 0. In RGB, they do if the typical background is unknown or dark.
+  /// Returns whether all ranges begin at 0. In RGB, all ranges begin at 0 if the typical background is unknown or dark.
   [[nodiscard]] bool begin_at_zero() const { return begin_at_zero_; }
 
  private:

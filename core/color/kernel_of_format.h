@@ -26,9 +26,9 @@ OccupiedWords classify_any_span(const SpanTables& tables, const RowPixels& row, 
   return begin < end ? occupied | kKernel(tables, row, begin, end, colors) : occupied;
 }
 
-/// Decides whether a further rejection test saves time. `left` has one bit for each candidate among `count` blocks. It
-/// does not if there are few candidates, which are classified faster than tested, or if most blocks are candidates,
-/// because most of these contain colors.
+/// Decides whether a further rejection test saves time. `left` has one bit for each candidate among `count` blocks. A
+/// further test saves no time if there are few candidates, because these are classified faster than tested, or if most
+/// blocks are candidates, because most of these contain colors.
 [[gnu::always_inline]] inline bool is_second_pass_worthwhile(std::uint64_t left, std::uint32_t count) {
   const auto number = static_cast<std::uint32_t>(std::popcount(left));
   return count < 8 * number && 2 * number <= count;

@@ -24,7 +24,8 @@ namespace touchline {
 class FieldLight {
  public:
   /// Starts without a change. A reference without columns turns the measurement off. kOutOfRange: an empty or too large
-  /// picture. kInconsistent: the reference was made for another picture size. Both errors turn it off, too.
+  /// picture. kInconsistent: the reference was made for another picture size. Either error also turns the measurement
+  /// off.
   Status configure(const LightReference& reference, PixelFormat format, std::uint16_t width_px,
                    std::uint16_t height_px);
   /// Forgets the change.

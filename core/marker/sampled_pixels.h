@@ -53,7 +53,8 @@ class SampledPixels {
   }
 
  private:
-  // A group may begin at any column, or be every second one up to the last.
+  // A group of consecutive columns may begin at any column of the square, and then ends beyond it; a group of every
+  // second column ends at the last column of the square at the latest.
   static constexpr std::size_t kColumns = kSampleSide + kGroupSize - 1;
 
   PixelRows<kColumns> rows_;

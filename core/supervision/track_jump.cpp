@@ -17,8 +17,8 @@ constexpr double kNear_m = 0.15;
 constexpr double kSpeed_mps = 1.5;
 // Speed at which the ball may have left its track since it was last seen, after a collision.
 constexpr double kBallSpeed_mps = 8.0;
-// Smallest number of tracks that must have jumped. An exchange of two robots' ids looks like a jump of two, so three
-// are required, or two robots and the ball.
+// Smallest number of tracks that must have jumped. If two robots exchange their ids, two tracks jump without a fault;
+// three jumps are therefore required, or those of two robots and the ball.
 constexpr int kMinTracks = 3;
 
 double distance_m(FieldPoint a, FieldPoint b) {

@@ -37,8 +37,8 @@ LifeCycle::Limits limits_of(const TrackParameters& p) {
   return {p.confirm_sightings, p.forget_new_after_s, p.lost_after_s};
 }
 
-// Weight of the newest squared innovation per degree of freedom in the running mean, and the mean above which the
-// prediction counts less (1 in 1000 means is larger).
+// Weight of the newest squared innovation (per degree of freedom) in a running mean. If this mean exceeds kSurprise,
+// the prediction gets less weight; with correct predictions, 1 in 1000 means is larger.
 constexpr double kNewestSurprise = 0.4, kSurprise = 3.0;
 
 // Lower limits of the process noise's factor (activity.h), for a standing robot and for one that drives at 1 m/s. With

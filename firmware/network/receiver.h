@@ -24,7 +24,7 @@ namespace touchline::network {
 struct InputCounts {
   std::atomic<std::uint64_t> accepted{0};
   std::atomic<std::uint64_t> refused{0};  // messages from computers that are not on the list
-  // Messages that are not of the protocol, too long, or have impossible values.
+  // Messages that violate the protocol, are too long, or contain impossible values.
   std::atomic<std::uint64_t> malformed{0};
   std::atomic<std::uint64_t> over_rate{0};  // messages beyond the rate limit
   // Messages of a referee that are older than another one, or a start of another sender.

@@ -246,7 +246,8 @@ TEST_P(SpanKernelTest, AgreesWithThePortableKernelOnEverySpanOfAShortRow) {
   }
 }
 
-// Widths around those at which a kernel's tests of several tiles, and its passes over a row, end.
+// A kernel tests several tiles at once, and makes several passes over a row. The widths of this test lie around the
+// columns at which such a test or pass ends.
 TEST_P(SpanKernelTest, AgreesWithThePortableKernelOnSpansOfWholeTests) {
   ASSERT_NO_FATAL_FAILURE(choose_colors(13));
   OwnedPicture picture(format(), kMaxFrameWidth, 1, 0);

@@ -33,7 +33,8 @@ TEST(PaperModel, FollowsTheEquationsOverTheWholePicture) {
 }
 
 TEST(PaperModel, BothFormsOfEquation12AreEqual) {
-  // H / 2 (1 - e^(-2r/H)) / e^(-r/H) = H sinh(r / H), with a camera whose floor is the rectified picture.
+  // The equation is H / 2 (1 - e^(-2r/H)) / e^(-r/H) = H sinh(r / H). The camera is chosen so that its floor coincides
+  // with the rectified picture.
   CameraParameters parameters;
   parameters.kind = CameraModelKind::kPaper;
   parameters.paper.focal_px = 400;

@@ -114,7 +114,8 @@ INSTANTIATE_TEST_SUITE_P(, FalsePicture,
                                            Attack{"Dark", FaultKind::kDark, kHaltField, 5}),
                          [](const auto& param_info) { return std::string(param_info.param.name); });
 
-// A reason that can be checked while robots stand ends by itself, and tracks begin anew.
+// Some reasons for stopped robots can be checked while robots stand: such a stop ends as soon as the reason has ended,
+// and tracks begin anew.
 TEST(FalsePictureEnds, RobotsGoOnWithANewPicture) {
   for (const FaultKind kind : {FaultKind::kPictureFrozen, FaultKind::kPictureRandom, FaultKind::kDark}) {
     WatchedGame game(1, {{kind, 2.0, 1.0}});

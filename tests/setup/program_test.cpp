@@ -88,7 +88,7 @@ TEST_F(ScriptedFirmware, WritesALayoutAndTheBallBeforeTheColors) {
   EXPECT_EQ(std::count(needed.begin(), needed.end(), "our paint"), 1);
   EXPECT_EQ(std::count(needed.begin(), needed.end(), "tennis green"), 1);
   EXPECT_EQ(std::count(needed.begin(), needed.end(), "green"), 0) << "of a robot that does not play any more";
-  // Again under the same name: it is replaced.
+  // A second layout of the same name replaces the first one.
   layout["height_m"] = 0.07;
   expect_ok("robots.set", {{"layout", layout}});
   EXPECT_NEAR(state_["steps"]["robots"]["layouts"][0]["height_m"].get<double>(), 0.07, 1e-6);

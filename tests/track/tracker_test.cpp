@@ -175,7 +175,8 @@ TEST_F(TrackerTest, FollowsACollisionAtOnce) {
     const double error = std::hypot(static_cast<double>(tracks_.robots[0].pose.position.x_m) - thrown.x,
                                     static_cast<double>(tracks_.robots[0].pose.position.y_m) - thrown.y);
     EXPECT_LT(error, 0.006) << k;
-    // Later, the command, which the robot does not follow, biases the velocity.
+    // The velocity is checked only at the beginning: the robot does not follow its command, which biases the velocity
+    // later.
     if (k == 2) {
       EXPECT_NEAR(static_cast<double>(tracks_.robots[0].twist.v_mps), thrown.v, 0.3) << k;
     }

@@ -32,7 +32,7 @@ struct Planes {
   __m256i first, second, third;
 };
 
-// One tile for each half of a register.
+// Two tiles, one for each half of a register.
 struct TwoTiles {
   std::uint32_t u_low, u_high;
   const TileParameters *light_low, *light_high;

@@ -90,7 +90,7 @@ class Doubts {
     }
   }
 
-  // Returns a robot with this color that was recognized but not learned from; nullptr if there is none.
+  // Returns a robot with this color that was recognized, but from which no color was learned; nullptr if there is none.
   [[nodiscard]] const AssignedRobot* in_odd_light(std::size_t c) const {
     const auto& robots = assignment_.in_odd_light;
     const auto found = std::find_if(robots.begin(), robots.end(), [&](const AssignedRobot& one) {

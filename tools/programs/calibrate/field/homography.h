@@ -9,7 +9,8 @@
 namespace touchline::calibrate {
 
 /// Returns the homography from the floor (x, y, 1) to the picture (u, v, 1) relative to the given center, scaled so
-/// that points in front of the camera have a positive third coordinate. Empty if the points do not determine it.
+/// that points in front of the camera have a positive third coordinate. Returns nullopt if the points do not determine
+/// a homography.
 std::optional<Eigen::Matrix3d> floor_to_picture(const std::vector<FloorPoint>& points, double center_u_px,
                                                 double center_v_px);
 

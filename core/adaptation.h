@@ -30,7 +30,7 @@ struct AdaptationParameters {
   double max_shift = 10.0;
   // Not a key of the venue file's section; the matcher uses it, too.
   TypicalColors typical;
-  LightReference reference;  // light.reference; columns 0: none
+  LightReference reference;  // key light.reference; no reference if its number of columns is 0
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {

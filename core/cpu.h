@@ -21,7 +21,7 @@
 // One pass over a row. Not inlined: with merged passes, the compiler has too few registers for the state of all loops.
 #define TOUCHLINE_AVX2_PASS [[gnu::target(TOUCHLINE_AVX2_TARGET), gnu::noinline]] static
 
-// Each expands to its argument on its processor family, else to nothing.
+// Each of these macros expands to its argument on its own processor family, and to nothing on others.
 #define TOUCHLINE_ON_ANY(...) __VA_ARGS__
 #if defined(__x86_64__)
 #define TOUCHLINE_ON_X86(...) __VA_ARGS__

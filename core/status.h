@@ -27,7 +27,7 @@ enum class ErrorCode : std::uint8_t {
 /// Returns a short lower-case English phrase ("device disconnected").
 const char* describe(ErrorCode code) noexcept;
 
-/// Success or an error code. One byte; never throws.
+/// Success or an error code. It occupies one byte, and never throws.
 class [[nodiscard]] Status {
  public:
   constexpr Status() = default;

@@ -9,9 +9,9 @@ namespace {
 
 using Rgb = BallColor::Rgb;
 
-// Largest deviation of the hue: 20 degrees (orange and yellow are 35 degrees apart). Towards the next primary color,
-// the limit reaches 8 degrees beyond the primary, but at most kMaxHueExcess_rad = 25 degrees. For a color without a
-// hue, the relative deviation is limited instead.
+// Largest deviation of the hue: 20 degrees (orange and yellow are 35 degrees apart). From the ball's hue towards the
+// next primary color, hues up to 8 degrees beyond the primary are accepted, but at most kMaxHueExcess_rad = 25 degrees.
+// For a color without a hue, the relative deviation is limited instead.
 constexpr float kHueTolerance_rad = 0.35f, kPastPrimary_rad = 0.14f, kMaxHueExcess_rad = 0.44f, kColorTolerance = 0.36f;
 constexpr float kPixelNoise_levels = 5.0f;
 // A pixel of the ball has at least this share of the ball's saturation, and of the difference between floor and ball.

@@ -20,8 +20,8 @@ constexpr float kMarginOfPairs = 3.0f;
 // Least number of pairs for a color: enough for one region of four patches, the largest that is split.
 constexpr float kMinPairsOfColor = 4.0f;
 
-// Confidence of robots from boxes alone. With a frame, identifier_ replaces the confidence of an id, and
-// confidence_without_id() the others.
+// Confidence of robots from boxes alone. If the pixels of the frame are available, this value is replaced: by
+// identifier_ for robots with an id, by confidence_without_id() for robots without.
 constexpr float kFound = 0.99f;
 
 constexpr std::array<Team, 2> kTeams{Team::kOwn, Team::kOpponent};

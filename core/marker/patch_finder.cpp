@@ -305,8 +305,8 @@ void PatchFinder::find(const PatchKind& kind, const Runs& runs, const Regions& r
   }
 }
 
-// Applies eq. (1) from the largest patch to the smallest: removes those that are too close to a larger one, merged with
-// it if they are its fragments.
+// Applies eq. (1) from the largest patch to the smallest: removes each patch that is too close to a larger one; a
+// fragment of the larger patch is merged with it.
 void PatchFinder::merge_close(const PatchKind& kind, Sightings& verdicts, ColorPatches& out) const {
   const float reach = std::max(kK1 * kind.side_m, kHalvesApart * kind.length_m);
   std::size_t kept = 0;

@@ -14,7 +14,7 @@ class WorkBudget {
  public:
   constexpr WorkBudget(Units units, std::size_t claimants) : left_(units), waiting_(claimants) {}
 
-  /// Takes the shares of the next `claimants` at once. Claimants beyond the announced number get nothing.
+  /// Takes the shares of the next `claimants` claimants together. Claimants beyond the announced number get nothing.
   [[nodiscard]] constexpr Units take(std::size_t claimants = 1) {
     if (claimants == 0 || waiting_ < claimants) return {};
     const Units share = left_ * static_cast<Units>(claimants) / static_cast<Units>(waiting_);

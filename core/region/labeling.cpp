@@ -78,7 +78,7 @@ void Labeling::number_components() {
   }
 }
 
-// Computes the sums of all components. Returns how many have enough pixels and rows.
+// Computes the sums of all components. Returns the number of components that have enough pixels and rows.
 std::size_t Labeling::sum_up(const Runs& runs) {
   std::uint32_t begun = 0;
   for (const Run& run : runs) {

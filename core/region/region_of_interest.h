@@ -9,7 +9,7 @@
 
 namespace touchline {
 
-// Chamfered corners and goal boxes of a real field need 12 points; the others allow for hand-drawn polygons.
+// Chamfered corners and goal boxes of a real field need 12 points; the remaining points allow for hand-drawn polygons.
 constexpr std::size_t kMaxPolygonPoints = 32;
 using Polygon = FixedVector<PixelPoint, kMaxPolygonPoints>;
 

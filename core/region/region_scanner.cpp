@@ -152,8 +152,8 @@ void RegionScanner::classify_between(const Frame& frame, std::uint16_t v) {
   }
 }
 
-// Classifies `words` of row v. Returns the neighboring words into which a color may continue because the pixel at the
-// common border has one.
+// Classifies `words` of row v. Returns the neighboring words in which a color may continue: the pixel at the common
+// border has a color.
 OccupiedWords RegionScanner::classify_words(const Frame& frame, std::uint16_t v, OccupiedWords words) {
   constexpr std::uint32_t kPixels = kPixelsOfWord;
   ColorId* colors = colors_[v % 3u].pixels();

@@ -21,7 +21,7 @@ struct ScanParameters {
   PixelFormat format = PixelFormat::kRgb24;
   std::uint16_t width_px = 0, height_px = 0;
   ColorBoxes boxes;            // in the format's color space
-  LightMap light;              // columns 0: none
+  LightMap light;              // no light map if its number of columns is 0
   Polygon region_of_interest;  // pixel centers inside count; fewer than 3 points: the whole picture
   // Regions with a smaller area or fewer rows are dropped with their runs. If the smallest height is 2 or more, a row
   // between two others is read only beside colors in these two rows.

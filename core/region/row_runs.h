@@ -61,8 +61,8 @@ class RunWriter {
 
  private:
   std::size_t words_ = 0;
-  // endings_[k] has the pixels whose run ends less than 2^(k + 1) pixels to the right. halfway_ has those whose run
-  // ends less than 3 * 2^k pixels to the right.
+  // endings_[k] marks the pixels whose run ends less than 2^(k + 1) pixels to the right. halfway_ marks the pixels
+  // whose run ends less than 3 * 2^k pixels to the right.
   std::array<PixelBits, 6> endings_;
   PixelBits halfway_;
   Columns columns_{}, last_columns_{};

@@ -12,8 +12,8 @@ constexpr float kMinField = 0.125f;
 // Number of consecutive repeated pictures that counts as a fault. A repeated picture is already old when it is noticed,
 // but a single one may be a hiccup of the driver.
 constexpr int kRepeatedFrames = 2;
-// Smallest number of robots that must be commanded to move. A single robot may be held or blocked; two rarely are at
-// the same time.
+// Smallest number of robots that must be commanded to move before an unchanged picture counts as a fault. A single
+// robot may be held or blocked; two rarely are at the same time.
 constexpr int kMinMoving = 2;
 
 // Returns a hash of the sightings, which changes with every motion in the picture.

@@ -73,7 +73,7 @@ class DriveFilter {
   /// Comparison of a sighted pose with a prediction.
   struct Innovation {
     double distance2 = 0.0;  // as distance2()
-    // Share of the innovation's variances that is not the sighting's noise, 0 to 1.
+    // Share of the variance of the innovation that is not noise of the sighting, 0 to 1.
     double predicted_share = 0.0;
     // Innovations of the position along the heading, and of the heading, in standard deviations.
     double along = 0.0, heading = 0.0;

@@ -49,7 +49,7 @@ struct ClientMessage {
   Kind kind = Kind::kPing;
   std::optional<std::int64_t> request;  // number that the answer repeats
 
-  // for kWatch. A rate of 0: none.
+  // for kWatch. A rate of 0 requests no messages of this kind.
   bool watches_setup = false;
   double state_hz = 0.0, picture_hz = 0.0;
   std::uint16_t picture_width_px = 0;  // largest width of the pictures; 0: as wide as the camera's

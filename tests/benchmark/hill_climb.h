@@ -9,8 +9,8 @@
 namespace touchline::testing {
 
 /// Searches for the slowest picture for `seconds` of CPU time: changes a random recipe as long as it gets slower, and
-/// then begins with another one. A `Found` has a `recipe` and its time as `times_a_field`; `evaluate(recipe, calls)`
-/// measures a recipe. Returns the slowest `Found`, and the number of pictures in `pictures`.
+/// then begins with another one. `Found` contains a recipe (`recipe`) and its measured time (`times_a_field`);
+/// `evaluate(recipe, calls)` measures a recipe. Returns the slowest `Found`, and the number of pictures in `pictures`.
 template <class Found, class Start, class Change, class Evaluate>
 Found climb(double seconds, Start start, Change change, Evaluate evaluate, std::size_t& pictures) {
   // After this many pictures without an improvement, the search restarts.

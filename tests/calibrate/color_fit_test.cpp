@@ -243,7 +243,7 @@ TEST(ColorFit, NamesColorsThatCannotBeDistinguished) {
   const Result<ColorFit> fitted = fit_colors(input);
   if (fitted.ok()) {
     const ColorFit& fit = fitted.value();
-    // Both are separated at some level; the report must show that they cannot be distinguished.
+    // The colors are separated at some level; the report must show that they cannot be distinguished.
     const PairMargin& closest = fit.learned.margins.front();
     EXPECT_LT(closest.levels, 0);
     EXPECT_TRUE((fit.names[closest.first] == "green" && fit.names[closest.second] == "mint") ||

@@ -118,7 +118,8 @@ TEST_F(LightSurfaceOf, BorderGivesTintAndGradient) {
   EXPECT_GT(report_.most[1] / report_.least[1], 1.3) << "otherwise there is nothing to correct";
   EXPECT_LT(worst(*paper, border), 0.06);
 
-  // The same camera in yellower, dimmer light: with C kept, the map shows the change.
+  // The same camera in yellower, dimmer light. The normalization C of the first map is kept, so the new map shows the
+  // change of the light.
   input.normal = report_.normal;
   const std::array<double, 3> left = {0.8, 0.7, 0.5};
   hal::Picture& picture = input.pictures[0];

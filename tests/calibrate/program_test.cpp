@@ -289,8 +289,9 @@ TEST_F(Program, AsksBeforeItWritesDetectedColors) {
   EXPECT_NE(read("out").find("calibrate the field first"), std::string::npos) << read("out");
 }
 
-// Somebody clicks on other objects beside the robots. One is violet and called blue: it is learned as blue, and the
-// blue patches then differ from this color. One has the team's color and is then a robot without an id.
+// Somebody clicks on other objects beside the robots. One object is violet and called blue: it is learned as blue, and
+// the blue patches then differ from this color. Another object has the team's color and is therefore a robot without an
+// id.
 TEST_F(Program, LeavesOutAClickThatMakesTheResultWorse) {
   std::vector<PaintedPatch> patches = {{"red", {200, 30, 30}, 80, 60},
                                        {"green", {30, 180, 60}, 93, 73},

@@ -34,7 +34,8 @@ class LossyLink {
 
   /// Call it once. kPermission or kNotFound: this user, container or kernel has no namespaces or TUN devices.
   Result<void> open(const LinkQuality& quality);
-  /// The calling thread, and threads that it starts, use the network of this side from now on; their sockets keep it.
+  /// From this call on, the calling thread, and threads that it starts, create their sockets in the network of the
+  /// board or of the laptop. A socket stays in its network.
   void enter_board() const;
   void enter_laptop() const;
   /// Returns to the network in which open() was called.

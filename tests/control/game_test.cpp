@@ -76,7 +76,7 @@ TEST(Game, GoalsAreScoredFromEveryKickOff) {
   EXPECT_GE(goals, 45);
   EXPECT_LE(goals, 85);
   EXPECT_LE(own_goals, 2);
-  // This is out of 40 minutes of robot time.
+  // The limit is for 40 minutes of robot time.
   EXPECT_LT(contact, 15.0);
 }
 

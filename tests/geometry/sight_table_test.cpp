@@ -73,7 +73,7 @@ TEST(SightTable, AgreesWithTheCameraModel) {
 }
 
 TEST(SightTable, LeavesOutWhatItDoesNotKnowExactly) {
-  // Its horizon is in the picture, where points on the field are infinitely far.
+  // The camera's horizon is in the picture, where points on the field are infinitely far.
   FullCamera camera;
   camera.pinhole = {.yaw_rad = 0, .pitch_rad = 1.2, .roll_rad = 0, .position_m = {0, -2, 1.5}};
   camera.lens.fx_px = camera.lens.fy_px = 500;

@@ -232,8 +232,8 @@ TEST_P(BallFromPixels, OfTwoTheExpectedOneIsReported) {
   expect_ball(look({true, {0.31f, 0.3f}, 0.01f}), {0.3f, 0.3f}, 0.8f, 0.6f);
 }
 
-// The expected ball is duller than the other one, or fell into no box. The other one is taken as soon as the expected
-// one has disappeared.
+// The expected ball is duller than the other one, or fell into no box. The other ball is reported as soon as the
+// expected ball has disappeared.
 TEST_P(BallFromPixels, AnotherOneIsReportedOnlyIfTheExpectedOneHasGone) {
   const FieldPoint at{-0.3f, 0.2f}, other{0.3f, 0.3f};
   const ExpectedBall expected{true, {-0.31f, 0.2f}, 0.01f};

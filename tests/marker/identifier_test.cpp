@@ -55,7 +55,7 @@ TEST_F(IdsFromPixels, FindThePatchBesideASquareThatFellIntoNoBox) {
       for (const Placed& robot : placed) paint_without_regions(robot);
       const Comparison result = compare(placed, look(kLampLight), parameters, 0.05f);
       EXPECT_EQ(result.wrong + result.ghosts + result.missed, 0u) << name_of(f) << ", picture " << n;
-      // Only those with a heading count.
+      // Only robots with a heading count.
       EXPECT_LT(result.heading_rad, 0.1f);
       right += result.right;
       robots += placed.size();
@@ -215,7 +215,7 @@ TEST_F(IdsFromPixels, FindARobotByAPartOfItsTeamPatch) {
 TEST_F(IdsFromPixels, ReportNoRobotWhereASpeckHasTheTeamColor) {
   use(teams_with(bar_layout(), 3));
   paint(kLeft);
-  // One beside a robot, one alone, one as large as a team patch that is half hidden.
+  // One patch beside a robot, one alone, and one as large as a team patch that is half hidden.
   const Placed beside{Team::kOwn, 0, {{-0.3f, 0.16f}, 0.3f}}, alone{Team::kOwn, 0, {{0.2f, -0.2f}, 0.3f}},
       large{Team::kOwn, 0, {{0.4f, 0.3f}, 1.3f}};
   for (PaintedField* field : {boxes.get(), shown.get()}) {

@@ -1,4 +1,5 @@
-// Robots whose pixels do not decide their id: they get none, and the confidence tells how likely the others are robots.
+// Tests robots whose pixels do not decide their id: such a robot gets no id, and its confidence is the probability that
+// it is a robot.
 #include <gtest/gtest.h>
 
 #include "tests/marker/ids_from_pixels.h"
@@ -105,7 +106,7 @@ TEST_F(IdsFromPixels, AreUnknownIfAPatchHasTheColorOfTheTeam) {
   }
 }
 
-// One of its two colors fits a robot of the team.
+// One of the robot's two colors fits a robot of the team.
 TEST_F(IdsFromPixels, AreUnknownForARobotThatIsNotInTheTeamFile) {
   use(teams_with(bar_layout(), 2));  // red and green, green and green
   paint(kLeft);

@@ -195,7 +195,7 @@ class ChangedLight : public AdaptationTest {
     EXPECT_GE(on.right, percent * 20 * kRobots / 100) << what;
     EXPECT_EQ(on.wrong, 0) << what;
     EXPECT_GE(on.right, off.right) << what;
-    // This holds even if the light is not measured, so that the adaptation learns only from robots.
+    // The same is true if the light is not measured from the field: then the adaptation learns only from robots.
     const Score learned = after_step(changed, light, {"light.reference=\"\""});
     EXPECT_GE(learned.right, off.right) << what;
     EXPECT_LE(learned.wrong, off.wrong) << what;

@@ -197,7 +197,7 @@ TEST_F(ThreadsReceiver, ForeignAndMalformedMessagesChangeNothing) {
   EXPECT_EQ(counts().accepted, 1U);
 }
 
-// One input without a thread, in a time of its own.
+// One input without a thread; the test sets its time.
 class Input : public ::testing::Test {
  protected:
   explicit Input(config::InputProtocol protocol = config::InputProtocol::kVsssReferee)
@@ -353,7 +353,7 @@ TEST(SenderLimits, ManySendersShareOneLimitAndDoNotDriveOutTheFirst) {
   EXPECT_EQ(passed, 15U + 10U);
   for (int i = 0; i < 9; ++i) EXPECT_TRUE(limits.pass(first, begin));
   EXPECT_FALSE(limits.pass(first, begin));
-  // Those that are silent for a second are forgotten.
+  // Senders that are silent for a second are forgotten.
   hal::ReceivedMessage late;
   late.port = 60003;
   for (int i = 0; i < 10; ++i) EXPECT_TRUE(limits.pass(late, begin + 2s));

@@ -57,7 +57,7 @@ TEST(MotionEvaluation, TracksOfAGameAreNotWorseThanSightings) {
   EXPECT_LT(row(report, "own robots").acted.rms, 0.0025);
   EXPECT_LT(row(report, "opponents").acted.rms, 0.0015);
   EXPECT_LT(row(report, "own robots").acted_angle.rms, 1.5 * std::numbers::pi / 180.0);
-  // One frame after an impact: 10 mm, 0.3 m/s.
+  // The expected errors one frame after an impact are 10 mm and 0.3 m/s.
   for (const ImpactRow& impact : report.impacts) {
     if (impact.name == "ball" || impact.position.count == 0) continue;
     EXPECT_EQ(impact.lost, 0U) << impact.name;
@@ -209,7 +209,7 @@ TEST(MotionEvaluation, TheBallAtAWall) {
   EXPECT_LT(ball->nees, 2.0);
 }
 
-// After a goal, the ball is placed elsewhere. That is no bounce.
+// After a goal, the ball is placed elsewhere. Such a placement is no bounce.
 TEST(MotionEvaluation, APlacedBallHasNoImpact) {
   const auto game = std::make_unique<RecordedGame>();
   ASSERT_OK(game->load({kMockBoard, "", "", {"arena.opponents=stand"}}, 8));

@@ -74,7 +74,7 @@ TEST(RobotMotion, FollowsARobotThatIsPushedSideways) {
 }
 
 // An opponent with the restless velocities of a game: both are random walks within the frames, too, and sometimes the
-// robot is blocked for a while. Times of blocks do not depend on the frames, or they are those of frames.
+// robot is blocked for a while. A robot is blocked at times that do not depend on the frames, or exactly at frames.
 struct RestlessOpponent {
   double rate_hz = 30.0, speed_mps_rts = 0.4, turn_radps_rts = 4.0, blocks_per_s = 0.7;
   bool blocks_between_frames = true;

@@ -35,7 +35,8 @@ bool stop_thread(pid_t thread, Duration duration) {
   return ptrace(PTRACE_DETACH, thread, nullptr, nullptr) == 0;
 }
 
-// Answers each byte with 0 or an error number: the first byte starts a trial without a delay, the second one the delay.
+// Answers each byte with 0 or an error number: the first byte starts a trial without a delay, every later byte starts
+// the delay.
 [[noreturn]] void run_helper(int socket, pid_t thread, Duration duration) {
   char byte = 0;
   for (Duration length{}; read(socket, &byte, 1) == 1; length = duration) {

@@ -18,7 +18,8 @@ std::string ratio_text(double ratio) {
 struct Column {
   const char* name;
   Duration LatencySummary::*value;
-  std::optional<TimeInterval> LatencySummary::*interval;  // nullptr: a value of a single frame, which has no interval
+  // Nullptr: the value belongs to a single frame and has no interval.
+  std::optional<TimeInterval> LatencySummary::*interval;
 };
 constexpr Column kColumns[] = {{"p50", &LatencySummary::p50, &LatencySummary::p50_interval},
                                {"p99", &LatencySummary::p99, &LatencySummary::p99_interval},

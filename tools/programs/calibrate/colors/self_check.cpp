@@ -234,7 +234,7 @@ bool SelfCheck::ball_explained() const {
 }
 
 bool SelfCheck::most_visible_explained() const {
-  // One in ten may stay unknown, because robots of other games may be in the pictures.
+  // One in ten robots may stay unknown, because robots of other games may be in the pictures.
   constexpr double kMinExplainedShare = 0.9;
   std::size_t visible = 0, explained = 0;
   for (const CheckedPicture& picture : pictures) {
@@ -252,7 +252,7 @@ std::size_t SelfCheck::robots_explained() const {
 }
 
 const OtherLightResult* SelfCheck::fragile_in() const {
-  // One in four may stand at the edge of a lamp's light; if more are lost, the boxes have no tolerance.
+  // One in four robots may stand at the edge of a lamp's light; if more are lost, the boxes have no tolerance.
   constexpr double kMin = 0.75;
   const auto worst = std::min_element(other_light.begin(), other_light.end(),
                                       [](const auto& a, const auto& b) { return a.robots < b.robots; });

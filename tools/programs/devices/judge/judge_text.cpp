@@ -16,8 +16,8 @@ constexpr double kRobot_mps = 1.0;
 constexpr double kGoodStep_m = 0.0201, kUsableStep_m = 0.075;
 // The delivered rate may be lower than requested by this factor.
 constexpr double kSlower = 0.95;
-// A lost frame leaves a gap of two frame periods. One in a hundred is rarely noticed; one in five amounts to a camera
-// of a lower rate.
+// A lost frame leaves a gap of two frame periods. One lost frame in a hundred is rarely noticed; one in five amounts to
+// a camera of a lower rate.
 constexpr double kGoodLost = 0.01, kUsableLost = 0.2;
 // Jitter of the time stamps displaces a robot. 2 mm are below the noise of a robot's position on a field of 2 m at 640
 // px (4 mm per pixel); 20 mm are a whole frame.

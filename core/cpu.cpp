@@ -18,7 +18,7 @@ bool has_feature(std::string_view name) {
                               {"bmi", __builtin_cpu_supports("bmi") != 0},
                               {"popcnt", __builtin_cpu_supports("popcnt") != 0}};
 #elif defined(__aarch64__)
-  const Feature features[] = {{"neon", true}};  // every 64-bit ARM processor has it
+  const Feature features[] = {{"neon", true}};  // every 64-bit ARM processor has NEON
 #else
   const Feature features[] = {{"", true}};
 #endif

@@ -157,13 +157,13 @@ struct PatchSighting {
 /// Reason why a robot of a known team has no id.
 enum class IdDoubt : std::uint8_t {
   kNone,              // the robot has an id, or its team has no known robots
-  kNoIdentification,  // only its team patch is seen
-  kSeveralPoses,      // its patches fit more than one pose
-  kSeveralIds,        // two robots of its team are nearly as likely
-  kUnknownColors,     // no robot of its team has these colors
-  kInaccuratePlaces,  // the positions of its patches do not fit a marker
-  kOtherOutline,      // its team patch seems to be a part of another surface
-  kOverload,          // an overload removed a part of its patches, and pixels do not show their outlines
+  kNoIdentification,  // only the robot's team patch is seen
+  kSeveralPoses,      // the patches fit more than one pose
+  kSeveralIds,        // two robots of the team are nearly as likely
+  kUnknownColors,     // no robot of the team has these colors
+  kInaccuratePlaces,  // the positions of the patches do not fit a marker
+  kOtherOutline,      // the team patch seems to be a part of another surface
+  kOverload,          // an overload removed a part of the patches, and pixels do not show their outlines
 };
 /// Returns a short lower-case English phrase ("two ids are possible"); "" for kNone.
 const char* describe(IdDoubt doubt) noexcept;
@@ -313,7 +313,7 @@ struct RobotTelemetry {
   RobotId id = kUnknownId;
   std::uint8_t sequence = 0;
   float battery_v = 0.0f;                   // 0: not measured
-  std::int8_t link_percent = kLinkUnknown;  // percentage of our packets that it received recently
+  std::int8_t link_percent = kLinkUnknown;  // percentage of our packets that the robot received recently
 };
 
 /// Telemetry state of one robot.
@@ -365,7 +365,7 @@ struct PictureTrace {
 
 /// All results of one frame. Recorder, console, latency report and tests read only this structure.
 struct StepTrace {
-  Frame frame;  // its pixels are invalid after the frame is released
+  Frame frame;  // the frame's pixels are invalid after its release
   Runs runs;
   Regions regions;
   Sightings sightings;

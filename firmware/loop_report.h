@@ -36,7 +36,7 @@ struct SeenRobot {
 struct RobotStatus {
   RobotId id = kUnknownId;
   float battery_v = 0.0f;                   // 0: not measured
-  std::int8_t link_percent = kLinkUnknown;  // percentage of our packets that it received recently
+  std::int8_t link_percent = kLinkUnknown;  // percentage of our packets that the robot received recently
   double age_s = 0.0;
   bool battery_low = false;
 };

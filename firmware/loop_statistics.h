@@ -30,7 +30,7 @@ struct LoopStatistics {
   std::uint64_t overloads = 0;      // frames that exceeded some capacity
   std::uint64_t runs_dropped = 0, regions_dropped = 0;
   std::uint64_t packets = 0;          // packets accepted by the radio
-  std::uint64_t packets_dropped = 0;  // packets of these that a newer one replaced before they were sent
+  std::uint64_t packets_dropped = 0;  // accepted packets that a newer one replaced before they were sent
   std::uint64_t packets_refused = 0;
   std::uint64_t stop_packets = 0;  // accepted packets that stop all robots
   ExternalCounts external;

@@ -18,8 +18,8 @@ namespace {
 
 // Log odds that a patch region has the color of its box: 2 means 7 to 1. A larger value would be wrong, because the
 // pixels of the region also count as evidence. It applies only to surfaces whose spread is below kUneven_levels: the
-// edge of another surface may have pixels of any color. White pixels are in several boxes, and only the first of them
-// is known.
+// edge of another surface may have pixels of any color. White pixels may lie in the boxes of several colors, and only
+// the first of these boxes is known.
 constexpr float kBoxVote = 2.0f, kUneven_levels = 25.0f;
 // Margins are divided by this value before they become a probability, because the errors of a robot's patches are not
 // independent.

@@ -17,10 +17,11 @@ namespace touchline {
 
 /// The robot as the color boxes found it.
 struct BoxSighting {
-  std::uint16_t team_patch = 0;         // index in the list of team patches
-  std::uint16_t hypothesis = kMissing;  // index in the list of hypotheses; kMissing: only its team patch was found
+  std::uint16_t team_patch = 0;  // index in the list of team patches
+  // Index in the list of hypotheses; kMissing: only the robot's team patch was found.
+  std::uint16_t hypothesis = kMissing;
   bool pose_is_sure = false;
-  bool is_tentative = false;  // too small for a robot, unless its colors prove that it is one
+  bool is_tentative = false;  // too small for a robot, unless its colors prove that it is a robot
 };
 using BoxSightings = FixedVector<BoxSighting, kMaxRobots>;
 
@@ -57,24 +58,24 @@ class Identifier {
     float residual_m = 0;
     // For each slot: index in the list of patches, or kMissing.
     std::array<std::uint16_t, kMaxPatches - 1> identification{};
-    float prior = 0;                               // log likelihood of its patches' positions
+    float prior = 0;                               // log likelihood of the positions of the robot's patches
     std::array<float, kMaxRobotsPerTeam> value{};  // by index in TeamMarking::robots
     float best = 0;                                // largest of all values
     // Log likelihood that another robot would lose by this pose.
     float costs = 0;
-    float of_team = 0;  // log likelihood that its patches have the team color
+    float of_team = 0;  // log likelihood that the patches have the team color
     // Log likelihood ratio that its missing patches are floor.
     float floor = 0;
     float search_doubt = 0;            // share of `prior`: logarithm of the number of directions that were searched
     std::uint16_t partner = kMissing;  // team patch that is in fact its saturated identification patch
     bool is_grown = false;             // an identification patch of the right size was grown from pixels
-    bool is_merged = false;  // its identification patch belongs to a larger surface, but has two visible sides
+    bool is_merged = false;  // the identification patch belongs to a larger surface, but has two visible sides
   };
   // Measurement of a team patch from its region or from its pixels.
   struct TeamPatchView {
     PixelPoint center;
     FieldPoint at;       // center on the field
-    float axis_rad = 0;  // direction of its longer side on the field, modulo pi
+    float axis_rad = 0;  // direction of the patch's longer side on the field, modulo pi
     bool has_axis = false;
     float side_rad = 0;  // direction of a square's sides on the field, modulo pi / 2
     bool has_sides = false;
@@ -85,11 +86,11 @@ class Identifier {
     FixedVector<TeamPatchView, 2> views;  // the best view first; never empty
     bool is_complete = true;              // the team patch has the expected area
     bool has_light = false;
-    LocalLight light;  // light on its team patch
+    LocalLight light;  // light on the robot's team patch
     bool has_floor = false;
     SurfaceColor floor;  // color of the floor around the robot
     bool has_evidence = false;
-    float unknown = 0;  // log likelihood that it is none of the team's robots
+    float unknown = 0;  // log likelihood that the robot is none of the team's robots
     FixedVector<PoseEvidence, kMaxPoses> poses;
 
     [[nodiscard]] bool has_axis() const {
@@ -116,7 +117,7 @@ class Identifier {
     SlotLikelihoods likelihood{};
     float of_team = 0;             // log likelihood of the team color
     float floor = 0;               // log likelihood ratio that the surface is floor
-    bool depends_on_pose = false;  // it does not depend only on the region
+    bool depends_on_pose = false;  // the result depends on the pose, not only on the region
   };
   struct ExpectedColors;
   struct Scene;  // input for one team in one frame

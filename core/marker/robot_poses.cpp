@@ -28,8 +28,9 @@ constexpr float kWindowMargin = 1.3f, kBlur_px = 2.0f;
 // Samples of the floor lie on a circle of this radius, relative to the robot's side, around its team patch.
 constexpr std::size_t kSamplesAround = 8;
 constexpr float kAroundRadius = 1.1f;
-// Number of directions that are searched around a team patch. Adjacent ones overlap by most of a patch. kManyDirections
-// is the logarithm of their number: each of them may show a known color by chance.
+// Number of directions that are searched around a team patch. In adjacent directions, the places of an identification
+// patch overlap by most of a patch. kManyDirections is the logarithm of their number: each of them may show a known
+// color by chance.
 constexpr std::size_t kDirections = 16;
 constexpr float kManyDirections = 2.8f;
 // kFourDirections is the logarithm of 4, the number of directions that the sides of a square team patch allow.

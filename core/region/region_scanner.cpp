@@ -15,7 +15,7 @@ constexpr unsigned kRowsAhead = 2;
 // itself, but must detect the pattern again after the end of a span.
 void fetch(const std::uint8_t* bytes, std::size_t begin, std::size_t end) {
   constexpr std::size_t kLine = 64, kLinesAtOnce = 4;  // bytes of a cache line on x86 and ARM
-  asm volatile("");                                    // without it, gcc drops calls of functions that only prefetch
+  asm volatile("");  // without this statement, gcc drops calls of functions that only prefetch
   std::size_t i = begin;
   for (; i + kLinesAtOnce * kLine <= end; i += kLinesAtOnce * kLine) {
     __builtin_prefetch(bytes + i);

@@ -26,8 +26,8 @@ class MotionCheck {
   };
   struct Result {
     Counts counts;
-    bool contradicts = false;  // they move, but not as commanded
-    bool stands = false;       // all of them stand
+    bool contradicts = false;  // the robots move, but not as commanded
+    bool stands = false;       // all robots stand
   };
   /// `twist_of` returns the commanded twist that acts on the robot with this id, RobotId -> Twist.
   template <class TwistOf>

@@ -8,7 +8,7 @@
 namespace touchline {
 
 struct PictureCheckSettings {
-  Duration oldest = std::chrono::milliseconds(200);  // age of a picture above which it must not drive robots
+  Duration oldest = std::chrono::milliseconds(200);  // largest age of a picture with which robots may drive
   int unusable_frames = 5;                           // see Persistence
 };
 

@@ -42,8 +42,9 @@ class RobotSet {
   TrackedRobots robots_;
   std::array<TeamIds, 2> ids_;  // indexed by Team
   Association association_;
-  std::array<bool, kMaxRobots> served_{};  // for each robot: whether it has a sighting in this frame, accepted or not
-  std::array<bool, kMaxRobots> fused_{};   // for each robot: whether its sighting was accepted
+  // For each robot: whether the robot has a sighting in this frame, accepted or not.
+  std::array<bool, kMaxRobots> served_{};
+  std::array<bool, kMaxRobots> fused_{};  // for each robot: whether its sighting was accepted
   std::uint32_t births_ = 0;
   std::uint64_t dropped_ = 0;
 };

@@ -29,7 +29,7 @@ struct RefereeSettings {
 struct RefereeOrder {
   std::uint32_t counter = 0;   // counter of commands
   std::uint64_t stamp_us = 0;  // Unix time at which the message was sent
-  std::uint64_t source = 0;    // hash of the sender's identifier, which it keeps while it runs; 0: it has none
+  std::uint64_t source = 0;    // hash of the identifier that a sender keeps while it runs; 0: the sender has none
 };
 
 struct RefereeMessage {

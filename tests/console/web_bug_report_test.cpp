@@ -149,7 +149,7 @@ TEST_F(WebBugReport, OneIsMadeAtATimeAndAnAbandonedOneBlocksNobody) {
   start();
   ASSERT_TRUE(eventually([&] { return frames > 5; }));
   HttpAnswer second;
-  // A machine that is busy may have made the first one before the second one is asked for.
+  // A busy machine may have made the first report before the second report is requested.
   EXPECT_TRUE(eventually([&] {
     const SocketClient first(port());
     first.send("GET /bug-report HTTP/1.1\r\nHost: 127.0.0.1\r\n\r\n");

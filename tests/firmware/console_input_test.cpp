@@ -270,7 +270,7 @@ TEST_F(ConsoleLoop, AStartOfTheDriverEndsAnEmergencyAsTheButtonDoes) {
 }
 
 TEST_F(ConsoleLoop, AnotherStopOfStandingRobotsIsReportedWithItsNumber) {
-  camera.add({1.0, 9.0, ErrorCode::kTimeout});  // without frames, clients learn of it from reports
+  camera.add({1.0, 9.0, ErrorCode::kTimeout});  // without frames, clients learn of a stop from reports
   start();
   ConsoleInput stopped;
   stopped.stop = true;

@@ -69,13 +69,13 @@ class FakeCamera final : public hal::Camera, public Script {
   /// Draws the robot of fake_camera_parameters() into the following pictures, in the middle, heading right.
   void show_robot();
 
-  Duration age = std::chrono::milliseconds(5);  // age of a frame when wait() returns it
+  Duration age = std::chrono::milliseconds(5);  // age of a frame when wait() returns the frame
   std::uint32_t skip_at = 0, skipped = 0;       // at this sequence number, `skipped` numbers are left out
   std::uint64_t misstamped_frame = 0;  // number (from 1) of a frame that is stamped with a future time; 0: none
-  Duration misstamped_by{};            // how far in the future its stamp is
+  Duration misstamped_by{};            // how far in the future the frame's time stamp is
   std::uint64_t last_frame = ~std::uint64_t{0};  // wait() returns kEndOfStream after this number of frames
   std::uint16_t width = kWidth;                  // width of the frames
-  std::vector<double> opened_s;                  // times of all attempts to open it
+  std::vector<double> opened_s;                  // times of all attempts to open the device
   double starts_from_s = 0.0;                    // start() fails until this time
   double fits_from_s = 0.0;                      // the requested format is not offered until this time
   bool leased = false, running = false, is_open = false;

@@ -16,7 +16,7 @@ TEST_F(IdsFromPixels, IsUnknownIfTheRatioFitsTwoRobots) {
   const Sightings& seen = look(kLampLight);
   ASSERT_EQ(seen.robots.size(), 1u);
   EXPECT_EQ(seen.robots[0].id, kUnknownId);
-  EXPECT_TRUE(seen.robots[0].has_heading);  // whichever of both it is
+  EXPECT_TRUE(seen.robots[0].has_heading);  // the heading is the same for both possible robots
 }
 
 TEST_F(IdsFromPixels, IsNeverWrongIfThePatchIsCovered) {
@@ -89,7 +89,8 @@ TEST_F(IdsFromPixels, NeedOutlinesIfAnOverloadCutThePatches) {
   EXPECT_EQ(boxes->match().robots[0].id, kUnknownId);
 }
 
-// Stripes of a shoe: the pixels of the second one are as near to an identification color as the team's color is.
+// Two stripes of a shoe look like a robot: the first has the team's color, and the pixels of the second are as near to
+// an identification color as to the team's color.
 TEST_F(IdsFromPixels, AreUnknownIfAPatchHasTheColorOfTheTeam) {
   use(teams_with(paper_teams().teams[0].layout, 3));
   const ColorId color = parameters.teams[0].robots[0].colors[0];

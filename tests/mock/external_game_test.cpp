@@ -75,7 +75,7 @@ class ExternalGame : public ::testing::Test {
 };
 
 TEST_F(ExternalGame, WhenAStrategyEndsItsRobotStopsAndTheOthersPlayOn) {
-  begin({"arena.opponents=stand"});  // they would push it
+  begin({"arena.opponents=stand"});  // playing opponents would push the stopped robot
   run(30);
   for (int i = 0; i < 60; ++i) {
     ExternalCommand command;

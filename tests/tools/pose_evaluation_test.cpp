@@ -73,7 +73,7 @@ TEST(PoseEvaluation, ReliabilityCountsWhatIsRightForEachConfidence) {
   robots[1].confidence = 0.92;
   robots[2].id.reset();  // a robot of this team
   robots[2].confidence = 0.9;
-  robots[3].theta_rad.reset();  // only its team patch, beside its center
+  robots[3].theta_rad.reset();  // only the robot's team patch was seen, beside the robot's center
   robots[3].id.reset();
   robots[3].position_m.x += 0.03;
   robots[3].confidence = 0.9;

@@ -43,7 +43,7 @@ struct RareFrames {
   std::string span;
   std::string refusal;      // reason why there is no estimate; empty: there is one
   std::uint64_t peaks = 0;  // number of the largest times that the estimate uses; 0: too few frames
-  Duration threshold{};     // these times are above it
+  Duration threshold{};     // the times of the peaks are above this value
   double shape = 0.0;       // shape parameter of the tail
   double independence = 0.0, stationarity = 0.0, fit = 0.0;  // p-values of the tests
   std::vector<RareTime> times;

@@ -24,8 +24,8 @@ std::vector<std::string> in_order(const SetupFiles& draft, std::vector<std::stri
   return names;
 }
 
-// Writes new contents under temporary names. The destructor removes those that were not renamed, unless a journal names
-// them.
+// Writes new contents under temporary names. The destructor removes the temporary files that were not renamed, unless a
+// journal names them.
 class PreparedFiles {
  public:
   PreparedFiles() = default;

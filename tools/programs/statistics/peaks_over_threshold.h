@@ -13,7 +13,7 @@ namespace touchline::statistics {
 /// p-values: probabilities that data which fulfill a requirement deviate from it at least as much as these data.
 struct TailTests {
   double independence = 0.0;  // the largest values are neither clustered nor spread evenly, nor alike if neighbors
-  double stationarity = 0.0;  // they become neither more frequent nor larger
+  double stationarity = 0.0;  // the largest values become neither more frequent nor larger with time
   double fit = 0.0;           // their excesses have a generalized Pareto distribution
 };
 

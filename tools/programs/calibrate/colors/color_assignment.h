@@ -38,9 +38,9 @@ struct AssignedColor {
   Rgb rgb{};                 // median of the patches
   double dissimilarity = 0;  // dissimilarity() to the expected color, corrected for exposure and white balance
   double margin = 0;         // cost difference to the best other assignment of this color, nats
-  std::string alternative;   // color of its patches in that other assignment, or ""
-  bool alone = false;        // it has no patch elsewhere in the other assignment
-  bool same = false;         // in the other assignment it has all of its patches and robots, and more
+  std::string alternative;   // color of the patches in the alternative assignment, or ""
+  bool alone = false;        // the color has no patch elsewhere in the other assignment
+  bool same = false;         // in the other assignment the color has all of its present patches and robots, and more
   [[nodiscard]] double confidence() const;
 };
 
@@ -54,7 +54,7 @@ struct AssignedRobot {
 struct Assignment {
   std::vector<AssignedColor> colors;  // in the order of the input
   std::size_t robots = 0;             // markers recognized as robots of the team file
-  std::vector<AssignedRobot> named;   // those of these robots that the team file lists
+  std::vector<AssignedRobot> named;   // recognized robots that the team file lists
   // Robots whose colors are known but belong to no robot in the team file: AssignedRobot::robot is kNone.
   std::vector<AssignedRobot> unlisted;
   // Robots that are unrecognized only because of unusual light on them and a color that no other robot shows; `patches`

@@ -58,8 +58,9 @@ struct LayoutFit {
 /// shows no heading: `turn` is 1.
 LayoutFit fit_layout(const MarkerLayout& layout, const std::vector<std::complex<double>>& places);
 
-/// Samples place number `place` of the layout, centered at `at`, of a robot whose heading is the angle of `turn`. Empty
-/// if it lies outside the picture or the region of interest, or has too few pixels.
+/// Samples the pixels of the layout's patch with the index `place`. `at`: center of this patch on the field; `turn`:
+/// the robot's heading as the angle of a complex number. Returns nullopt if the patch lies outside the picture or the
+/// region of interest, or has too few pixels.
 std::optional<PlaceSample> sample_place(const LayoutView& view, std::size_t place, std::complex<double> at,
                                         std::complex<double> turn);
 

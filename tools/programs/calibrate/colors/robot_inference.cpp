@@ -24,7 +24,7 @@ struct Standing {
   double cost = 0, margin = 0;
   RobotLight light{};
   std::size_t only_here = kNone;  // color that no other robot shows
-  bool in_odd_light = false;      // it is in odd light and has a color that no other robot shows
+  bool in_odd_light = false;      // the robot is in odd light and has a color that no other robot shows
   bool can_undo = false;          // in_odd_light, and the light is known well enough to learn this color
 };
 

@@ -18,7 +18,7 @@ struct ExposureStep {
   int exposure_us = 0;
   double brightness = 0.0;  // median brightness, 0 to 255
   double rate_hz = 0.0;
-  std::string differs;  // what the driver did instead of setting the time; "": it did set it
+  std::string differs;  // what the driver did instead of setting the time; "": the time was set
 };
 
 /// Time from the exposure of the first row to that of the last row.
@@ -33,7 +33,7 @@ struct JudgeReport {
   TimingReport timing;
   StillReport still;
   std::vector<ExposureStep> exposures;  // shortest first; empty: the exposure cannot be changed while streaming
-  std::string exposure_refusal;         // why the exposure cannot be changed; "": it can
+  std::string exposure_refusal;         // why the exposure cannot be changed; "": it can be changed
   ShutterReport shutter;
   bool motion_wanted = true;
 };

@@ -170,7 +170,7 @@ class StopRules {
   [[nodiscard]] std::uint32_t held_number() const { return held_number_; }
   /// Returns whether a start is needed.
   [[nodiscard]] bool is_held() const { return held_ != kHaltNone; }
-  /// Returns the stops that the next session takes over. They include an emergency that is not over.
+  /// Returns the stops that the next session takes over. An emergency stop that has not ended is one of them.
   [[nodiscard]] HeldStops held() const;
 
  private:

@@ -53,7 +53,7 @@ bool overlap(const ColorBox& box, std::size_t channel, ValueRange range) {
   return box.low[channel] <= range.high && box.high[channel] >= range.low;
 }
 
-// Finds the widest range around the anchor that overlaps no box. The weight is 0 if there is none.
+// Finds the widest range around the anchor that overlaps no box. The weight is 0 if there is no such range.
 Candidate widest(const ColorBoxes& boxes, const Expectation& expected, std::size_t channel) {
   const std::uint8_t anchor = expected.anchor;
   ValueRange range = {0, 255};

@@ -21,11 +21,11 @@ static_assert(kClassGroups % 2 == 0);
 /// an interval. The class contains a value if its bit is set in
 ///   within[high] & (above_first[high] | from_first[low]) & (below_last[high] | to_last[low]).
 struct alignas(32) ChannelNibbles {
-  GroupLookups within{};       // high nibble within the high nibbles of the interval's ends
-  GroupLookups above_first{};  // high nibble above the first value's
-  GroupLookups from_first{};   // low nibble not below the first value's
-  GroupLookups below_last{};   // high nibble below the last value's
-  GroupLookups to_last{};      // low nibble not above the last value's
+  GroupLookups within{};       // the value's high nibble is between the high nibbles of the interval's ends
+  GroupLookups above_first{};  // the value's high nibble is above that of the first value
+  GroupLookups from_first{};   // the value's low nibble is not below that of the first value
+  GroupLookups below_last{};   // the value's high nibble is below that of the last value
+  GroupLookups to_last{};      // the value's low nibble is not above that of the last value
 };
 
 /// Tables for the color of the lowest of eight class bits, by the two nibbles of these bits: it is the entry in `low`,

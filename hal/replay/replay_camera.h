@@ -17,8 +17,9 @@ struct ReplayParameters {
   bool skip_damaged = false;                 // open() and wait() skip pictures that cannot be decoded
 };
 
-/// Returns the format in which files are replayed if colors are defined in this space. The YUV formats keep the samples
-/// exactly for 4:2:2 files of their range, and for 4:2:0 files by repeating rows of chroma.
+/// Returns the format in which files are replayed if colors are defined in this space. For YUV, a format is chosen that
+/// keeps the samples of files exactly: those of 4:2:2 files of the same range unchanged, those of 4:2:0 files with rows
+/// of chroma repeated.
 constexpr PixelFormat replay_format(ColorSpace space) {
   switch (space) {
     case ColorSpace::kYuv:

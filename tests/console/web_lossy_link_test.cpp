@@ -110,8 +110,8 @@ TEST_F(WebLossyLink, ThePictureShrinksAndStopsArriveInTime) {
     EXPECT_TRUE(line->read_type("answer") && eventually([&] { return reader.answers() > answers; }));
   }
   std::sort(times_s.begin(), times_s.end());
-  // Over the page's connection alone the median is 0.27 s and every fifth stop is late. Over both, of 100 stops one is
-  // late, when both packets are lost.
+  // Over the page's connection alone the median is 0.27 s and every fifth stop is late. Over both connections one stop
+  // of 100 is late, because both of its packets are lost.
   EXPECT_GT(times_s.front(), 0.1) << "the link's delay";
   EXPECT_LT(times_s[kStops / 2], 0.2);
   EXPECT_LT(times_s[kStops - 3], 0.5) << "latest " << times_s.back();

@@ -219,7 +219,7 @@ TEST(MotionEvaluation, APlacedBallHasNoImpact) {
   }
   ASSERT_OK(game->skip(0.5));
   for (int time = 0; time < 12; ++time) {
-    // Bounces off the long wall, and is placed on the other side 0 to 6 frames later.
+    // The ball bounces off the long wall, and is placed on the other side 0 to 6 frames later.
     const double side = time % 2 == 0 ? 1.0 : -1.0;
     game->world().place_ball({0.0, 0.3 * side, 0.0}, {0.0, 1.2 * side});
     ASSERT_OK(game->play(0.54 + 0.008 * time));

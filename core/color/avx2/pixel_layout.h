@@ -47,9 +47,9 @@ TOUCHLINE_AVX2_INLINE __m256i background_bytes_of(const TwoTiles& tiles) {
 }
 
 // Each layout below has these functions:
-// - candidates: returns zero only if all pixels are in the background box. It takes a block with the level of
-//   background(), or two tiles that begin at any columns, either both with the level of background_of_tiles() or each
-//   with a level of its own; each half of the result belongs to one tile.
+// - candidates: returns zero only if all pixels are in the background box. Its argument is either a block, which has
+//   the level of background(), or two tiles that begin at any columns. The two tiles either both have the level of
+//   background_of_tiles(), or each has its own level; each half of the result belongs to one tile.
 // - planes: returns the three channels of a block or of two tiles, with chroma repeated for both pixels of a pair.
 // - tile_planes: returns the three channels of one tile, in both halves.
 // With shared chroma, tiles begin at even columns.

@@ -73,7 +73,7 @@ std::size_t StressPatternCamera::value_at(std::size_t pattern, std::size_t u, st
       // Blocks of two rows, which are too large to be removed as specks.
       return column % 3 < 2 && row % 3 < 2 ? 1 + (column / 3 + row / 3) % colors : 0;
     case 6:
-      // Random pairs of pixels, also too large for specks.
+      // Random colors in pairs of pixels; such pairs are also too large to be removed as specks.
       return position_hash(u / 2, row) % (colors + 1);
     case 7:
       // The share is slightly above the site percolation threshold of the square lattice, 0.5927, where clusters are

@@ -27,7 +27,7 @@ struct DetectedColors {
   // Pixels, by picture, that are neither sample nor background: patches that nothing is learned from, and areas where
   // other patches of an incompletely detected robot must be.
   std::map<std::string, std::vector<std::size_t>> unclear;
-  // The part of `unclear`, by picture, that looks like a team's color although all robots of this team are recognized
+  // Pixels of `unclear`, by picture, that look like a team's color although all robots of this team are recognized
   // elsewhere.
   std::map<std::string, std::vector<std::size_t>> things;
   std::string unlisted;                // text of describe_unlisted()

@@ -186,7 +186,8 @@ class BallInference {
     return out.elongation < kMaxBallElongation ? out : FoundPatch{};
   }
 
-  // If a part of the ball is lit, removes its rim, and the glow in its shadow on the floor, which has its hue.
+  // If a part of the ball is lit, keeps only the lit pixels: the rim is removed, and so is the ball's glow on the floor
+  // in its shadow, which has the ball's hue.
   static void keep_lit(std::vector<std::size_t>& pixels, const std::vector<int>& brightness) {
     if (pixels.empty()) return;
     std::vector<int> sorted = brightness;

@@ -17,7 +17,8 @@ struct ObjectNoise {
   std::string name;
   std::size_t sightings = 0;
   double position_m = 0.0, heading_rad = 0.0;  // measured
-  // Noise that the pictures show, RMS of all sightings; for robots without the errors that persist while they stand.
+  // Noise that the pictures show, RMS of all sightings. For robots it excludes errors that persist while the robot
+  // stands.
   double shown_position_m = 0.0, shown_heading_rad = 0.0;
 };
 

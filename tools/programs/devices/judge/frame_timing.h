@@ -16,7 +16,7 @@ struct FrameTime {
 
 struct TimingReport {
   std::size_t frames = 0;
-  std::uint64_t lost = 0;       // frames missing by the gaps in their numbers
+  std::uint64_t lost = 0;       // lost frames, counted from gaps in the frame numbers
   double delivered_hz = 0.0;    // rate of frames that arrived, by this computer's clock
   double period_s = 0.0;        // frame period of the camera, from time stamps and frame numbers
   double jitter_s = 0.0;        // RMS deviation of the time stamps from equal periods

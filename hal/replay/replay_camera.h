@@ -17,8 +17,9 @@ struct ReplayParameters {
   bool skip_damaged = false;                 // open() and wait() pass over pictures that cannot be decoded
 };
 
-/// The format in which files are replayed for colors of this space. The YUV formats keep the samples of 4:2:2 files of
-/// their range exactly, and of 4:2:0 files in pairs of rows.
+/// Returns the format in which files are replayed if colors are defined in this space. For YUV, a format is chosen that
+/// keeps the samples of files exactly: those of 4:2:2 files of the same range unchanged, those of 4:2:0 files with rows
+/// of chroma repeated.
 constexpr PixelFormat replay_format(ColorSpace space) {
   switch (space) {
     case ColorSpace::kYuv:
@@ -37,8 +38,8 @@ constexpr PixelFormat replay_format(ColorSpace space) {
 /// a real-time loop.
 class ReplayCamera final : public Camera {
  public:
-  /// With a clock, frames arrive in real time, the first one at start(), with time stamps of that clock; a real radio
-  /// requires this. Without a clock, each frame is available immediately.
+  /// With a clock, frames arrive in real time, the first one at start(), and have time stamps of this clock; a real
+  /// radio requires it. Without a clock, each frame is available immediately.
   explicit ReplayCamera(ReplayParameters parameters, Clock* pace = nullptr);
   ~ReplayCamera() override;
   ReplayCamera(const ReplayCamera&) = delete;
@@ -49,7 +50,7 @@ class ReplayCamera final : public Camera {
   [[nodiscard]] const std::string& file() const { return file_; }
   /// Number of frames of the input; 0: unknown.
   [[nodiscard]] std::uint64_t frame_count() const;
-  /// Pictures that `skip_damaged` has passed over.
+  /// Returns the number of pictures that `skip_damaged` has skipped.
   [[nodiscard]] std::uint64_t damaged() const { return damaged_; }
   /// Stamp of the last frame that wait() returned.
   [[nodiscard]] Instant latest() const { return latest_; }
@@ -78,7 +79,7 @@ class ReplayCamera final : public Camera {
   std::uint64_t damaged_ = 0;
 };
 
-/// The clock of a replay without real-time clock: the time of the last frame.
+/// The clock of a replay that does not run in real time: its time is that of the last frame.
 class ReplayClock final : public Clock {
  public:
   explicit ReplayClock(const ReplayCamera& camera) : camera_(camera) {}

@@ -7,7 +7,7 @@
 
 namespace touchline::hal::ffmpeg {
 
-/// The best video stream of a file that FFmpeg can read. Time stamps are those of the stream, relative to its first
+/// Reads the best video stream of a file that FFmpeg can read. Time stamps come from the stream, relative to its first
 /// frame. If one is missing or does not increase, the frame follows the previous one after the stream's mean period.
 class VideoReader final : public ReplaySource {
  public:

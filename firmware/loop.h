@@ -154,12 +154,17 @@ class Loop {
 
   void read_inputs(Instant now);
   void check_radio(Instant now);
+  /// Returns how long the radio, or a port of it, has been lost; nullopt: it is open.
+  [[nodiscard]] std::optional<Duration> radio_away(Instant now) const;
+  void report_radio_ports(Instant now);
   void acknowledge_start();
   void send(const Packet& packet, bool is_stop, Instant now);
   /// Prepares the packets that stop all robots if the process crashes now.
   void prepare_crash_stop();
   void send_stop(Instant now);
   void on_reopened(Device device, Instant now);
+  /// Returns whether the program ends because the device is lost for so long.
+  [[nodiscard]] bool is_lost_for_good(Device device, Duration away) const;
   void on_fault(Device device, const Error& error, Instant now);
   // Reports an error of the strobe or the status light; `result` is that of setting it.
   void check_output(const Result<void>& result, Instant now);

@@ -11,6 +11,7 @@
 #include "firmware/layout_drawing.h"
 #include "firmware/link_command.h"
 #include "firmware/network/connections.h"
+#include "firmware/radio_plan.h"
 #include "firmware/run_command.h"
 #include "hal/files/input_file.h"
 #include "hal/files/output_file.h"
@@ -83,8 +84,9 @@ int check_command(const CommandLine& command_line) {
   if (!console.ok()) return fail(console.text());
   if (command_line.dump) return code;
   return print(configuration.board_where.file() + ", " + configuration.venue_where.file() + " and " +
-               configuration.team_where.file() + " are valid\ncolors: " +
-               std::string(config::kernel_word(configuration.board)) + " kernel\n" + describe(plan.value()));
+               configuration.team_where.file() +
+               " are valid\ncolors: " + std::string(config::kernel_word(configuration.board)) + " kernel\n" +
+               describe(plan.value()) + radio_hints(configuration));
 }
 
 int link(const LinkOptions& options) {

@@ -10,6 +10,7 @@
 #include "firmware/console/console.h"
 #include "firmware/crash_stop.h"
 #include "firmware/network/connections.h"
+#include "firmware/radio_plan.h"
 #include "firmware/realtime.h"
 #include "firmware/report_printer.h"
 #include "firmware/run_marker.h"
@@ -54,6 +55,7 @@ void print_start(const Session& session, const network::Connections& connections
                "team_number in " +
                    configuration.team_where.file() + " and in the robots (docs/radio.md)");
   }
+  text += radio_hints(configuration);
   add_device("gpio", session.gpio_description());
   output.print(text + connections.start_text() + console.start_text(::isatty(STDOUT_FILENO) != 0));
   for (const std::string& refusal : refused) output.print_error("real time: " + refusal + "\n");

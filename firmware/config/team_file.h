@@ -84,12 +84,16 @@ struct LayoutEntry {
 struct RobotEntry {
   int id = 0;
   std::vector<std::string> colors;
+  std::string address;
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
     // Range of RobotId and of the radio packet (docs/radio.md).
     visit.number(self.id, {.name = "id", .range = {0, 127}, .help = "Id of the robot in reports and radio packets"});
     visit.texts(self.colors, {.name = "colors", .help = "Colors of the identification patches, in the layout's order"});
+    visit.text(self.address, {.name = "address",
+                              .help = "Own team: address of the robot's radio, as the board file's radio needs it; "
+                                      "udp: 192.168.1.11 or 192.168.1.11:8081; empty: radio.address"});
   }
 };
 

@@ -59,8 +59,8 @@ Result<void> Loop::open() {
   const Result<LoopDevices::OpenResults> opened =
       devices_.open(from_seconds(settings_.faults.reopen_after_s), settings_.awaited);
   if (!opened.ok()) return opened.error();
-  prepare_crash_stop();
   const Instant now = devices_.clock().now();
+  prepare_crash_stop(now);
   statistics_.begin = last_frame_ = last_packet_ = now;
   reports_.begin(now);
   for (const Device device : kDevices) {
@@ -148,7 +148,7 @@ void Loop::process_frame(const hal::FrameLease& lease) {
   // The emergency stop may have been pulled meanwhile.
   read_inputs(devices_.clock().now());
   if (!rules_.may_move() && !trace.commands.stop) pipeline_.revoke();
-  send(trace.packet, trace.commands.stop, timing.received);
+  send(trace.packets, trace.commands.stop, timing.received);
   timing.sent = devices_.clock().now();
   const Instant machine_sent = hal::MonotonicClock::read();
   timing.processing = machine_sent - machine_received;
@@ -300,38 +300,48 @@ void Loop::stop_if_due(Instant now) {
 
 void Loop::send_stop(Instant now) { send(pipeline_.stop(now), true, now); }
 
-void Loop::send(const Packet& packet, bool is_stop, Instant now) {
+void Loop::send(const OutgoingPackets& packets, bool is_stop, Instant now) {
   if (crash_stop::is_stopping()) return;  // another thread has crashed; its stop packets must be the last ones
   last_packet_ = now;
-  packet_time_ = static_cast<Duration::rep>(packet.size()) * settings_.radio_byte_time;
+  note_times_on_line(packets);
   needs_final_stops_ = true;
   if (!devices_.is_open(Device::kRadio)) {
     ++statistics_.packets_refused;
     return;
   }
-  prepare_crash_stop();  // with the number after this packet's
-  const Result<void> sent = devices_.radio().send(packet, kAllRobots);
-  const bool drops = sent.code() == ErrorCode::kBusy;
-  if (sent.ok() || drops) {
-    ++statistics_.packets;
-    statistics_.stop_packets += is_stop ? 1 : 0;
-    statistics_.packets_dropped += drops ? 1 : 0;
-  } else {
-    ++statistics_.packets_refused;
+  prepare_crash_stop(now);  // with the number after this packet's
+  for (const OutgoingPacket& outgoing : packets) {
+    const Result<void> sent = devices_.radio().send(outgoing.packet, outgoing.receiver);
+    const bool drops = sent.code() == ErrorCode::kBusy;
+    if (sent.ok() || drops) {
+      ++statistics_.packets;
+      statistics_.stop_packets += is_stop ? 1 : 0;
+      statistics_.packets_dropped += drops ? 1 : 0;
+    } else {
+      ++statistics_.packets_refused;
+    }
+    if (!sent.ok()) on_fault(Device::kRadio, sent.error(), now);
+    if (!devices_.is_open(Device::kRadio)) return;
   }
-  if (!sent.ok()) on_fault(Device::kRadio, sent.error(), now);
 }
 
-void Loop::prepare_crash_stop() {
+void Loop::note_times_on_line(const OutgoingPackets& packets) {
+  Duration line_time{};
+  for (std::size_t i = 0; i < packets.size(); ++i) {
+    line_time += static_cast<Duration::rep>(packets[i].packet.size()) * settings_.radio_byte_time;
+    if (i == 0) packet_time_ = line_time;
+    pipeline_.set_lateness(packets[i].receiver, line_time - packet_time_);
+  }
+}
+
+void Loop::prepare_crash_stop(Instant now) {
   stop_targets_.clear();
   if (devices_.is_open(Device::kRadio)) {
-    hal::RadioRoutes routes;
-    devices_.radio().add_routes(kAllRobots, routes);
-    crash_stop::StopTarget target;
-    pipeline_.encode_next_stop(target.bytes);
-    for (const hal::RadioRoute& route : routes) {
-      target.route = route;
-      stop_targets_.push_back(target);
+    pipeline_.prepare_stop(now, stop_packets_);
+    for (const OutgoingPacket& outgoing : stop_packets_) {
+      hal::RadioRoutes routes;
+      devices_.radio().add_routes(outgoing.receiver, routes);
+      for (const hal::RadioRoute& route : routes) stop_targets_.push_back({route, outgoing.packet});
     }
   }
   crash_stop::prepare(stop_targets_);
@@ -466,7 +476,8 @@ void Loop::on_reopened(Device device, Instant now) {
       outputs_.on_reopened();
       break;
     case Device::kRadio:
-      prepare_crash_stop();
+      pipeline_.on_radio_opened();
+      prepare_crash_stop(now);
       break;
   }
 }

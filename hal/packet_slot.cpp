@@ -27,6 +27,7 @@ Result<void> PacketSlot::serve(ByteLine& line) {
     TOUCHLINE_TRY_ASSIGN(const std::size_t unsent, line.unsent_bytes());
     if (unsent > 0) return {};
     Packet& next = waiting_[*receiver];
+    receiver_ = *receiver;
     TOUCHLINE_TRY_ASSIGN(const std::size_t taken, line.write({next.data(), next.size()}));
     if (taken == 0) return {};
     const bool is_split = taken < next.size();

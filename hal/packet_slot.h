@@ -41,6 +41,8 @@ class PacketSlot {
   /// Drops waiting bytes.
   void clear();
 
+  /// During ByteLine::write(): who gets the packet that these bytes begin.
+  [[nodiscard]] std::size_t receiver() const { return receiver_; }
   /// Number of bytes that the driver has not accepted yet.
   [[nodiscard]] std::size_t bytes() const;
   /// Number of packets that the driver accepted in several parts.
@@ -55,6 +57,7 @@ class PacketSlot {
   std::array<std::byte, kMaxPacketBytes>
       partly_sent_{};  // end of a packet of which the driver has accepted the beginning
   std::size_t unsent_begin_ = 0, unsent_end_ = 0;
+  std::size_t receiver_ = kAllRobots;
   std::uint64_t split_packets_ = 0;
 };
 

@@ -97,7 +97,7 @@ int main(int argc, char** argv) {
   FakeGpio gpio(clock);
   const auto pipeline = std::make_unique<Pipeline>();
   PipelineParameters parameters = fake_camera_parameters();
-  parameters.team_number = 7;
+  parameters.radio = touchline_layout(7);
   if (!pipeline->configure(parameters).ok()) return 65;
   const auto ring = std::make_unique<ReportRing>();
   LoopSettings settings;

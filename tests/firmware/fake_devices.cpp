@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "core/radio/packet.h"
+#include "tests/radio/touchline_packets.h"
 
 namespace touchline::testing {
 namespace {

@@ -1,7 +1,7 @@
 // Status light, strobe, start button, and telemetry of the robots.
 #include <algorithm>
 
-#include "core/radio/telemetry.h"
+#include "tests/radio/touchline_packets.h"
 #include "tests/firmware/loop_fixture.h"
 
 namespace touchline::testing {

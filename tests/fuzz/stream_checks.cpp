@@ -2,10 +2,9 @@
 #include <algorithm>
 #include <optional>
 
-#include "core/radio/packet_stream.h"
-#include "core/radio/telemetry.h"
 #include "hal/linux/v4l2/mjpg_decoder.h"
 #include "tests/fuzz/decoder_checks.h"
+#include "tests/radio/touchline_packets.h"
 #include "tests/linux/jpeg_picture.h"
 #include "tools/programs/setup/arguments.h"
 #include "tools/programs/setup/message_link.h"
@@ -57,11 +56,11 @@ std::vector<std::string> mjpg_seeds() {
 void check_telemetry(std::span<const std::byte> bytes) {
   RobotTelemetry telemetry;
   if (decode_telemetry(bytes, telemetry).ok()) {
-    const TelemetryPacket again = encode_telemetry(telemetry);
+    const Packet again = encode_telemetry(telemetry);
     require(std::equal(bytes.begin(), bytes.end(), again.begin(), again.end()), "telemetry is encoded as it arrived");
   }
   RobotMonitor monitor;
-  monitor.configure(7.0f);
+  monitor.configure(touchline_telemetry_layout(), 7.0f);
   RobotReports reports;
   monitor.listen(bytes, Instant{}, reports);
   int last = -1;
@@ -91,7 +90,7 @@ void check_command_packet(std::span<const std::byte> bytes) {
       Packet again;
       require(encode(commands, sequence, again, team).ok() && again.size() == bytes.size(), "a packet can be encoded");
     }
-    PacketStream stream(team);
+    CommandStream stream(team);
     std::size_t received = 0;
     for (const std::byte byte : bytes) {
       stream.push(byte);

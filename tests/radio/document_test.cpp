@@ -6,8 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "core/radio/packet.h"
-#include "core/radio/telemetry.h"
+#include "tests/radio/touchline_packets.h"
 
 namespace touchline {
 namespace {

@@ -356,6 +356,7 @@ void Loop::serve_radio(Instant now) {
   } else {
     on_fault(Device::kRadio, due.error(), now);
   }
+  statistics_.packets_unreachable = devices_.radio().counters().unreachable;
   report_radio_ports(now);
 }
 

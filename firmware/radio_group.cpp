@@ -18,7 +18,7 @@ Result<void> reopen_port(void* device) {
 
 RadioGroup::RadioGroup(std::vector<GroupMember> members, hal::Clock& clock, Duration first_pause, bool wait_for_driver)
     : clock_(clock), first_pause_(first_pause), wait_for_driver_(wait_for_driver) {
-  for (GroupMember& member : members) ports_.push_back({std::move(member), nullptr, {}, std::nullopt});
+  for (GroupMember& member : members) ports_.push_back({std::move(member), nullptr, {}, 0, std::nullopt});
 }
 
 Result<void> RadioGroup::do_open() {
@@ -102,6 +102,8 @@ Result<Duration> RadioGroup::do_serve() {
       if (attempt) port.event = attempt->ok() ? Error{ErrorCode::kOk, {}} : std::move(*attempt).error();
       continue;
     }
+    const std::uint64_t unreachable = port.member.radio->counters().unreachable;
+    count_unreachable(unreachable - std::exchange(port.unreachable, unreachable));
     Result<Duration> served = port.member.radio->serve();
     if (served.ok()) {
       due = std::min(due, served.value());

@@ -2,6 +2,7 @@
 
 #include <bitset>
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
@@ -41,7 +42,8 @@ class RadioGroup final : public hal::Radio {
     GroupMember member;
     std::unique_ptr<DeviceReconnector> reconnector;  // while the group is open
     Instant lost_at{};
-    std::optional<Error> event;  // the newest one that was not taken yet
+    std::uint64_t unreachable = 0;  // of the radio's counters, that the group has counted
+    std::optional<Error> event;     // the newest one that was not taken yet
   };
 
   Result<void> do_open() override;

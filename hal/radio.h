@@ -79,7 +79,7 @@ class Radio {
   [[nodiscard]] virtual const std::string& description() const { return no_description_; }
 
  protected:
-  void count_unreachable() { ++counters_.unreachable; }
+  void count_unreachable(std::uint64_t packets) { counters_.unreachable += packets; }
 
  private:
   virtual Result<void> do_open() = 0;

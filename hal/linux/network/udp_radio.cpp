@@ -187,7 +187,7 @@ bool UdpRadio::drain_errors() {
     header.msg_controllen = control.size();
     if (::recvmsg(socket_.get(), &header, MSG_ERRQUEUE | MSG_DONTWAIT) < 0) break;
     found = true;
-    count_unreachable();
+    count_unreachable(1);
   }
   return found;
 }

@@ -17,7 +17,7 @@ struct RadioCounters {
   std::uint64_t dropped = 0;             // accepted, but replaced by a newer packet
   std::uint64_t refused = 0;             // failed calls of send()
   std::uint64_t received_bytes = 0;
-  std::uint64_t unreachable = 0;  // packets of which the network says that their receiver is not there
+  std::uint64_t unreachable = 0;  // packets that the network did not pass on to their receiver
 };
 
 /// Where bytes leave this computer: a file descriptor, and for a datagram its destination.

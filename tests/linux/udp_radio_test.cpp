@@ -107,7 +107,7 @@ TEST(UdpRadio, ARobotThatIsSwitchedOffIsCountedAndStopsNobody) {
     EXPECT_OK(radio.send(packet("on"), 1));
   }
   EXPECT_EQ(on.received().size(), 100U);
-  EXPECT_OK(radio.send(packet("on"), 1));
+  EXPECT_OK(radio.send(packet("off"), 0));  // reads what the network says about the one before
   EXPECT_EQ(radio.counters().unreachable, 100U);
   EXPECT_EQ(radio.counters().packets, 201U);
 }

@@ -6,6 +6,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "hal/linux/network/network_address.h"
 #include "hal/linux/network/udp_socket.h"
@@ -31,10 +32,13 @@ struct UdpRadioSettings {
 /// A radio whose robots, or whose module, receive UDP datagrams: one per packet. A packet for all robots is sent to the
 /// common endpoint, or without one to each robot.
 ///
-/// While the interface takes no datagram, the newest packet of each endpoint waits. If it takes none for half a second,
-/// or the network cannot be reached, calls return kDisconnected, and the radio must be reopened; open() returns
-/// kNotFound while there is no route or no link. A robot that is switched off is no error: what the network reports
-/// about it is counted (RadioCounters::unreachable).
+/// Each endpoint has a socket of its own with a short queue. The system keeps datagrams for a robot that is switched
+/// off for seconds while it looks for it, and they would take the room of the others. While a queue is full, the newest
+/// packet of its endpoint waits. Packets that a newer one replaces, and those of which the network says that nobody
+/// receives them, are counted (RadioCounters::unreachable) and are no error.
+///
+/// If an interface loses its link, or no route leads to an endpoint, calls return kDisconnected, and the radio must be
+/// reopened; open() returns kNotFound until there is a network.
 ///
 /// Only datagrams from the endpoints' addresses are received.
 class UdpRadio final : public Radio {
@@ -54,33 +58,41 @@ class UdpRadio final : public Radio {
   Result<void> do_drain(Instant deadline) override;
   void do_close() override;
 
-  Result<void> configure(const Descriptor& socket);
-  Result<void> check_route(const UdpEndpoint& endpoint) const;
+  struct Endpoint {
+    UdpEndpoint to;
+    Descriptor socket;
+    Packet waiting;  // empty: none waits
+  };
+
+  Result<void> open_sockets();
+  Result<Descriptor> open_socket(std::uint16_t local_port) const;
+  Result<void> find_interface(const UdpEndpoint& endpoint);
   Result<void> check_usable() const;
-  Result<void> flush(std::size_t endpoint);
-  bool drain_errors();
+  Result<void> check_link();
+  Result<void> flush(Endpoint& endpoint);
+  bool drain_errors(const Descriptor& socket);
+  Result<std::size_t> receive_from(const Descriptor& socket, std::span<std::byte> into);
   [[nodiscard]] bool is_waiting() const;
   [[nodiscard]] bool is_from_robot(std::uint32_t sender) const;
-  [[nodiscard]] const UdpEndpoint& at(std::size_t endpoint) const { return endpoints_[endpoint]; }
-  /// Calls use(endpoint) for each endpoint that gets the packets for `receiver`.
+  /// Calls use(index) for each endpoint that gets the packets for `receiver`.
   template <class Use>
   void for_each_endpoint(std::size_t receiver, Use use) const {
-    if (receiver < kCommon && at(receiver).exists()) return use(receiver);
-    if (at(kCommon).exists()) return use(kCommon);
+    if (receiver < kCommon && endpoints_[receiver].to.exists()) return use(receiver);
+    if (endpoints_[kCommon].to.exists()) return use(kCommon);
     for (std::size_t robot = 0; receiver == kAllRobots && robot < kCommon; ++robot) {
-      if (at(robot).exists()) use(robot);
+      if (endpoints_[robot].to.exists()) use(robot);
     }
   }
   Error fail(const char* doing, int error) noexcept;
 
   const UdpRadioSettings settings_;
-  std::array<UdpEndpoint, kCommon + 1> endpoints_{};  // of the robots, and the common one
+  std::array<Endpoint, kCommon + 1> endpoints_{};  // of the robots, and the common one
   std::string name_, description_;
-  Descriptor socket_;
-  std::optional<Error> lost_;                // an error after which the radio must be reopened
-  std::array<Packet, kCommon + 1> waiting_;  // by endpoint; empty: none waits
-  Instant waiting_since_{};                  // time of the first datagram that was not taken since the last success
-  bool is_stalled_ = false;                  // waiting_since_ is valid
+  Descriptor telemetry_;                 // receives at the local port, if there is one
+  std::vector<std::string> interfaces_;  // through which the endpoints are reached
+  Instant link_checked_{};
+  bool is_open_ = false;
+  std::optional<Error> lost_;  // an error after which the radio must be reopened
 };
 
 }  // namespace touchline::hal

@@ -194,6 +194,9 @@ void SerialRadio::add_routes(std::size_t /*receiver*/, RadioRoutes& out) const {
 Result<void> SerialRadio::do_send(const Packet& packet, std::size_t receiver) {
   TOUCHLINE_TRY(check_usable());
   Result<void> sent = slot_.send(packet, receiver, *this);
+  if (sent.code() == ErrorCode::kBusy && port_ == nullptr) {
+    return failure(ErrorCode::kBusy, "%s: the other side does not read; a newer packet replaced an older one", name());
+  }
   if (sent.code() == ErrorCode::kBusy) {
     return failure(
         ErrorCode::kBusy,

@@ -13,8 +13,8 @@ namespace {
 
 constexpr NetworkRange kLoopback{0x7f000000, 8};
 
-// Room for the messages of a sender at the usual limit (1000 a second) while the receiver's thread waits a second for a
-// processor. The system counts about 1 KB for each message.
+// Buffer for the messages that a sender at the usual limit (1000 a second) sends while the receiver's thread waits a
+// second for a processor. The system counts about 1 KB for each message.
 constexpr int kReceiveBufferBytes = 1 << 20;
 
 void enlarge_buffer(const Descriptor& socket) {

@@ -48,6 +48,11 @@ class Pipeline {
   /// Sets the time from the capture of a frame until its commands act: the measured loop latency plus the delay of
   /// radio and robots. Range 0 to 1 s.
   void set_action_delay(Duration delay) { action_delay_ = delay; }
+  /// Sets how much later than the action delay the commands of a receiver act (a robot by its index, or kAllRobots,
+  /// which has no effect), because the packets of other robots take the line first.
+  void set_lateness(std::size_t receiver, Duration lateness) {
+    if (receiver < radio_.receivers.size()) tracker_.set_lateness(radio_.receivers[receiver].id, lateness);
+  }
   /// While true, stop commands replace the controller's output.
   void set_halted(bool halted) { halted_ = halted; }
   /// While true, the commands are not sent (a replay, or robots that another program drives), so the filters treat the

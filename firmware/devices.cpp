@@ -1,11 +1,13 @@
 #include "firmware/devices.h"
 
+#include <algorithm>
 #include <cinttypes>
 #include <cstdio>
 #include <utility>
 
 #include "firmware/null_devices.h"
 #include "firmware/paced_clock.h"
+#include "firmware/radio_group.h"
 #include "hal/linux/gpio/gpiod_gpio.h"
 #include "hal/linux/libcamera/libcamera_camera.h"
 #include "hal/linux/monotonic_clock.h"
@@ -28,12 +30,31 @@ void Devices::attach(std::shared_ptr<ArenaObjects> objects) {
   objects_->attach(*arena_);
 }
 
-void Devices::make(const config::Configuration& configuration, std::uint64_t seed, ArenaTime time) {
+std::unique_ptr<hal::Radio> Devices::make_radio(const PlannedRadio& radio) {
+  switch (radio.settings.backend) {
+    case hal::RadioBackend::kMock:
+      return std::make_unique<hal::mock::MockRadio>(*arena_, *clock_);
+    case hal::RadioBackend::kSerial:
+      return std::make_unique<hal::SerialRadio>(radio.settings);
+    case hal::RadioBackend::kUdp:
+      return std::make_unique<hal::UdpRadio>(radio.udp);
+    case hal::RadioBackend::kNone:
+      break;
+  }
+  return std::make_unique<NullRadio>();
+}
+
+Result<void> Devices::make(const config::Configuration& configuration, std::uint64_t seed, ArenaTime time) {
   const config::BoardFile& board = configuration.board;
+  TOUCHLINE_TRY_ASSIGN(const std::vector<PlannedRadio> radios, plan_radios(configuration));
+  const auto is_any_radio = [&](auto... backends) {
+    return std::any_of(radios.begin(), radios.end(),
+                       [&](const PlannedRadio& radio) { return ((radio.settings.backend == backends) || ...); });
+  };
   const bool mock_camera = board.camera.backend == hal::CameraBackend::kMock;
-  const bool mock_radio = board.radio.backend == hal::RadioBackend::kMock;
+  const bool mock_radio = is_any_radio(hal::RadioBackend::kMock);
   const bool mock_gpio = board.gpio.backend == hal::GpioBackend::kMock;
-  const bool real_radio = board.radio.backend == hal::RadioBackend::kSerial;
+  const bool real_radio = is_any_radio(hal::RadioBackend::kSerial, hal::RadioBackend::kUdp);
   const bool real_gpio = board.gpio.backend == hal::GpioBackend::kGpiod;
   // Without real devices, the arena can have its own time; otherwise it follows the system clock.
   const bool alone = mock_camera && !real_radio && !real_gpio;
@@ -77,16 +98,13 @@ void Devices::make(const config::Configuration& configuration, std::uint64_t see
           clock_.get());
       break;
   }
-  switch (board.radio.backend) {
-    case hal::RadioBackend::kMock:
-      radio_ = std::make_unique<hal::mock::MockRadio>(*arena_, *clock_);
-      break;
-    case hal::RadioBackend::kSerial:
-      radio_ = std::make_unique<hal::SerialRadio>(board.radio);
-      break;
-    case hal::RadioBackend::kNone:
-      radio_ = std::make_unique<NullRadio>();
-      break;
+  if (radios.size() == 1) {
+    radio_ = make_radio(radios.front());
+  } else {
+    std::vector<GroupMember> members;
+    for (const PlannedRadio& radio : radios) members.push_back({make_radio(radio), radio.reaches});
+    radio_ = std::make_unique<RadioGroup>(std::move(members), *clock_, from_seconds(board.faults.reopen_after_s),
+                                          simulated_time_);
   }
   switch (board.gpio.backend) {
     case hal::GpioBackend::kMock:
@@ -99,6 +117,7 @@ void Devices::make(const config::Configuration& configuration, std::uint64_t see
       gpio_ = std::make_unique<NullGpio>();
       break;
   }
+  return {};
 }
 
 HalDevices Devices::hal_devices() { return {*camera_, *radio_, *gpio_, *clock_, simulated_time_}; }

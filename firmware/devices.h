@@ -7,6 +7,7 @@
 #include "firmware/arena_objects.h"
 #include "firmware/config/configuration.h"
 #include "firmware/loop.h"
+#include "firmware/radio_plan.h"
 #include "hal/camera.h"
 #include "hal/clock.h"
 #include "hal/gpio.h"
@@ -35,7 +36,8 @@ class Devices {
 
   /// `seed`: seed of all random numbers of a simulation. Backends can be combined freely: a simulated arena with a real
   /// device beside it runs in real time.
-  void make(const config::Configuration& configuration, std::uint64_t seed, ArenaTime time = ArenaTime::kFast);
+  /// kInconsistent: errors in the radios of board and team file.
+  Result<void> make(const config::Configuration& configuration, std::uint64_t seed, ArenaTime time = ArenaTime::kFast);
 
   /// Lets `objects` move the robots and the ball of the arena, if there is one. Call it after make(). null: nobody
   /// moves them.
@@ -49,7 +51,9 @@ class Devices {
   [[nodiscard]] std::string summary() const;
 
  private:
-  std::unique_ptr<hal::mock::Arena> arena_;   // declared first, because the devices refer to it
+  [[nodiscard]] std::unique_ptr<hal::Radio> make_radio(const PlannedRadio& radio);
+
+  std::unique_ptr<hal::mock::Arena> arena_;   // first: the devices refer to it
   std::unique_ptr<hal::Clock> slowed_clock_;  // the clock that `clock_` slows or pauses
   std::unique_ptr<hal::Clock> clock_;
   std::unique_ptr<hal::Camera> camera_;

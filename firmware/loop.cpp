@@ -284,9 +284,12 @@ void Loop::acknowledge_start() {
   if (rules_.take_start()) pipeline_.acknowledge_picture();
 }
 
-void Loop::check_radio(Instant now) {
-  const bool is_open = devices_.is_open(Device::kRadio);
-  rules_.apply_radio(is_open ? std::nullopt : std::optional(devices_.time_lost(Device::kRadio, now)));
+void Loop::check_radio(Instant now) { rules_.apply_radio(radio_away(now)); }
+
+std::optional<Duration> Loop::radio_away(Instant now) const {
+  if (!devices_.is_open(Device::kRadio)) return devices_.time_lost(Device::kRadio, now);
+  if (const std::optional<Instant> since = devices_.radio().partly_lost_since()) return now - *since;
+  return std::nullopt;
 }
 
 void Loop::stop_if_due(Instant now) {
@@ -300,9 +303,7 @@ void Loop::send_stop(Instant now) { send(pipeline_.stop(now), true, now); }
 void Loop::send(const OutgoingPackets& packets, bool is_stop, Instant now) {
   if (crash_stop::is_stopping()) return;  // another thread has crashed; its stop packets must be the last ones
   last_packet_ = now;
-  std::size_t bytes = 0;
-  for (const OutgoingPacket& outgoing : packets) bytes += outgoing.packet.size();
-  packet_time_ = static_cast<Duration::rep>(bytes) * settings_.radio_byte_time;
+  note_times_on_line(packets);
   needs_final_stops_ = true;
   if (!devices_.is_open(Device::kRadio)) {
     ++statistics_.packets_refused;
@@ -321,6 +322,15 @@ void Loop::send(const OutgoingPackets& packets, bool is_stop, Instant now) {
     }
     if (!sent.ok()) on_fault(Device::kRadio, sent.error(), now);
     if (!devices_.is_open(Device::kRadio)) return;
+  }
+}
+
+void Loop::note_times_on_line(const OutgoingPackets& packets) {
+  Duration line_time{};
+  for (std::size_t i = 0; i < packets.size(); ++i) {
+    line_time += static_cast<Duration::rep>(packets[i].packet.size()) * settings_.radio_byte_time;
+    if (i == 0) packet_time_ = line_time;
+    pipeline_.set_lateness(packets[i].receiver, line_time - packet_time_);
   }
 }
 
@@ -345,6 +355,21 @@ void Loop::serve_radio(Instant now) {
     radio_due_ = due.value();
   } else {
     on_fault(Device::kRadio, due.error(), now);
+  }
+  statistics_.packets_unreachable = devices_.radio().counters().unreachable;
+  report_radio_ports(now);
+}
+
+void Loop::report_radio_ports(Instant now) {
+  while (const std::optional<Error> event = devices_.radio().take_port_event()) {
+    if (event->code != ErrorCode::kOk) {
+      report_fault(Device::kRadio, *event, FaultAction::kReopen, now);
+      continue;
+    }
+    ++statistics_.reopened[static_cast<std::size_t>(Device::kRadio)];
+    if (devices_.radio().partly_lost_since()) continue;
+    reports_.end_loss(Device::kRadio);
+    report_fault(Device::kRadio, {ErrorCode::kOk, {}}, FaultAction::kNone, now);
   }
 }
 
@@ -414,6 +439,11 @@ void Loop::check_output(const Result<void>& result, Instant now) {
   report_fault(Device::kGpio, result.error(), FaultAction::kContinueWithout, now);
 }
 
+bool Loop::is_lost_for_good(Device device, Duration away) const {
+  const Duration limit = from_seconds(settings_.faults.leave_after_s);
+  return was_open_[static_cast<std::size_t>(device)] && is_required(device) && limit > 0s && away > limit;
+}
+
 void Loop::reopen_lost_devices(Instant now) {
   for (const Device device : kDevices) {
     if (devices_.is_open(device)) continue;
@@ -425,11 +455,9 @@ void Loop::reopen_lost_devices(Instant now) {
       // have been plugged in badly, or a person is choosing the settings.
       report_fault(device, attempt->error(), reopening_action(device), now);
     }
-    const Duration limit = from_seconds(settings_.faults.leave_after_s);
-    const bool was_open = was_open_[static_cast<std::size_t>(device)];
-    if (was_open && is_required(device) && limit > 0s && devices_.time_lost(device, now) > limit)
-      end_ = LoopEnd::kDeviceLost;
+    if (is_lost_for_good(device, devices_.time_lost(device, now))) end_ = LoopEnd::kDeviceLost;
   }
+  if (is_lost_for_good(Device::kRadio, radio_away(now).value_or(0s))) end_ = LoopEnd::kDeviceLost;
 }
 
 void Loop::on_reopened(Device device, Instant now) {

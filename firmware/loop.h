@@ -154,12 +154,18 @@ class Loop {
 
   void read_inputs(Instant now);
   void check_radio(Instant now);
+  /// Returns how long the radio, or a port of it, has been lost; nullopt: it is open.
+  [[nodiscard]] std::optional<Duration> radio_away(Instant now) const;
+  void report_radio_ports(Instant now);
   void acknowledge_start();
   void send(const OutgoingPackets& packets, bool is_stop, Instant now);
+  void note_times_on_line(const OutgoingPackets& packets);
   /// Prepares the packets that stop all robots if the process crashes now.
   void prepare_crash_stop(Instant now);
   void send_stop(Instant now);
   void on_reopened(Device device, Instant now);
+  /// Returns whether the program ends because the device is lost for so long.
+  [[nodiscard]] bool is_lost_for_good(Device device, Duration away) const;
   void on_fault(Device device, const Error& error, Instant now);
   // Reports an error of the strobe or the status light; `result` is that of setting it.
   void check_output(const Result<void>& result, Instant now);
@@ -188,7 +194,7 @@ class Loop {
   Duration input_due_{}, radio_due_{};  // due times of an input line and the radio, before the next frame
   Instant last_frame_{};                // arrival of the last frame, good or not
   Instant last_packet_{};
-  Duration packet_time_{};          // time of the last packet on the radio's line
+  Duration packet_time_{};          // time of the last frame's first packet on the radio's line
   DeviceFlags was_open_{};          // since open()
   bool needs_final_stops_ = false;  // packets were sent since the last final stop packets
   OutgoingPackets stop_packets_;

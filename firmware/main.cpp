@@ -12,6 +12,7 @@
 #include "firmware/layout_drawing.h"
 #include "firmware/link_command.h"
 #include "firmware/network/connections.h"
+#include "firmware/radio_plan.h"
 #include "firmware/run_command.h"
 #include "hal/files/input_file.h"
 #include "hal/files/output_file.h"
@@ -84,9 +85,10 @@ int check_command(const CommandLine& command_line) {
   if (!console.ok()) return fail(console.text());
   if (command_line.dump) return code;
   return print(configuration.board_where.file() + ", " + configuration.venue_where.file() + " and " +
-               configuration.team_where.file() + " are valid\ncolors: " +
-               std::string(config::kernel_word(configuration.board)) + " kernel\n" + describe(plan.value()) +
-               config::sample_packet_text(configuration.pipeline) + config::radio_warnings(configuration));
+               configuration.team_where.file() +
+               " are valid\ncolors: " + std::string(config::kernel_word(configuration.board)) + " kernel\n" +
+               describe(plan.value()) + config::sample_packet_text(configuration.pipeline) +
+               config::radio_warnings(configuration) + radio_hints(configuration));
 }
 
 int link(const LinkOptions& options) {

@@ -12,6 +12,7 @@
 #include "firmware/console/console.h"
 #include "firmware/crash_stop.h"
 #include "firmware/network/connections.h"
+#include "firmware/radio_plan.h"
 #include "firmware/realtime.h"
 #include "firmware/report_printer.h"
 #include "firmware/run_marker.h"
@@ -52,6 +53,7 @@ void print_start(const Session& session, const network::Connections& connections
   add_device("radio", session.radio_description());
   std::istringstream warnings(config::radio_warnings(configuration));
   for (std::string warning; std::getline(warnings, warning);) add_device("radio", warning);
+  text += radio_hints(configuration);
   add_device("gpio", session.gpio_description());
   output.print(text + connections.start_text() + console.start_text(::isatty(STDOUT_FILENO) != 0));
   for (const std::string& refusal : refused) output.print_error("real time: " + refusal + "\n");

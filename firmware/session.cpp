@@ -35,11 +35,12 @@ Result<void> Session::configure_pipeline() {
     return failure(s.code(), "%s and %s cannot be used together: %s", configuration_->venue_where.file().c_str(),
                    configuration_->team_where.file().c_str(), describe(s.code()));
   }
+  if (Result<std::vector<PlannedRadio>> radios = plan_radios(*configuration_); !radios.ok()) return radios.error();
   return {};
 }
 
 Result<void> Session::open(LoopObserver observer) {
-  devices_.make(*configuration_, options_.seed, options_.arena_time);
+  TOUCHLINE_TRY(devices_.make(*configuration_, options_.seed, options_.arena_time));
   devices_.attach(arena_objects_);
   const HalDevices made = devices_.hal_devices();
   if (gpio_proxy_ != nullptr) gpio_proxy_->attach(made.gpio, made.clock);

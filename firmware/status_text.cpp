@@ -230,6 +230,10 @@ std::string summary(const LoopStatistics& statistics, LoopEnd end) {
     print(text, " %.1f s before the end; %u reports, %u missed%s\n", seconds(statistics.end - robot.heard),
           robot.packets, robot.missed, robot.battery_low ? "; BATTERY LOW" : "");
   }
+  if (statistics.packets_unreachable > 0) {
+    print(text, "radio     %llu packets did not reach their robot: it is switched off, or its address is wrong\n",
+          number(statistics.packets_unreachable));
+  }
   if (statistics.robots.foreign_bytes > bytes_of_damaged_reports(statistics.robots)) {
     print(
         text,

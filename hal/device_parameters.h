@@ -1,9 +1,11 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "core/parameter_copy.h"
 #include "core/types.h"
@@ -140,26 +142,68 @@ struct CameraSettings {
   }
 };
 
-enum class RadioBackend : std::uint8_t { kMock, kSerial, kNone };
-inline constexpr std::array<Choice<RadioBackend>, 3> kRadioBackends{
-    {{"mock", RadioBackend::kMock}, {"serial", RadioBackend::kSerial}, {"none", RadioBackend::kNone}}};
+enum class RadioBackend : std::uint8_t { kMock, kSerial, kUdp, kNone };
+inline constexpr std::array<Choice<RadioBackend>, 4> kRadioBackends{{{"mock", RadioBackend::kMock},
+                                                                     {"serial", RadioBackend::kSerial},
+                                                                     {"udp", RadioBackend::kUdp},
+                                                                     {"none", RadioBackend::kNone}}};
 
-struct RadioSettings {
+/// [[radio.more]], and the part of [radio] that describes one radio.
+struct RadioPortSettings {
   RadioBackend backend = RadioBackend::kMock;
   std::string device = "/dev/ttyS0";
   int baud = 115200;
+  std::string address;
+  int port = 0, local_port = 0;
+  std::string interface;
+  int time_to_live = 1;
+  std::vector<int> robots;
+
+  template <class Self, class Visitor>
+  static void describe(Self& self, Visitor& visit) {
+    visit.choice(self.backend, kRadioBackends, {.name = "backend", .help = "Destination of the packets"});
+    visit.text(self.device, {.name = "device",
+                             .help = "serial: a port, preferably a link in /dev/serial/by-id; also a pseudo terminal "
+                                     "or /dev/rfcomm0 (Bluetooth)"});
+    visit.number(self.baud, {.name = "baud",
+                             .range = {1200, 4000000},
+                             .unit = "Bd",
+                             .help = "serial: baud rate; 8 data bits, no parity, 1 stop bit; without effect on pseudo "
+                                     "terminals and Bluetooth"});
+    visit.text(self.address, {.name = "address",
+                              .help = "udp: address of all robots that have none of their own in the team file: "
+                                      "192.168.1.255:8081 (broadcast), a multicast group, or a radio module"});
+    constexpr Range kPorts{0, 65535};
+    visit.number(
+        self.port,
+        {.name = "port", .range = kPorts, .help = "udp: port of the robots whose address names none; 0: none"});
+    visit.number(self.local_port, {.name = "local_port",
+                                   .range = kPorts,
+                                   .help = "udp: port of this computer, to which the robots send telemetry; 0: any"});
+    visit.text(self.interface,
+               {.name = "interface", .help = "udp: network interface, such as wlan0; empty: as the routes say"});
+    visit.number(self.time_to_live,
+                 {.name = "time_to_live",
+                  .range = {1, 255},
+                  .help = "udp: number of networks that a packet may cross; 1: it passes no router"});
+    visit.numbers(
+        self.robots,
+        {.name = "robots", .range = {0, 127}, .help = "Ids of the robots that this radio reaches; empty: all robots"});
+  }
+};
+
+/// [radio]
+struct RadioSettings : RadioPortSettings {
+  std::vector<RadioPortSettings> more;
   double delay_s = 0.02;
   bool telemetry = true;
   double low_battery_v = 7.0;
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
-    visit.choice(self.backend, kRadioBackends, {.name = "backend", .help = "Destination of the packets"});
-    visit.text(self.device, {.name = "device", .help = "serial: a port, preferably a link in /dev/serial/by-id"});
-    visit.number(self.baud, {.name = "baud",
-                             .range = {1200, 4000000},
-                             .unit = "Bd",
-                             .help = "Baud rate; 8 data bits, no parity, 1 stop bit"});
+    RadioPortSettings::describe(self, visit);
+    visit.list(self.more,
+               {.name = "more", .help = "Another radio, used at the same time: for some of the robots, or for all"});
     visit.number(self.delay_s,
                  {.name = "delay_s",
                   .range = {0.0, 1.0},
@@ -176,9 +220,16 @@ struct RadioSettings {
   }
 };
 
-/// Returns the duration of a byte on the radio's line: 8 data bits, start and stop bit. Zero without a radio.
+/// Returns the duration of a byte on the radio's line: 8 data bits, start and stop bit. Zero without a line; of several
+/// lines that of the slowest.
 inline Duration byte_time(const RadioSettings& radio) {
-  return radio.backend == RadioBackend::kNone ? Duration{} : from_seconds(10.0 / radio.baud);
+  const auto of_port = [](const RadioPortSettings& port) {
+    const bool has_line = port.backend == RadioBackend::kMock || port.backend == RadioBackend::kSerial;
+    return has_line ? from_seconds(10.0 / port.baud) : Duration{};
+  };
+  Duration slowest = of_port(radio);
+  for (const RadioPortSettings& port : radio.more) slowest = std::max(slowest, of_port(port));
+  return slowest;
 }
 
 enum class GpioBackend : std::uint8_t { kMock, kGpiod, kNone };

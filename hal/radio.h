@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 
@@ -16,6 +17,7 @@ struct RadioCounters {
   std::uint64_t dropped = 0;             // packets accepted, but replaced by a newer one
   std::uint64_t refused = 0;             // failed calls of send()
   std::uint64_t received_bytes = 0;
+  std::uint64_t unreachable = 0;  // packets that the network did not pass on to their receiver
 };
 
 /// Where bytes leave this computer: a file descriptor, and for a datagram its destination.
@@ -67,9 +69,17 @@ class Radio {
   /// Adds where a handler of fatal signals can write whole packets for `receiver` while the radio is open; nothing if
   /// it cannot.
   virtual void add_routes(std::size_t /*receiver*/, RadioRoutes& /*out*/) const {}
+  /// A radio of several ports reopens lost ports itself, while the others go on. Returns since when a port is lost, on
+  /// the loop's clock; nullopt: none is.
+  [[nodiscard]] virtual std::optional<Instant> partly_lost_since() const { return std::nullopt; }
+  /// Returns what happened to a port since the last call: an error, or kOk if it was reopened; nullopt: nothing more.
+  virtual std::optional<Error> take_port_event() { return std::nullopt; }
   [[nodiscard]] const RadioCounters& counters() const { return counters_; }
   /// Returns one line with the port and its settings; empty if there are none. Valid after open().
   [[nodiscard]] virtual const std::string& description() const { return no_description_; }
+
+ protected:
+  void count_unreachable(std::uint64_t packets) { counters_.unreachable += packets; }
 
  private:
   virtual Result<void> do_open() = 0;

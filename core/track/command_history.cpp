@@ -38,15 +38,17 @@ void CommandHistory::add(const Commands& commands, Instant acts_at) {
 }
 
 void CommandHistory::forget_before(Instant instant) {
-  while (size_ >= 2 && entry(1).acts_at <= instant) {
+  const Instant latest = instant - *std::max_element(lateness_.begin(), lateness_.end());
+  while (size_ >= 2 && entry(1).acts_at <= latest) {
     first_ = (first_ + 1) % kCapacity;
     --size_;
   }
 }
 
 DriveInput CommandHistory::at(Instant instant, RobotId id) const {
+  const Duration late = lateness(id);
   std::size_t i = size_;
-  while (i > 0 && entry(i - 1).acts_at > instant) --i;
+  while (i > 0 && entry(i - 1).acts_at + late > instant) --i;
   if (i == 0) return {};
   const Entry& active = entry(i - 1);
   for (std::size_t k = 0; k < active.count; ++k) {
@@ -55,9 +57,10 @@ DriveInput CommandHistory::at(Instant instant, RobotId id) const {
   return {true, {}};
 }
 
-Instant CommandHistory::next_change(Instant instant, Instant limit) const {
+Instant CommandHistory::next_change(Instant instant, Instant limit, RobotId id) const {
+  const Duration late = lateness(id);
   for (std::size_t i = 0; i < size_; ++i) {
-    if (entry(i).acts_at > instant) return std::min(entry(i).acts_at, limit);
+    if (entry(i).acts_at + late > instant) return std::min(entry(i).acts_at + late, limit);
   }
   return limit;
 }

@@ -20,14 +20,20 @@ class CommandHistory {
   /// Adds commands that act from `acts_at` until the next ones act. They replace commands that would act at `acts_at`
   /// or later, because a robot obeys the latest packet that it has received. NaN velocities are replaced by zero.
   void add(const Commands& commands, Instant acts_at);
+  /// Sets how much later than the others robot `id` (0 to 127) gets its commands, because packets of other robots take
+  /// the line first. Kept by clear().
+  void set_lateness(RobotId id, Duration lateness) { lateness_[static_cast<std::size_t>(id)] = lateness; }
+  [[nodiscard]] Duration lateness(RobotId id) const {
+    return id >= 0 ? lateness_[static_cast<std::size_t>(id)] : Duration::zero();
+  }
   /// Removes commands that no longer act at `instant`.
   void forget_before(Instant instant);
 
   /// Returns the command of robot `id` that acts at `instant`; unknown before the first commands. A robot that is not
   /// listed must stand still (docs/radio.md).
   [[nodiscard]] DriveInput at(Instant instant, RobotId id) const;
-  /// Returns the first instant after `instant` at which other commands start to act, at most `limit`.
-  [[nodiscard]] Instant next_change(Instant instant, Instant limit) const;
+  /// The first instant after `instant` at which other commands of robot `id` start to act, at most `limit`.
+  [[nodiscard]] Instant next_change(Instant instant, Instant limit, RobotId id) const;
 
   /// Returns the number of commands that were removed for lack of space although they could still act.
   [[nodiscard]] std::uint64_t dropped() const { return dropped_; }
@@ -44,6 +50,7 @@ class CommandHistory {
 
   [[nodiscard]] const Entry& entry(std::size_t i) const { return entries_[(first_ + i) % kCapacity]; }
 
+  std::array<Duration, 128> lateness_{};    // by id
   std::array<Entry, kCapacity> entries_{};  // ring buffer, sorted by acts_at
   std::size_t first_ = 0, size_ = 0;
   std::uint64_t dropped_ = 0;

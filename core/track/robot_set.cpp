@@ -171,7 +171,8 @@ void RobotSet::report(Instant now, Instant action, const CommandHistory& command
     RobotTrack track = robot.report(parameters);
     TrackedRobot later = robot;
     const bool driven = robot.team() == Team::kOwn;
-    later.look_ahead(now, action, driven ? &commands : nullptr, parameters);
+    const Instant acts_at = driven ? action + commands.lateness(robot.id()) : action;
+    later.look_ahead(now, acts_at, driven ? &commands : nullptr, parameters);
     track.pose_at_action = later.pose();
     track.twist_at_action = later.twist();
     out.push_back(track);

@@ -156,7 +156,7 @@ const CommandHistory* TrackedRobot::own_commands(const CommandHistory* commands)
 template <class Predict>
 void TrackedRobot::follow_commands(Instant from, Instant to, const CommandHistory* commands, Predict predict) {
   while (from < to) {
-    const Instant until = commands == nullptr ? to : commands->next_change(from, to);
+    const Instant until = commands == nullptr ? to : commands->next_change(from, to, id_);
     predict(seconds(until - from), commands == nullptr ? DriveInput{} : commands->at(from, id_));
     from = until;
   }

@@ -18,6 +18,8 @@ class Tracker {
   /// Adds commands that act on the robots from `acts_at` until the next ones act. Before the first commands (in a
   /// replay always), own robots are tracked like opponents: with constant velocities except for noise.
   void add_commands(const Commands& commands, Instant acts_at);
+  /// Sets how much later than `acts_at` and `action_time` the own robot `id` gets its commands.
+  void set_lateness(RobotId id, Duration lateness) { commands_.set_lateness(id, lateness); }
   /// Fuses the sightings at `capture_time` and predicts to `action_time`, which is limited to the interval from
   /// `capture_time` to kMaxPrediction later. `out` lists the tracks that are not lost: own team first, by id;
   /// unidentified ones (kUnknownId) last, by age. The sightings of a frame that was not captured after the previous one

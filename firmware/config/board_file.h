@@ -124,8 +124,13 @@ struct BoardFile {
   ConsoleSettings console;
   hal::mock::ArenaParameters arena;
 
-  static constexpr std::array<std::string_view, 6> kRequired{
-      "camera", "radio", "camera.backend", "radio.backend", "network.output.protocol", "network.input.protocol"};
+  static constexpr std::array<std::string_view, 7> kRequired{"camera",
+                                                             "radio",
+                                                             "camera.backend",
+                                                             "radio.backend",
+                                                             "radio.more.backend",
+                                                             "network.output.protocol",
+                                                             "network.input.protocol"};
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {

@@ -28,7 +28,7 @@ StepBenchmark::Picture StepBenchmark::copy_of(const Frame& frame) {
 
 Result<void> StepBenchmark::play(std::size_t frames) {
   Devices devices;
-  devices.make(*configuration_, 1);
+  TOUCHLINE_TRY(devices.make(*configuration_, 1));
   const HalDevices loop = devices.hal_devices();
   TOUCHLINE_TRY(loop.camera.open());
   TOUCHLINE_TRY(loop.camera.start());

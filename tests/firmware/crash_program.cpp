@@ -1,5 +1,5 @@
 // Runs a loop that drives a robot over the serial line given as the first argument. The second argument says how the
-// process ends.
+// process ends. Further arguments are UDP ports of this computer to which the packets are sent at the same time.
 #undef NDEBUG  // an assertion that fails
 #include <fcntl.h>
 #include <sys/resource.h>
@@ -12,9 +12,13 @@
 #include <map>
 #include <stdexcept>
 #include <thread>
+#include <utility>
+#include <vector>
 
 #include "firmware/crash_stop.h"
+#include "firmware/radio_group.h"
 #include "hal/linux/monotonic_clock.h"
+#include "hal/linux/network/udp_radio.h"
 #include "tests/firmware/loop_fixture.h"
 
 namespace touchline::testing {
@@ -86,14 +90,21 @@ void end_after_20_frames(void* context, const StepTrace&, const StepTiming&) {
 int main(int argc, char** argv) {
   using namespace touchline;
   using namespace touchline::testing;
-  if (argc != 3 || !kEndings.contains(argv[2])) return 64;
+  if (argc < 3 || !kEndings.contains(argv[2])) return 64;
   const rlimit no_core{0, 0};
   ::setrlimit(RLIMIT_CORE, &no_core);
   crash_stop::install_handlers();
   hal::MonotonicClock clock;
   FakeCamera camera(clock);
   camera.show_robot();
-  TerminalRadio radio(argv[1]);
+  std::vector<GroupMember> radios;
+  radios.push_back({std::make_unique<TerminalRadio>(argv[1]), std::bitset<kMaxReceivers>().set()});
+  hal::UdpRadioSettings network;
+  for (int i = 3; i < argc; ++i) {
+    network.robots[static_cast<std::size_t>(i - 3)] = {0x7f000001, static_cast<std::uint16_t>(std::atoi(argv[i]))};
+  }
+  if (argc > 3) radios.push_back({std::make_unique<hal::UdpRadio>(network), std::bitset<kMaxReceivers>().set()});
+  RadioGroup radio(std::move(radios), clock, std::chrono::seconds(1), false);
   FakeGpio gpio(clock);
   const auto pipeline = std::make_unique<Pipeline>();
   PipelineParameters parameters = fake_camera_parameters();

@@ -2,7 +2,9 @@
 #include "firmware/crash_stop.h"
 
 #include <fcntl.h>
+#include <netinet/in.h>
 #include <poll.h>
+#include <sys/socket.h>
 #include <sys/wait.h>
 #include <unistd.h>
 #include <csignal>
@@ -12,6 +14,7 @@
 
 #include <gtest/gtest.h>
 
+#include "hal/linux/network/udp_socket.h"
 #include "tests/radio/touchline_packets.h"
 
 namespace touchline {
@@ -28,14 +31,19 @@ struct Outcome {
 };
 
 /// Runs tests/firmware/crash_program.cpp on one end of a pseudo terminal; reads the other end as a robot does.
-Outcome run(const std::string& ending) {
+Outcome run(const std::string& ending, const std::vector<std::string>& ports = {}) {
   Outcome outcome;
   const int robots = ::posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC);
   EXPECT_TRUE(robots >= 0 && ::grantpt(robots) == 0 && ::unlockpt(robots) == 0);
   const std::string device = ::ptsname(robots);
   const pid_t child = ::fork();
   if (child == 0) {
-    ::execl(TOUCHLINE_CRASH_PROGRAM, TOUCHLINE_CRASH_PROGRAM, device.c_str(), ending.c_str(), nullptr);
+    std::vector<std::string> arguments{TOUCHLINE_CRASH_PROGRAM, device, ending};
+    arguments.insert(arguments.end(), ports.begin(), ports.end());
+    std::vector<char*> pointers;
+    for (std::string& argument : arguments) pointers.push_back(argument.data());
+    pointers.push_back(nullptr);
+    ::execv(TOUCHLINE_CRASH_PROGRAM, pointers.data());
     ::_exit(99);
   }
   std::vector<std::byte> bytes;
@@ -109,6 +117,50 @@ INSTANTIATE_TEST_SUITE_P(Endings, CrashStop,
                            name.erase(std::remove(name.begin(), name.end(), '-'), name.end());
                            return name;
                          });
+
+/// A robot that receives datagrams at a free port of this computer.
+class NetworkRobot {
+ public:
+  NetworkRobot() {
+    sockaddr_in at = hal::socket_address(0x7f000001, 0);
+    socklen_t size = sizeof(at);
+    EXPECT_EQ(::bind(socket_.get(), reinterpret_cast<const sockaddr*>(&at), size), 0);
+    EXPECT_EQ(::getsockname(socket_.get(), reinterpret_cast<sockaddr*>(&at), &size), 0);
+    port_ = std::to_string(ntohs(at.sin_port));
+  }
+  [[nodiscard]] const std::string& port() const { return port_; }
+  std::vector<Received> receive() {
+    std::vector<Received> received;
+    CommandStream stream(7);
+    std::byte block[512];
+    for (ssize_t count = 0; (count = ::recv(socket_.get(), block, sizeof block, MSG_DONTWAIT)) > 0;) {
+      for (ssize_t i = 0; i < count; ++i) stream.push(block[i]);
+      Commands commands;
+      Received packet;
+      EXPECT_TRUE(stream.next(commands, packet.sequence)) << "a datagram is not a whole packet";
+      packet.stop = commands.stop;
+      received.push_back(packet);
+    }
+    return received;
+  }
+
+ private:
+  hal::Descriptor socket_{::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0)};
+  std::string port_;
+};
+
+TEST(CrashStopOfSeveralRadios, EveryPortAndRobotIsStopped) {
+  for (const char* const ending : {"segmentation-fault", "exception-in-thread", "exit"}) {
+    SCOPED_TRACE(ending);
+    NetworkRobot first, second;
+    // The third robot is switched off: the network's messages about it must not cost the others their packets.
+    const std::string off = NetworkRobot().port();
+    const Outcome outcome = run(ending, {off, first.port(), second.port()});
+    expect_stopped(outcome);
+    expect_stopped({0, first.receive()});
+    expect_stopped({0, second.receive()});
+  }
+}
 
 TEST(CrashStopAtExit, RobotsAreStoppedBeforeExit) {
   const Outcome outcome = run("exit");

@@ -33,10 +33,26 @@ TEST(CommandHistory, GivesTheActiveCommand) {
   EXPECT_FLOAT_EQ(history.at(at(1.05), 3).twist.v_mps, 0.1f);
   EXPECT_FLOAT_EQ(history.at(at(1.1), 3).twist.v_mps, 0.2f);
   EXPECT_FLOAT_EQ(history.at(at(9.0), 3).twist.v_mps, 0.3f);
-  EXPECT_EQ(history.next_change(at(1.05), at(5.0)), at(1.1));
-  EXPECT_EQ(history.next_change(at(1.1), at(5.0)), at(1.2));
-  EXPECT_EQ(history.next_change(at(1.1), at(1.15)), at(1.15));
-  EXPECT_EQ(history.next_change(at(1.2), at(5.0)), at(5.0));
+  EXPECT_EQ(history.next_change(at(1.05), at(5.0), 3), at(1.1));
+  EXPECT_EQ(history.next_change(at(1.1), at(5.0), 3), at(1.2));
+  EXPECT_EQ(history.next_change(at(1.1), at(1.15), 3), at(1.15));
+  EXPECT_EQ(history.next_change(at(1.2), at(5.0), 3), at(5.0));
+}
+
+TEST(CommandHistory, ShiftsTheCommandsOfRobotsThatGetTheirPacketsLater) {
+  CommandHistory history;
+  Commands both = drive(3, 0.1f);
+  both.robots.push_back({4, {0.5f, 0.0f}, {}});
+  history.add(both, at(1.0));
+  history.add(Commands{}, at(1.1));
+  history.set_lateness(4, from_seconds(0.03));
+  EXPECT_FALSE(history.at(at(1.02), 4).known);
+  EXPECT_FLOAT_EQ(history.at(at(1.02), 3).twist.v_mps, 0.1f);
+  EXPECT_FLOAT_EQ(history.at(at(1.12), 4).twist.v_mps, 0.5f) << "the stop arrives at 1.13 s";
+  EXPECT_FLOAT_EQ(history.at(at(1.12), 3).twist.v_mps, 0.0f);
+  EXPECT_EQ(history.next_change(at(1.05), at(5.0), 4), at(1.13));
+  history.forget_before(at(1.12));
+  EXPECT_FLOAT_EQ(history.at(at(1.12), 4).twist.v_mps, 0.5f) << "it still acts on this robot";
 }
 
 TEST(CommandHistory, GivesZeroForRobotsThatAreNotListed) {
@@ -63,7 +79,7 @@ TEST(CommandHistory, ReplacesPendingCommandsByANewerPacket) {
   history.add(drive(0, 0.4f), at(1.05));  // the delay has become shorter
   EXPECT_FLOAT_EQ(history.at(at(1.04), 0).twist.v_mps, 0.1f);
   EXPECT_FLOAT_EQ(history.at(at(1.30), 0).twist.v_mps, 0.4f);
-  EXPECT_EQ(history.next_change(at(1.05), at(5.0)), at(5.0));
+  EXPECT_EQ(history.next_change(at(1.05), at(5.0), 0), at(5.0));
 }
 
 TEST(CommandHistory, KeepsTheActiveCommandWhenForgetting) {

@@ -99,6 +99,23 @@ Result<NetworkAddress> parse_network_address(std::string_view text) {
   return wrong(text, kExpected);
 }
 
+Result<NetworkAddress> parse_udp_destination(std::string_view text, std::uint16_t usual_port) {
+  const std::size_t colon = text.find(':');
+  const std::optional<std::uint32_t> ip = ipv4(text.substr(0, colon));
+  if (!ip) return wrong(text, "expected an IPv4 address in numbers, such as 192.168.1.11:8081");
+  if (*ip == 0) return wrong(text, "0.0.0.0 is no destination");
+  std::optional<std::uint32_t> port = usual_port;
+  if (colon != std::string_view::npos) port = number(text.substr(colon + 1), 65535);
+  if (colon == std::string_view::npos && usual_port == 0) {
+    return wrong(text, "the port is missing: 192.168.1.11:8081, or radio.port for all robots");
+  }
+  if (!port || *port == 0) return wrong(text, "the port \"", text.substr(colon + 1), "\" is not between 1 and 65535");
+  NetworkAddress address;
+  address.ipv4 = *ip;
+  address.port = static_cast<std::uint16_t>(*port);
+  return address;
+}
+
 Result<NetworkRange> parse_network_range(std::string_view text) {
   const std::size_t slash = text.find('/');
   const std::optional<std::uint32_t> ip = ipv4(text.substr(0, slash));

@@ -28,7 +28,10 @@ struct NetworkAddress {
 /// or localhost. kOutOfRange: the message names the part that is wrong.
 Result<NetworkAddress> parse_network_address(std::string_view text);
 
-/// Addresses of computers: a network of IPv4 addresses, or a single address.
+/// Reads "ADDRESS:PORT", or "ADDRESS" with `usual_port` (0: the port is required). Errors as parse_network_address().
+Result<NetworkAddress> parse_udp_destination(std::string_view text, std::uint16_t usual_port);
+
+/// Addresses of computers: a network of IPv4 addresses, or one of them.
 struct NetworkRange {
   std::uint32_t ipv4 = 0;
   int prefix_bits = 32;

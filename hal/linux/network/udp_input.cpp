@@ -1,7 +1,6 @@
 #include "hal/linux/network/udp_input.h"
 
 #include <ifaddrs.h>
-#include <linux/filter.h>
 #include <linux/sock_diag.h>
 #include <sys/socket.h>
 #include <algorithm>
@@ -25,24 +24,6 @@ void enlarge_buffer(const Descriptor& socket) {
     return ::setsockopt(socket.get(), SOL_SOCKET, option, &kReceiveBufferBytes, sizeof(kReceiveBufferBytes)) == 0;
   };
   if (!set(SO_RCVBUFFORCE)) static_cast<void>(set(SO_RCVBUF));
-}
-
-// Returns a classic BPF program (linux/filter.h) that accepts the packets of these senders and drops all others.
-std::vector<sock_filter> filter_of(const std::vector<NetworkRange>& senders) {
-  constexpr std::uint32_t kSourceAddress = 12;  // offset in the IPv4 header
-  const auto load = [&] {
-    return sock_filter{BPF_LD | BPF_W | BPF_ABS, 0, 0, static_cast<std::uint32_t>(SKF_NET_OFF) + kSourceAddress};
-  };
-  std::vector<sock_filter> program;
-  for (const NetworkRange& range : senders) {
-    const std::uint32_t mask = range.prefix_bits == 0 ? 0 : ~std::uint32_t{0} << (32 - range.prefix_bits);
-    program.push_back(load());
-    program.push_back({BPF_ALU | BPF_AND | BPF_K, 0, 0, mask});
-    program.push_back({BPF_JMP | BPF_JEQ | BPF_K, 0, 1, range.ipv4 & mask});
-    program.push_back({BPF_RET | BPF_K, 0, 0, ~std::uint32_t{0}});
-  }
-  program.push_back({BPF_RET | BPF_K, 0, 0, 0});
-  return program;
 }
 
 std::vector<std::uint32_t> addresses_of_this_computer() {
@@ -146,12 +127,7 @@ std::uint64_t UdpInput::drop_others(const std::optional<std::vector<NetworkRange
 }
 
 std::uint64_t UdpInput::drop_others_but(const std::vector<NetworkRange>& senders) {
-  std::vector<sock_filter> filter = filter_of(senders);
-  // The system rejects longer programs; then all messages are received, as without a filter.
-  if (filter.size() <= BPF_MAXINSNS) {
-    const sock_fprog program{static_cast<unsigned short>(filter.size()), filter.data()};
-    static_cast<void>(::setsockopt(socket_.get(), SOL_SOCKET, SO_ATTACH_FILTER, &program, sizeof(program)));
-  }
+  keep_senders(socket_, senders);
   return new_drops();
 }
 

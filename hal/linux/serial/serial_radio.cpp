@@ -14,6 +14,7 @@
 
 #include "hal/linux/monotonic_clock.h"
 #include "hal/linux/serial/serial_list.h"
+#include "hal/linux/serial/terminal.h"
 #include "hal/linux/system_error.h"
 
 namespace touchline::hal {
@@ -53,12 +54,6 @@ Result<void> SerialRadio::do_open() {
 }
 
 Result<void> SerialRadio::open_port() {
-  TOUCHLINE_TRY(find_port());
-  TOUCHLINE_TRY(claim_port());
-  return configure_port();
-}
-
-Result<void> SerialRadio::find_port() {
   // libserialport accepts only the kernel's names of ports. Each open() follows links such as /dev/serial/by-id/...
   // again, because an adapter may get another number when it is plugged in again.
   const std::unique_ptr<char, decltype(&std::free)> path(::realpath(name(), nullptr), &std::free);
@@ -72,28 +67,59 @@ Result<void> SerialRadio::find_port() {
   }
   if (sp_get_port_by_name(path.get(), &port_) != SP_OK) {
     port_ = nullptr;
+    return open_terminal(path.get());
+  }
+  if (sp_get_port_transport(port_) == SP_TRANSPORT_BLUETOOTH) {
+    sp_free_port(port_);
+    port_ = nullptr;
+    return open_terminal(path.get());
+  }
+  TOUCHLINE_TRY(open_uart());
+  return configure_port();
+}
+
+Result<void> SerialRadio::open_terminal(const char* path) {
+  const int file = terminal::open_raw(path);
+  if (file == -ENOTTY) {
     return failure(ErrorCode::kUnsupported, "%s: not a serial port; available ports: %s", name(),
                    available_ports().c_str());
   }
+  if (file < 0) return refusal(-file);
+  Result<void> claimed = claim_port(file);
+  if (!claimed.ok()) {
+    terminal::close(file);
+    return claimed;
+  }
+  byte_time_ = {};
+  description_ = std::string(name()) + ": a terminal without a baud rate (" + path + "), opened without libserialport";
   return {};
 }
 
-Result<void> SerialRadio::claim_port() {
+/// Returns the error of a port that cannot be opened.
+Error SerialRadio::refusal(int error) const {
+  const ErrorCode code = open_error(error);
+  if (code == ErrorCode::kPermission) return permission_denied(name(), "dialout");
+  if (code == ErrorCode::kDeviceBusy) return device_busy(name());
+  if (error == EIO) {
+    return failure(ErrorCode::kNotFound, "%s: no UART behind this port; available ports: %s", name(),
+                   available_ports().c_str());
+  }
+  return failure(code, "%s: cannot be opened: %s", name(), system_text(error));
+}
+
+Result<void> SerialRadio::open_uart() {
   if (sp_open(port_, SP_MODE_READ_WRITE) != SP_OK) {
     const int error = sp_last_error_code();
     sp_free_port(port_);
     port_ = nullptr;
-    const ErrorCode code = open_error(error);
-    if (code == ErrorCode::kPermission) return permission_denied(name(), "dialout");
-    if (code == ErrorCode::kDeviceBusy) return device_busy(name());
-    if (error == EIO) {
-      return failure(ErrorCode::kNotFound, "%s: no UART behind this port; available ports: %s", name(),
-                     available_ports().c_str());
-    }
-    return failure(code, "%s: cannot be opened: %s", name(), system_text(error));
+    return refusal(error);
   }
   int file = -1;
   if (sp_get_port_handle(port_, &file) != SP_OK) return fail("getting the file descriptor", sp_last_error_code());
+  return claim_port(file);
+}
+
+Result<void> SerialRadio::claim_port(int file) {
   // Two programs on one radio would mix their packets. The lock excludes programs that use locks, even those of root;
   // exclusive mode excludes all other programs except those of root.
   if (::flock(file, LOCK_EX | LOCK_NB) != 0) {
@@ -157,7 +183,7 @@ bool SerialRadio::request_low_latency(int file) {
 
 Result<void> SerialRadio::check_usable() {
   if (lost_) return *lost_;
-  if (port_ != nullptr) return {};
+  if (file_ >= 0) return {};
   return failure(ErrorCode::kDisconnected, "%s: not open", name());
 }
 
@@ -168,6 +194,9 @@ void SerialRadio::add_routes(std::size_t /*receiver*/, RadioRoutes& out) const {
 Result<void> SerialRadio::do_send(const Packet& packet, std::size_t receiver) {
   TOUCHLINE_TRY(check_usable());
   Result<void> sent = slot_.send(packet, receiver, *this);
+  if (sent.code() == ErrorCode::kBusy && port_ == nullptr) {
+    return failure(ErrorCode::kBusy, "%s: the other side does not read; a newer packet replaced an older one", name());
+  }
   if (sent.code() == ErrorCode::kBusy) {
     return failure(
         ErrorCode::kBusy,
@@ -189,7 +218,12 @@ Result<Duration> SerialRadio::do_serve() {
 
 Result<std::size_t> SerialRadio::do_receive(std::span<std::byte> into) {
   TOUCHLINE_TRY(check_usable());
-  // The type is int, because the library returns counts that its enumeration does not contain.
+  if (port_ == nullptr) {
+    const int count = terminal::read(file_, into);
+    if (count < 0) return fail("receiving", -count);
+    return static_cast<std::size_t>(count);
+  }
+  // An int, because the library returns counts that its enumeration does not contain.
   const int received = sp_nonblocking_read(port_, into.data(), into.size());
   if (received < 0) return fail("receiving", sp_last_error_code());
   return static_cast<std::size_t>(received);
@@ -199,8 +233,10 @@ Result<std::size_t> SerialRadio::do_receive(std::span<std::byte> into) {
 /// which at 9600 baud is a second of old packets. Therefore written bytes also count as unsent for the time that they
 /// need on the line.
 Result<std::size_t> SerialRadio::unsent_bytes() {
-  const int bytes = sp_output_waiting(port_);
-  if (bytes < 0) return fail("reading the length of the output queue", sp_last_error_code());
+  const int bytes = port_ != nullptr ? sp_output_waiting(port_) : terminal::output_waiting(file_);
+  if (bytes < 0) {
+    return fail("reading the length of the output queue", port_ != nullptr ? sp_last_error_code() : -bytes);
+  }
   const Instant now = MonotonicClock::read();
   const std::size_t before = std::exchange(in_driver_, static_cast<std::size_t>(bytes));
   if (in_driver_ == 0 || in_driver_ < before) last_progress_ = now;
@@ -209,14 +245,16 @@ Result<std::size_t> SerialRadio::unsent_bytes() {
                     in_driver_, seconds(kStallTimeout));
     return *lost_;
   }
+  if (byte_time_ == Duration::zero()) return in_driver_;
   const Duration left = std::max(line_free_at_ - now, Duration::zero());
   const auto on_line = static_cast<std::size_t>((left + byte_time_ - Duration(1)) / byte_time_);
   return std::max(in_driver_, on_line);
 }
 
 Result<std::size_t> SerialRadio::write(std::span<const std::byte> bytes) {
-  const int taken = sp_nonblocking_write(port_, bytes.data(), bytes.size());
-  if (taken < 0) return fail("sending", sp_last_error_code());
+  const int taken = port_ != nullptr ? static_cast<int>(sp_nonblocking_write(port_, bytes.data(), bytes.size()))
+                                     : terminal::write(file_, bytes);
+  if (taken < 0) return fail("sending", port_ != nullptr ? sp_last_error_code() : -taken);
   const Instant now = MonotonicClock::read();
   line_free_at_ = std::max(line_free_at_, now) + time_of(static_cast<std::size_t>(taken));
   if (taken > 0) last_progress_ = now;
@@ -241,14 +279,17 @@ Result<void> SerialRadio::do_drain(Instant deadline) {
 }
 
 void SerialRadio::do_close() {
-  file_ = -1;
-  if (port_ == nullptr) return;
+  const int file = std::exchange(file_, -1);
+  slot_.clear();
+  if (port_ == nullptr) {
+    if (file >= 0) terminal::close(file);
+    return;
+  }
   // Without the flush, the kernel would wait up to 30 s for a blocked line. Errors of these calls do not matter here.
   static_cast<void>(sp_flush(port_, SP_BUF_OUTPUT));
   static_cast<void>(sp_close(port_));
   sp_free_port(port_);
   port_ = nullptr;
-  slot_.clear();
 }
 
 Error SerialRadio::fail(const char* doing, int error) noexcept {

@@ -16,7 +16,9 @@ struct sp_port;
 
 namespace touchline::hal {
 
-/// A radio at a serial port: 8 data bits, no parity, 1 stop bit, no flow control, opened exclusively.
+/// A radio at a serial port: 8 data bits, no parity, 1 stop bit, no flow control, opened exclusively. The port may also
+/// be a pseudo terminal or a serial port of Bluetooth, whose speed is not known: their driver decides when a line is
+/// free.
 ///
 /// PacketSlot decides which packet is sent. The line is busy for the time that the written bytes need at the baud rate,
 /// even if the driver or the adapter buffers them. The port is set to low latency if the driver supports it: an FTDI
@@ -25,7 +27,7 @@ namespace touchline::hal {
 /// drain() first to send them.
 class SerialRadio final : public Radio, private ByteLine {
  public:
-  explicit SerialRadio(RadioSettings settings) : settings_(std::move(settings)) {}
+  explicit SerialRadio(RadioPortSettings settings) : settings_(std::move(settings)) {}
   ~SerialRadio() override { SerialRadio::do_close(); }
   SerialRadio(const SerialRadio&) = delete;
   SerialRadio& operator=(const SerialRadio&) = delete;
@@ -46,8 +48,10 @@ class SerialRadio final : public Radio, private ByteLine {
   void do_close() override;
 
   Result<void> open_port();
-  Result<void> find_port();
-  Result<void> claim_port();
+  Result<void> open_terminal(const char* path);
+  Result<void> open_uart();
+  [[nodiscard]] Error refusal(int error) const;
+  Result<void> claim_port(int file);
   Result<void> configure_port();
   Result<void> check_usable();
   Result<void> check_baud();
@@ -58,13 +62,13 @@ class SerialRadio final : public Radio, private ByteLine {
   Error fail(const char* doing, int error) noexcept;
   [[nodiscard]] const char* name() const { return settings_.device.c_str(); }
 
-  RadioSettings settings_;
+  RadioPortSettings settings_;
   std::string description_;
-  sp_port* port_ = nullptr;
-  int file_ = -1;              // file descriptor of the port while it is open
+  sp_port* port_ = nullptr;    // null: a terminal without a baud rate (terminal.h)
+  int file_ = -1;              // file descriptor while the port is open
   std::optional<Error> lost_;  // an error after which the port must be reopened
   PacketSlot slot_;
-  Duration byte_time_{1};   // time of one byte at the baud rate
+  Duration byte_time_{};    // of one byte at the baud rate; 0: there is none
   Instant line_free_at_{};  // time when all written bytes will be sent
   std::size_t in_driver_ = 0;
   Instant last_progress_{};  // time when the driver last accepted or sent a byte

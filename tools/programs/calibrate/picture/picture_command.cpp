@@ -81,8 +81,13 @@ int PictureCommand::run() const {
     return kExitBadFile;
   }
 
+  // Only the camera is used.
+  configuration->board.radio = {};
+  configuration->board.radio.backend = hal::RadioBackend::kNone;
   Devices devices;
-  devices.make(*configuration, 1);
+  if (const Result<void> made = devices.make(*configuration, 1); !made.ok()) {
+    return fail("touchline-calibrate", made.text());
+  }
   const HalDevices parts = devices.hal_devices();
   const Streaming streaming(parts.camera);
   if (!streaming.started.ok()) return camera_failed(streaming.started.error());

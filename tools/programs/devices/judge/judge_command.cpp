@@ -80,12 +80,14 @@ int judge_command(const JudgeRequest& request) {
   if (board.camera.backend == hal::CameraBackend::kReplay) {
     return fail(kProgram, request.board + ": camera.backend = \"replay\" is a recording; judge a camera");
   }
-  // While a real camera is judged, no robot moves and no pin changes.
+  // No robot moves and no pin changes while a real camera is judged.
+  board.radio.more.clear();
+  board.radio.robots.clear();
   board.radio.backend = simulated ? hal::RadioBackend::kMock : hal::RadioBackend::kNone;
   board.gpio.backend = hal::GpioBackend::kNone;
   if (simulated) ArenaHand::put_lid(board.arena);
   Devices devices;
-  devices.make(*configuration, 1);
+  if (const Result<void> made = devices.make(*configuration, 1); !made.ok()) return fail(kProgram, made.text());
   const HalDevices hal = devices.hal_devices();
   std::optional<ArenaHand> hand;
   if (simulated && hal.radio.open().ok()) hand.emplace(hal.radio, hal.clock, board.arena.field);

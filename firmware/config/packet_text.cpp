@@ -65,8 +65,8 @@ std::string packet_text(const PacketLayout& layout, std::span<const std::byte> b
     std::array<char, 128> line{};
     std::snprintf(line.data(), line.size(), "  %3zu  %-24s  %.*s", reading.begin,
                   hexadecimal(bytes.subspan(reading.begin, reading.end - reading.begin)).c_str(),
-                  static_cast<int>(word_of(field.value, kFieldValues).size()),
-                  word_of(field.value, kFieldValues).data());
+                  static_cast<int>(config::word_of(field.value, kFieldValues).size()),
+                  config::word_of(field.value, kFieldValues).data());
     text += line.data();
     if (field.block > 0) text += " of robot " + std::to_string(reading.robot + 1);
     if (field.type != FieldType::kBytes) text += ": " + number_on_wire(reading.number) + unit_text(layout, reading);

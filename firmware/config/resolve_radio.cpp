@@ -228,11 +228,11 @@ class LayoutResolver {
         break;
       case WireUnit::kNone:
         if (quantity == Quantity::kOther || quantity == Quantity::kLink) return 1.0;
-        add(key, "has no unit: \"" + std::string(word_of(entry.value, kFieldValues)) + "\" needs one");
+        add(key, "has no unit: \"" + std::string(config::word_of(entry.value, kFieldValues)) + "\" needs one");
         return 1.0;
     }
-    add(key + ".unit", "\"" + std::string(word_of(entry.unit, kWireUnits)) + "\" is no unit of \"" +
-                           std::string(word_of(entry.value, kFieldValues)) + "\"");
+    add(key + ".unit", "\"" + std::string(config::word_of(entry.unit, kWireUnits)) + "\" is no unit of \"" +
+                           std::string(config::word_of(entry.value, kFieldValues)) + "\"");
     return 1.0;
   }
 

@@ -40,8 +40,8 @@ class RadioChannel {
 
   /// Sets the packets that the robots understand and send. They obey packets of the layout's team alone.
   void set_layouts(const PacketLayout& commands, const PacketLayout& telemetry);
-  /// Queues one packet for `receiver`, an index of the layout's receivers, or for all robots. kBusy: the queue is full, and nothing was queued. kOutOfRange: `bytes` is empty or larger than
-  /// a packet.
+  /// Queues one packet for `receiver`, an index of the layout's receivers, or for all robots. kBusy: the queue is full,
+  /// and nothing was queued. kOutOfRange: `bytes` is empty or larger than a packet.
   Result<void> send(std::span<const std::byte> bytes, Instant now, std::size_t receiver = kAllRobots);
   /// The time at which the last queued byte will be sent.
   [[nodiscard]] Instant drained() const { return line_free_; }

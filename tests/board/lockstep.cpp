@@ -11,7 +11,6 @@
 #include <cmath>
 #include <cstring>
 
-
 namespace touchline::board {
 namespace {
 

@@ -4,11 +4,11 @@
 #include <string>
 #include <vector>
 
-#include "tests/radio/touchline_packets.h"
 #include "firmware/config/board_file.h"
 #include "hal/mock/arena.h"
 #include "hal/result.h"
 #include "tests/board/wire.h"
+#include "tests/radio/touchline_packets.h"
 
 namespace touchline::board {
 

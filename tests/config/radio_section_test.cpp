@@ -64,7 +64,7 @@ check = "crc16-ccitt-false"
   ASSERT_OK(load());
   Commands commands;
   commands.stop = false;
-  for (const RobotId id : {0, 1}) commands.robots.push_back({id, {}, {1.234f, -0.5f}});
+  for (const RobotId id : {RobotId{0}, RobotId{1}}) commands.robots.push_back({id, {}, {1.234f, -0.5f}});
   OutgoingPackets own, touchline;
   ASSERT_TRUE(encode(configuration_->pipeline.radio, commands, {false, false, 42, {}}, own).ok());
   ASSERT_TRUE(encode(touchline_layout(), commands, {false, false, 42, {}}, touchline).ok());
@@ -88,7 +88,7 @@ TEST_F(RadioSection, APresetCountsBeforeTheFile) {
   EXPECT_EQ(configuration_->pipeline.radio.slots, 5);
   ASSERT_OK(load({"team.radio.robots=3"}));
   EXPECT_EQ(configuration_->pipeline.radio.slots, 3);
-  ASSERT_OK(load({"radio.robots=4"})) << "only the team file has radio.robots";
+  ASSERT_OK(load({"radio.robots=4"}));  // only the team file has radio.robots
   EXPECT_EQ(configuration_->pipeline.radio.slots, 4);
 }
 
@@ -151,7 +151,7 @@ TEST_F(RadioSection, TheExampleOfThePageIsRead) {
   const std::size_t begin = page.find("```toml\n");
   ASSERT_NE(begin, std::string::npos);
   append(page.substr(begin + 8, page.find("```", begin + 8) - begin - 8));
-  ASSERT_OK(load()) << errors();
+  ASSERT_TRUE(load().ok()) << errors();
   Commands commands;
   commands.stop = false;
   commands.robots.push_back({1, {}, {0.25f, -0.25f}});

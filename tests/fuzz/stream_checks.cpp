@@ -4,8 +4,8 @@
 
 #include "hal/linux/v4l2/mjpg_decoder.h"
 #include "tests/fuzz/decoder_checks.h"
-#include "tests/radio/touchline_packets.h"
 #include "tests/linux/jpeg_picture.h"
+#include "tests/radio/touchline_packets.h"
 #include "tools/programs/setup/arguments.h"
 #include "tools/programs/setup/message_link.h"
 

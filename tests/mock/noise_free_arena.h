@@ -6,9 +6,9 @@
 #include <span>
 #include <vector>
 
-#include "tests/radio/touchline_packets.h"
 #include "hal/mock/arena_parameters.h"
 #include "hal/mock/world.h"
+#include "tests/radio/touchline_packets.h"
 
 namespace touchline::hal::mock {
 

@@ -141,6 +141,7 @@ TEST(PacketLayout, FillsDigitsWithZeros) {
   number.magnitude = true;
   PacketField directions = field_of(FieldValue::kDirections, FieldType::kDigits);
   directions.codes = {1, 2, 3, 4};
+  directions.width = 1;
   layout.fields.push_back(directions);
   layout.fields.push_back(number);
   number.value = FieldValue::kRight;
@@ -255,7 +256,8 @@ TEST_P(Framings, PacketsSurviveBytesOfTheFramingAndDamagedNeighbors) {
       if (!damaged || k != lost) stream.push(packet[k]);
       ParsedPacket read;
       while (stream.next(read)) {
-        EXPECT_EQ(read.sequence, static_cast<std::uint8_t>(i));
+        // Without its last byte, a packet is complete when the next one begins.
+        EXPECT_LE(static_cast<std::uint8_t>(i - read.sequence), 1);
         ++found;
       }
     }
@@ -267,7 +269,9 @@ TEST_P(Framings, PacketsSurviveBytesOfTheFramingAndDamagedNeighbors) {
 
 INSTANTIATE_TEST_SUITE_P(All, Framings,
                          ::testing::Values(Framing::kNone, Framing::kCobs, Framing::kSlip, Framing::kXbee),
-                         [](const auto& info) { return "Framing" + std::to_string(static_cast<int>(info.param)); });
+                         [](const auto& framing) {
+                           return "Framing" + std::to_string(static_cast<int>(framing.param));
+                         });
 
 TEST(Checksum, HasTheCatalogsCheckValues) {
   constexpr std::string_view kDigits = "123456789";

@@ -271,7 +271,7 @@ class PacketDecoder {
         packet_.telemetry.id = robot(reading).id;
         return true;
       case FieldValue::kAddress:
-        return take_address(robot(reading), reading.number);
+        return take_address(robot(reading), field, reading.number);
       case FieldValue::kLeft:
         robot(reading).left = value;
         return std::isfinite(value);
@@ -316,10 +316,12 @@ class PacketDecoder {
     }
   }
 
-  bool take_address(RobotReading& robot, double number) {
+  // The field may carry the lowest bits only, such as the last bytes of a MAC address.
+  bool take_address(RobotReading& robot, const PacketField& field, double number) {
+    const auto bits = static_cast<std::uint64_t>(integer_range(field).high);
     robot.known = false;
     for (const Receiver& receiver : layout_.receivers) {
-      if (static_cast<double>(static_cast<std::uint32_t>(receiver.address)) != number) continue;
+      if (static_cast<double>(receiver.address & bits) != number) continue;
       robot.id = receiver.id;
       robot.known = true;
     }

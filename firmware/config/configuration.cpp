@@ -235,6 +235,9 @@ Result<void> load(const FilePaths& paths, Configuration& out) {
   const std::string team = path_of(paths.team, out.board.team, "team", out.board_where, errors);
   read_if_named(venue, kVenueRemedy, overrides.venue, out.venue, out.venue_where, errors);
   read_if_named(team, kTeamRemedy, overrides.team, out.team, out.team_where, errors);
+  if (out.team.radio.default_baud > 0 && !out.board_where.has("radio.baud")) {
+    out.board.radio.baud = out.team.radio.default_baud;
+  }
   // Invalid values are not checked against each other, because follow-up errors would hide the first ones.
   TOUCHLINE_TRY(errors.result());
   const hal::CameraSettings& camera = out.board.camera;

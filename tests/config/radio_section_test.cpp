@@ -92,6 +92,14 @@ TEST_F(RadioSection, APresetCountsBeforeTheFile) {
   EXPECT_EQ(configuration_->pipeline.radio.slots, 4);
 }
 
+TEST_F(RadioSection, TheRobotsBaudRateAppliesUnlessTheBoardFileSaysOtherwise) {
+  append("[radio]\nformat = \"sysmic\"\ndefault_baud = 19200\n");
+  ASSERT_OK(load());
+  EXPECT_EQ(configuration_->board.radio.baud, 19200);
+  ASSERT_OK(load({"radio.baud=57600"}));
+  EXPECT_EQ(configuration_->board.radio.baud, 57600);
+}
+
 TEST_F(RadioSection, AnUnknownFormatNamesASimilarOne) {
   const std::string text = refusal_of("[radio]\nformat = \"sysmik\"\n");
   EXPECT_NE(text.find("radio.format: no robots are known as \"sysmik\"; did you mean \"sysmic\"?"), std::string::npos)

@@ -102,6 +102,14 @@ class PacketEncoder {
         return (right - left) / layout_.wheel_base_m;
       case FieldValue::kDirections:
         return field.codes[(left < 0.0 ? 1u : 0u) + (right < 0.0 ? 2u : 0u)];
+      case FieldValue::kLeftDirection:
+        return field.codes[left < 0.0 ? 1 : 0];
+      case FieldValue::kRightDirection:
+        return field.codes[right < 0.0 ? 1 : 0];
+      case FieldValue::kForwardDirection:
+        return field.codes[left + right < 0.0 ? 1 : 0];
+      case FieldValue::kTurnDirection:
+        return field.codes[right < left ? 1 : 0];
       case FieldValue::kStop:
         return field.codes[values_.stop ? 1 : 0];
       case FieldValue::kCount:

@@ -21,26 +21,30 @@ constexpr TeamNumber kNoTeamNumber = 0;
 
 /// What a field carries.
 enum class FieldValue : std::uint8_t {
-  kConstant,    // bytes that never change; a receiver checks them
-  kUnused,      // 0; a receiver ignores it
-  kId,          // of the robot
-  kAddress,     // of the robot: Receiver::address
-  kLeft,        // speed of the left wheel's rim in m/s, or its PWM share if the layout has a curve
-  kRight,       // the same for the right wheel
-  kForward,     // speed of the robot in m/s
-  kTurn,        // turn rate in rad/s
-  kDirections,  // codes[0..3]: both wheels forward, left one backward, right one backward, both backward
-  kStop,        // codes[0]: drive, codes[1]: stop
-  kCount,       // robots in the packet
-  kLength,      // bytes from field `first` up to field `end`
-  kSequence,    // number of the packet
-  kTeam,        // TeamNumber
-  kTime,        // milliseconds
-  kCheck,       // checksum of the bytes from field `first` up to field `end`
-  kBattery,     // V, of telemetry
-  kLink         // percent of packets received, of telemetry
+  kConstant,          // bytes that never change; a receiver checks them
+  kUnused,            // 0; a receiver ignores it
+  kId,                // of the robot
+  kAddress,           // of the robot: Receiver::address
+  kLeft,              // speed of the left wheel's rim in m/s, or its PWM share if the layout has a curve
+  kRight,             // the same for the right wheel
+  kForward,           // speed of the robot in m/s
+  kTurn,              // turn rate in rad/s
+  kDirections,        // codes[0..3]: both wheels forward, left one backward, right one backward, both backward
+  kLeftDirection,     // codes[0]: forward, codes[1]: backward
+  kRightDirection,    // the same of the right wheel
+  kForwardDirection,  // the same of the robot
+  kTurnDirection,     // codes[0]: to the left, codes[1]: to the right
+  kStop,              // codes[0]: drive, codes[1]: stop
+  kCount,             // robots in the packet
+  kLength,            // bytes from field `first` up to field `end`
+  kSequence,          // number of the packet
+  kTeam,              // TeamNumber
+  kTime,              // milliseconds
+  kCheck,             // checksum of the bytes from field `first` up to field `end`
+  kBattery,           // V, of telemetry
+  kLink               // percent of packets received, of telemetry
 };
-inline constexpr std::array<Choice<FieldValue>, 18> kFieldValues{{{"constant", FieldValue::kConstant},
+inline constexpr std::array<Choice<FieldValue>, 22> kFieldValues{{{"constant", FieldValue::kConstant},
                                                                   {"unused", FieldValue::kUnused},
                                                                   {"id", FieldValue::kId},
                                                                   {"address", FieldValue::kAddress},
@@ -49,6 +53,10 @@ inline constexpr std::array<Choice<FieldValue>, 18> kFieldValues{{{"constant", F
                                                                   {"forward", FieldValue::kForward},
                                                                   {"turn", FieldValue::kTurn},
                                                                   {"directions", FieldValue::kDirections},
+                                                                  {"left-direction", FieldValue::kLeftDirection},
+                                                                  {"right-direction", FieldValue::kRightDirection},
+                                                                  {"forward-direction", FieldValue::kForwardDirection},
+                                                                  {"turn-direction", FieldValue::kTurnDirection},
                                                                   {"stop", FieldValue::kStop},
                                                                   {"count", FieldValue::kCount},
                                                                   {"length", FieldValue::kLength},
@@ -81,7 +89,7 @@ struct PacketField {
   std::uint8_t decimals = 0;  // of kDigits
   std::uint8_t width = 0;     // of kDigits: filled with zeros to this number of characters; 0: as short as possible
   bool big_endian = false;
-  bool magnitude = false;  // without its sign, which kDirections carries
+  bool magnitude = false;  // without its sign, which a direction carries
   bool between = false;    // is left out after the last robot
   std::uint8_t block = 0;  // consecutive fields of one block are repeated for each robot; 0: once in a packet
   CheckKind check = CheckKind::kSum8;

@@ -223,7 +223,7 @@ struct RobotReading {
   bool known = true;  // it is one of the receivers
   RobotId id = kUnknownId;
   double left = 0.0, right = 0.0, forward = 0.0, turn = 0.0;
-  bool has_twist = false, left_backward = false, right_backward = false;
+  bool has_twist = false, left_backward = false, right_backward = false, backward = false, to_the_right = false;
 };
 
 // Index of the code; 4: none.
@@ -271,7 +271,7 @@ class PacketDecoder {
         packet_.telemetry.id = robot(reading).id;
         return true;
       case FieldValue::kAddress:
-        return take_address(robot(reading), reading.number);
+        return take_address(robot(reading), field, reading.number);
       case FieldValue::kLeft:
         robot(reading).left = value;
         return std::isfinite(value);
@@ -292,6 +292,14 @@ class PacketDecoder {
         robot(reading).right_backward = (code & 2u) != 0u;
         return code < 4;
       }
+      case FieldValue::kLeftDirection:
+        return take_direction(field, reading.number, robot(reading).left_backward);
+      case FieldValue::kRightDirection:
+        return take_direction(field, reading.number, robot(reading).right_backward);
+      case FieldValue::kForwardDirection:
+        return take_direction(field, reading.number, robot(reading).backward);
+      case FieldValue::kTurnDirection:
+        return take_direction(field, reading.number, robot(reading).to_the_right);
       case FieldValue::kStop: {
         const std::size_t code = code_of(field, reading.number, 2);
         packet_.stop = code == 1;
@@ -316,10 +324,18 @@ class PacketDecoder {
     }
   }
 
-  bool take_address(RobotReading& robot, double number) {
+  static bool take_direction(const PacketField& field, double number, bool& backward) {
+    const std::size_t code = code_of(field, number, 2);
+    backward = code == 1;
+    return code < 2;
+  }
+
+  // The field may carry the lowest bits only, such as the last bytes of a MAC address.
+  bool take_address(RobotReading& robot, const PacketField& field, double number) {
+    const auto bits = static_cast<std::uint64_t>(integer_range(field).high);
     robot.known = false;
     for (const Receiver& receiver : layout_.receivers) {
-      if (static_cast<double>(static_cast<std::uint32_t>(receiver.address)) != number) continue;
+      if (static_cast<double>(receiver.address & bits) != number) continue;
       robot.id = receiver.id;
       robot.known = true;
     }
@@ -337,8 +353,9 @@ class PacketDecoder {
     WheelSpeeds wheels{static_cast<float>(robot.left_backward ? -robot.left : robot.left),
                        static_cast<float>(robot.right_backward ? -robot.right : robot.right)};
     if (robot.has_twist) {
-      const double half = robot.turn * layout_.wheel_base_m / 2;
-      wheels = {static_cast<float>(robot.forward - half), static_cast<float>(robot.forward + half)};
+      const double forward = robot.backward ? -robot.forward : robot.forward;
+      const double half = (robot.to_the_right ? -robot.turn : robot.turn) * layout_.wheel_base_m / 2;
+      wheels = {static_cast<float>(forward - half), static_cast<float>(forward + half)};
     }
     if (!packet_.stop) command.wheels = wheels;
     return command;

@@ -82,14 +82,16 @@ struct FieldEntry {
     visit.number(self.decimals, {.name = "decimals", .range = {0, 6}, .help = "Decimals of digits"});
     visit.number(self.width,
                  {.name = "width", .range = {0, 16}, .help = "Characters of digits, filled with zeros; 0: as needed"});
-    visit.flag(self.magnitude, {.name = "magnitude", .help = "Without sign, which a field directions carries"});
+    visit.flag(self.magnitude, {.name = "magnitude", .help = "Without sign, which a direction carries"});
     visit.flag(self.between, {.name = "between", .help = "Separates robots: is left out after the last one"});
     visit.number(self.block, {.name = "block",
                               .range = {0, 9},
                               .help = "Consecutive fields of one block repeat for each robot; 0: once in a packet"});
-    visit.numbers(self.codes, {.name = "codes",
-                               .help = "stop: numbers of drive and stop; directions: of both forward, left backward, "
-                                       "right backward, both backward"});
+    visit.numbers(
+        self.codes,
+        {.name = "codes",
+         .help = "stop: numbers of drive and stop; directions: of both forward, left backward, right backward, both "
+                 "backward; left-direction and the like: of forward and backward; turn-direction: of left and right"});
     visit.choice(self.check, kCheckKinds, {.name = "check", .help = "Kind of the checksum"});
     visit.text(self.from, {.name = "from",
                            .help = "First field that a length or check covers; empty: the packet's first one for a "

@@ -39,6 +39,11 @@ Quantity quantity_of(FieldValue value) {
   }
 }
 
+bool is_direction(FieldValue value) {
+  return value == FieldValue::kLeftDirection || value == FieldValue::kRightDirection ||
+         value == FieldValue::kForwardDirection || value == FieldValue::kTurnDirection;
+}
+
 std::optional<unsigned> hex_digit(char c) {
   if (c >= '0' && c <= '9') return static_cast<unsigned>(c - '0');
   if (c >= 'a' && c <= 'f') return static_cast<unsigned>(c - 'a' + 10);
@@ -262,7 +267,8 @@ class LayoutResolver {
   }
 
   void add_codes(const FieldEntry& entry, const std::string& key, PacketField& field) {
-    const std::size_t count = entry.value == FieldValue::kStop ? 2U : entry.value == FieldValue::kDirections ? 4U : 0U;
+    const bool has_two = entry.value == FieldValue::kStop || is_direction(entry.value);
+    const std::size_t count = has_two ? 2U : entry.value == FieldValue::kDirections ? 4U : 0U;
     if (!entry.codes.empty() && entry.codes.size() != count) {
       add(key + ".codes", std::to_string(entry.codes.size()) + " codes instead of " + std::to_string(count));
       return;
@@ -337,7 +343,8 @@ class LayoutResolver {
     for (std::size_t i = 0; i < layout.fields.size(); ++i) {
       const PacketField& field = layout.fields[i];
       const bool of_robot = quantity_of(field.value) != Quantity::kOther || field.value == FieldValue::kId ||
-                            field.value == FieldValue::kAddress || field.value == FieldValue::kDirections;
+                            field.value == FieldValue::kAddress || field.value == FieldValue::kDirections ||
+                            is_direction(field.value);
       if (of_robot && field.block == 0 && !layout.one_each) {
         add(element("radio.field", i), "belongs to one robot of several: give it a block, or packet_for = \"each\"");
       }

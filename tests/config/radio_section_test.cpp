@@ -93,7 +93,7 @@ TEST_F(RadioSection, APresetCountsBeforeTheFile) {
 }
 
 TEST_F(RadioSection, TheRobotsBaudRateAppliesUnlessTheBoardFileSaysOtherwise) {
-  append("[radio]\nformat = \"sysmic\"\ndefault_baud = 19200\n");
+  append("[radio]\nformat = \"sysmic\"\nfirst_id = 0\ndefault_baud = 19200\n");
   ASSERT_OK(load());
   EXPECT_EQ(configuration_->board.radio.baud, 19200);
   ASSERT_OK(load({"radio.baud=57600"}));
@@ -193,7 +193,7 @@ TEST_F(RadioSection, ASampleShowsEachField) {
 }
 
 TEST_F(RadioSection, WarnsOfLongPacketsAndOfRobotsThatDriveOn) {
-  append("[radio]\nformat = \"sysmic\"\n");
+  append("[radio]\nformat = \"sysmic\"\nfirst_id = 0\n");
   ASSERT_OK(load({"radio.backend=serial", "radio.baud=9600", "camera.rate_hz=60"}));
   const std::string text = radio_warnings(*configuration_);
   EXPECT_NE(text.find("longer than a frame of 16.7 ms"), std::string::npos) << text;

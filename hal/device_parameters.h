@@ -158,6 +158,7 @@ struct RadioPortSettings {
   std::string interface;
   int time_to_live = 1;
   std::vector<int> robots;
+  double pause_s = 0.0;  // serial: after each packet; of the robots' format (team file)
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {

@@ -107,6 +107,16 @@ void check_exposure(const Configuration& configuration, ErrorList& errors) {
   }
 }
 
+// Applies what the robots' format says of the line, unless the board file says otherwise.
+void apply_format(const RadioEntry& format, const Locations& board, hal::RadioSettings& radio) {
+  const auto apply = [&](hal::RadioPortSettings& port, const std::string& key) {
+    if (format.default_baud > 0 && !board.has(key + ".baud")) port.baud = format.default_baud;
+    port.pause_s = format.pause_s;
+  };
+  apply(radio, "radio");
+  for (std::size_t i = 0; i < radio.more.size(); ++i) apply(radio.more[i], element("radio.more", i));
+}
+
 // Overrides by file.
 struct SortedOverrides {
   std::vector<Override> board, venue, team;
@@ -236,9 +246,7 @@ Result<void> load(const FilePaths& paths, Configuration& out) {
   const std::string team = path_of(paths.team, out.board.team, "team", out.board_where, errors);
   read_if_named(venue, kVenueRemedy, overrides.venue, out.venue, out.venue_where, errors);
   read_if_named(team, kTeamRemedy, overrides.team, out.team, out.team_where, errors);
-  if (out.team.radio.default_baud > 0 && !out.board_where.has("radio.baud")) {
-    out.board.radio.baud = out.team.radio.default_baud;
-  }
+  apply_format(out.team.radio, out.board_where, out.board.radio);
   // Invalid values are not checked against each other, because follow-up errors would hide the first ones.
   TOUCHLINE_TRY(errors.result());
   const hal::CameraSettings& camera = out.board.camera;

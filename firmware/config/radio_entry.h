@@ -109,6 +109,7 @@ struct RadioEntry {
   std::string about, source, note;
   int default_baud = 0;
   double time_out_s = 0.0;
+  double pause_s = 0.0;
   PacketFor packet_for = PacketFor::kAll;
   int robots = 0, first_id = 0;
   ByteOrder byte_order = ByteOrder::kLittle;
@@ -136,6 +137,11 @@ struct RadioEntry {
                   .range = {0.0, 60.0},
                   .unit = "s",
                   .help = "Time without packets after which the robots stop by themselves; 0: they do not"});
+    visit.number(self.pause_s, {.name = "pause_s",
+                                .range = {0.0, 1.0},
+                                .unit = "s",
+                                .help = "Serial line: pause after each packet, for robots that need one to separate "
+                                        "packets"});
     visit.choice(self.packet_for, kPacketFor,
                  {.name = "packet_for", .help = "One packet for all robots, or one for each robot"});
     visit.number(self.robots, {.name = "robots",

@@ -12,11 +12,15 @@
 
 namespace touchline::config {
 
-/// One `--set key=value`.
+/// One `--set key=value`, or `--set key+=list`.
 struct Override {
-  std::string key;    // path of the key: "camera.exposure_us", "color[2].name"
-  std::string value;  // TOML; anything else is read as a string
+  std::string key;       // path of the key: "camera.exposure_us", "color[2].name"
+  std::string value;     // TOML; anything else is read as a string
+  bool appends = false;  // the elements of the list `value` follow those that the key has already
 };
+
+/// The option as it was given.
+std::string option_text(const Override& override);
 
 /// Parses a file and checks its version. kNotFound: see read_toml(). `remedy` is added to the message if there is no
 /// file.
@@ -24,7 +28,7 @@ Result<toml::table> parse_file(const std::string& path, std::string_view remedy)
 /// Parses `content`, the content of the file `path`, in the same way.
 Result<toml::table> parse_text(std::string_view content, const std::string& path);
 
-/// Stores the value in the table. The reader checks it later like a value from the file.
+/// Stores the value in the table, or adds it to the list there. The reader checks it later like a value from the file.
 Result<void> apply(const Override& override, toml::table& root);
 
 /// Checks all keys of a parsed file, and stores their values.

@@ -18,6 +18,7 @@ Scene scene_of(const Session& session, const std::string& version) {
   Scene scene = console::scene_of(session.shared_configuration(), session.camera_info(), version);
   scene.is_draft = session.is_draft();
   scene.is_calibrated = session.is_calibrated();
+  scene.order = session.order();
   return scene;
 }
 

@@ -175,7 +175,7 @@ class Hub {
   [[nodiscard]] Outgoing status_message(Instant now);
   void obey(const SetupOrder& order);
   Result<void> use(const SetupOrder& order);
-  void end_use(const Result<FilesUse>& used);
+  void end_use(std::uint64_t number, const Result<FilesUse>& used);
   void update_setup_wish(Instant now);
   void end_try(const char* reason);
   Result<void> leave_setup(const Client& client, std::int64_t request);
@@ -241,6 +241,7 @@ class Hub {
   std::list<Client> clients_;
   SetupRelay setup_;
   std::optional<SetupOrder> order_;  // in progress: its files are being loaded, or its session is about to begin
+  std::uint64_t last_order_ = 0;     // number of the newest one
   bool is_held_ = false;             // a draft is or was in use, and the saved files are not in use again
   bool is_trying_ = false;           // robots play with the draft
   SetupWish wish_ = SetupWish::kNone;

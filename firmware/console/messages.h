@@ -27,6 +27,7 @@ struct Scene {
   std::string version;  // of the program
   CameraModel model;    // of the configuration
   bool is_draft = false, is_calibrated = true;
+  std::uint64_t order = 0;  // number of the order that led to the session, see UseFiles; 0: none
   config::FilePaths files;  // of the configuration, absolute
 };
 /// Asks the system for the current folder: not for the console's thread while it serves.

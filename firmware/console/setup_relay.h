@@ -26,6 +26,7 @@ struct SetupOrder {
   config::FilePaths files;     // of kUseDraft
   ClientNumber client = 0;     // client that gave the order; 0: the setup program gave it
   std::int64_t to_client = 0;  // number of its request; 0: it is told errors only
+  std::uint64_t number = 0;    // of the orders to use files, from 1
 };
 
 /// Passes messages between the clients of the console and the setup program (docs/console-protocol.md). Requests of the

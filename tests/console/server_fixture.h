@@ -34,7 +34,8 @@ class ConsoleServer : public ::testing::Test {
   /// The member of a start that names the stop in force, as a page has it from the newest state.
   [[nodiscard]] std::string stop_in_force() const { return "\"stop_number\":" + std::to_string(stop_number_); }
   /// Lets a session begin, as the main thread does. Call it in `use_files`: the hub is told with its next turn.
-  void begin_session_later(bool is_draft, bool is_calibrated, std::string error = {});
+  /// `order`: the number that `use_files` got, if the session fulfills this order.
+  void begin_session_later(bool is_draft, bool is_calibrated, std::string error = {}, std::uint64_t order = 0);
   /// Waits until the loop has got this, for at most half a minute.
   template <class Condition>
   [[nodiscard]] bool eventually(const Condition& condition) const {

@@ -149,8 +149,7 @@ class Hub {
   /// be written to. Valid until the next call.
   std::span<std::byte> current_jpeg(std::uint64_t from);
   [[nodiscard]] std::uint64_t picture_number() const { return pictures_.number(); }
-  /// The file of the loop's camera; "": it has none.
-  [[nodiscard]] std::string used_camera() const;
+  [[nodiscard]] const config::BoardFile& board() const { return scene_.configuration->board; }
   std::string metrics();
   /// Returns the content for a bug report of this moment, with the current picture if has_picture(from). Copies up to 7
   /// MB and the picture.

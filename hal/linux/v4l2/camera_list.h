@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,6 +19,15 @@ struct CameraNode {
   int error = 0;               // errno of open(); then the rest is empty
   V4l2Identity identity;
 };
+
+/// Returns the files of all video devices, sorted by number. Opens none.
+std::vector<std::string> camera_files();
+
+/// Returns a camera as far as it is known without opening it.
+CameraNode unopened_camera(const std::string& path);
+
+/// Opens the device. Nothing: it is no camera, or has just disappeared.
+std::optional<CameraNode> camera_at(const std::string& path);
 
 /// All cameras, sorted by number. Opens every video device.
 std::vector<CameraNode> list_cameras();

@@ -41,6 +41,10 @@ struct FieldPictures {
   bool refine = true;                  // false: only the points are used
 };
 
+/// How messages and reports call the given height. They name no option, because the page of the console shows them,
+/// too: each program says where it is entered.
+inline constexpr std::string_view kHeightTerm = "the height of the lens above the floor";
+
 /// Finds the camera model from the border of the field or from known points. kInconsistent: pictures of different
 /// sizes, or fewer than four points. kOutOfRange: the picture contradicts the given height (0: none) or the drawing of
 /// the center line and circle, or a point lies outside of it. Errors of find_border(), fit_field() and refine_field();

@@ -46,13 +46,6 @@ std::vector<std::string> device_lines(const Session& session) {
   add("camera", session.camera_info().description);
   add("camera", session.camera_info().negotiated);
   add("radio", session.radio_description());
-  const config::Configuration& configuration = session.configuration();
-  if (configuration.board.radio.backend != hal::RadioBackend::kNone && configuration.team.team_number == 0) {
-    add("radio",
-        "packets have no team number: robots obey every Touchline on their channel; to prevent it, set "
-        "team_number in " +
-            configuration.team_where.file() + " and in the robots (docs/radio.md)");
-  }
   add("gpio", session.gpio_description());
   return lines;
 }
@@ -73,6 +66,12 @@ void print_start(const Session& session, const network::Connections& connections
                      ", team " + configuration.team_where.file() +
                      "\ncolors: " + std::string(config::kernel_word(configuration.board)) + " kernel\n";
   for (const std::string& line : device_lines(session)) text += line;
+  if (configuration.board.radio.backend != hal::RadioBackend::kNone && configuration.team.team_number == 0) {
+    text +=
+        "radio: packets have no team number: robots obey every Touchline on their channel; to prevent it, set "
+        "team_number in " +
+        configuration.team_where.file() + " and in the robots (docs/radio.md)\n";
+  }
   output.print(text + connections.start_text() + console.start_text(::isatty(STDOUT_FILENO) != 0));
   for (const std::string& refusal : refused) output.print_error("real time: " + refusal + "\n");
 }

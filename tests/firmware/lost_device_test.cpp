@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "tests/firmware/loop_fixture.h"
+#include "tests/results.h"
 
 namespace touchline::testing {
 namespace {

@@ -5,8 +5,10 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <sstream>
 #include <utility>
 
+#include "firmware/config/packet_text.h"
 #include "firmware/config_reloader.h"
 #include "firmware/console/console.h"
 #include "firmware/crash_stop.h"
@@ -66,12 +68,9 @@ void print_start(const Session& session, const network::Connections& connections
                      ", team " + configuration.team_where.file() +
                      "\ncolors: " + std::string(config::kernel_word(configuration.board)) + " kernel\n";
   for (const std::string& line : device_lines(session)) text += line;
-  if (configuration.board.radio.backend != hal::RadioBackend::kNone && configuration.team.team_number == 0) {
-    text +=
-        "radio: packets have no team number: robots obey every Touchline on their channel; to prevent it, set "
-        "team_number in " +
-        configuration.team_where.file() + " and in the robots (docs/radio.md)\n";
-  }
+  std::istringstream warnings(config::radio_warnings(configuration));
+  for (std::string warning; std::getline(warnings, warning);) text += "radio: " + warning + "
+";
   output.print(text + connections.start_text() + console.start_text(::isatty(STDOUT_FILENO) != 0));
   for (const std::string& refusal : refused) output.print_error("real time: " + refusal + "\n");
 }

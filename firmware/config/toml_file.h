@@ -25,7 +25,7 @@ std::string option_text(const Override& override);
 /// Parses a file and checks its version. kNotFound: see read_toml(). `remedy` is added to the message if there is no
 /// file.
 Result<toml::table> parse_file(const std::string& path, std::string_view remedy);
-/// Parses `content`, the content of the file `path`, in the same way.
+/// As above for `content`, the content of the file `path`.
 Result<toml::table> parse_text(std::string_view content, const std::string& path);
 
 /// Stores the value in the table, or adds it to the list there. The reader checks it later like a value from the file.

@@ -7,7 +7,7 @@
 
 namespace touchline::console {
 
-/// The body of an answer, and the name of the file in which a browser stores it (without extension, "": none).
+/// Body of an answer, and the name under which a browser stores it (without extension, "": not stored).
 struct MadeAnswer {
   std::string name, bytes;
 };
@@ -18,10 +18,10 @@ class AnswerWorker {
   explicit AnswerWorker(FileThread::Priority priority = FileThread::Priority::kLowest) : thread_(priority) {}
   /// Returns whether an answer is being made or waits for take().
   [[nodiscard]] bool is_busy() const { return is_busy_; }
-  /// Whether take() has an answer.
+  /// Returns whether take() has an answer.
   [[nodiscard]] bool is_done();
-  /// Call it only if it is not busy. `make` owns all that it uses; if it throws, the answer is empty. Throws
-  /// std::system_error if there is no thread.
+  /// Call it only if it is not busy. `make` must own everything that it uses; if it throws, the answer is empty. Throws
+  /// std::system_error if no thread can be started.
   void start(std::function<MadeAnswer()> make);
   /// Returns the answer; call it after is_done().
   MadeAnswer take();

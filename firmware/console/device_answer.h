@@ -25,8 +25,8 @@ using MakeLibcameraLink = std::function<std::unique_ptr<hal::LibcameraLink>()>;
 std::string device_answer(const hal::CameraSettings& used, int priority = 0,
                           const MakeLibcameraLink& make_link = hal::make_libcamera_link);
 
-/// The serial ports and GPIO chips of device_answer() alone, which takes no time. "name" is what a board file should
-/// have.
+/// Returns only the serial ports and GPIO chips of device_answer(), which takes no time. "name" is the value for the
+/// board file.
 std::string port_answer();
 
 }  // namespace touchline::console

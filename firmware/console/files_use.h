@@ -8,10 +8,10 @@
 
 namespace touchline::console {
 
-/// Says when the files that the setup program has ordered are in use.
+/// When the files that the setup program has ordered are used.
 enum class FilesUse : std::uint8_t {
-  kAtOnce,         // the running session has adopted them
-  kInNextSession,  // another session with them follows this one
+  kAtOnce,         // the running session has adopted the files
+  kInNextSession,  // the next session will use the files
 };
 
 /// Loads these files, or the saved ones if they are empty. The session that is to use them has the number `order` in

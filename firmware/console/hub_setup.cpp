@@ -5,7 +5,7 @@
 
 #include "firmware/console/hub.h"
 
-// The hub's part of the setup.
+// Functions of the hub for the guided setup.
 namespace touchline::console {
 namespace {
 
@@ -72,7 +72,7 @@ void Hub::obey(const SetupOrder& order) {
   using Kind = SetupOrder::Kind;
   if (order.kind == Kind::kUseDraft || order.kind == Kind::kUseSaved) {
     const Result<void> used = use(order);
-    if (used.ok()) return;  // answered, or begin_session() will
+    if (used.ok()) return;  // the order is answered, or begin_session() will answer it
     setup_.answer(order, used.text(), scene_.is_calibrated);
     links_.print("console: setup: " + used.text());
     return;
@@ -95,7 +95,7 @@ void Hub::obey(const SetupOrder& order) {
 
 void Hub::end_try(const char* reason) {
   if (!std::exchange(is_trying_, false)) return;
-  // This answer belongs to no request: it tells the page that robots no longer play.
+  // This answer belongs to no request; it tells the page that robots no longer play with the draft.
   if (setup_.is_running()) setup_.answer({SetupOrder::Kind::kTry, 0, {}}, reason, scene_.is_calibrated);
 }
 
@@ -104,7 +104,7 @@ Result<void> Hub::use(const SetupOrder& order) {
   if (order_) return failure(ErrorCode::kBusy, "%s", kLoadingFiles);
   if (order.kind == SetupOrder::Kind::kUseDraft) is_held_ = true;
   end_try("the files have changed");
-  // Robots stand already while the files are being read.
+  // From here on robots stand, even while the files are being read.
   order_ = order;
   order_->number = ++last_order_;
   update_setup_wish(hal::MonotonicClock::read());
@@ -161,7 +161,7 @@ ConsoleInput Hub::input_now() const {
   ConsoleInput input = driving_.input();
   input.setup = wish_;
   if (wish_ != SetupWish::kPermit || is_trying_) return input;
-  // One robot is driven with a draft: the others stand.
+  // With a draft only one robot is driven; the others stand.
   const Instant now = hal::MonotonicClock::read();
   for (const RobotId id : driving_.robots()) {
     const bool is_driven = std::any_of(input.commands.begin(), input.commands.end(),
@@ -169,7 +169,7 @@ ConsoleInput Hub::input_now() const {
     ExternalCommand stand;
     stand.id = id;
     stand.received = now;
-    // There are no more robots than commands.
+    // cannot be full, because there are no more robots than commands
     if (!is_driven) static_cast<void>(input.commands.push_back(stand));
   }
   return input;

@@ -22,8 +22,8 @@ struct LibcameraWorld {
   using Change = std::function<void(hal::LibcameraFrame&)>;
   // Properties.
   std::vector<hal::LibcameraName> cameras{{"/base/soc/i2c0mux/i2c@1/imx219@10", "imx219", false}};
-  std::map<std::string, int> errors;  // by name of the call; each occurs once
-  int good_queues = 0;                // number of calls of queue() before its error
+  std::map<std::string, int> errors;  // errors by name of the call; each occurs once
+  int good_queues = 0;                // number of successful calls of queue() before its error
   std::string offers = "nv12 32x32 to 3280x2464";
   std::vector<hal::V4l2FormatInfo> formats;  // that each camera lists
   std::uint32_t padding_bytes = 0;           // per row
@@ -61,7 +61,7 @@ struct LibcameraWorld {
   std::mutex mutex_;
   std::condition_variable changed_;
   std::deque<std::uint32_t> queued_;
-  std::map<std::uint32_t, hal::LibcameraNumbers> carried_;  // by buffer
+  std::map<std::uint32_t, hal::LibcameraNumbers> carried_;  // controls sent with each buffer
   std::size_t frame_bytes_ = 0;
   int frames_left_ = 0;
   std::thread::id caller_;

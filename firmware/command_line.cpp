@@ -49,7 +49,7 @@ void add_files(CLI::App& app, config::FilePaths& files) {
   app.add_option("--venue", files.venue, "Venue file; default: the one in the board file")->type_name("FILE");
   app.add_option("--team", files.team, "Team file; default: the one in the board file")->type_name("FILE");
   app.add_option("--set", files.overrides,
-                 "Override a key of one of the three files: --set camera.exposure_us=4000\n"
+                 "Override a key of one of the three files: --set camera.exposure_us=4000. KEY+=LIST adds to a list.\n"
                  "`touchline keys` lists all keys")
       ->type_name("KEY=VALUE")
       ->expected(1)

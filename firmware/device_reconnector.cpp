@@ -33,11 +33,11 @@ void DeviceReconnector::work() {
   }
 }
 
-void DeviceReconnector::mark_lost(Instant now) {
+void DeviceReconnector::mark_lost(Instant now, Duration former_pause) {
   if (!is_open_) return;
   is_open_ = false;
   lost_at_ = now;
-  pause_ = first_pause_;
+  pause_ = std::max(first_pause_, std::min<Duration>(2 * former_pause, kLongestPause));
   next_attempt_ = now + pause_;
 }
 

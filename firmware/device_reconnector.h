@@ -31,13 +31,16 @@ class DeviceReconnector {
   [[nodiscard]] bool is_open() const { return is_open_; }
   /// Sets the pause before the first attempt after the next loss.
   void set_first_pause(Duration pause) { first_pause_ = pause; }
-  /// Marks the device as lost. No effect if it is already lost.
-  void mark_lost(Instant now);
+  /// Marks the device as lost. No effect if it is already lost. `former_pause`: last pause of a former reconnector
+  /// whose success did not last, so that the pauses go on growing; zero: they start with the first one.
+  void mark_lost(Instant now, Duration former_pause = {});
   /// Call it in each iteration. Starts the attempts that are due, and returns the result of an attempt that has ended
   /// since the last call. After success the device is open.
   std::optional<Result<void>> poll(Instant now);
   /// Returns the time since the device was lost; zero if it is open.
   [[nodiscard]] Duration time_lost(Instant now) const { return is_open_ ? Duration::zero() : now - lost_at_; }
+  /// Returns the pause before the last or next attempt since the last loss; zero if there was no loss.
+  [[nodiscard]] Duration pause() const { return pause_; }
   /// Waits for an attempt in progress and starts no others.
   void stop();
 

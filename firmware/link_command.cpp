@@ -30,7 +30,7 @@ RestrictAddressFamilies=AF_INET
 IPAddressAllow=localhost link-local 10.0.0.0/8 172.16.0.0/12 192.168.0.0/16
 ExecStart=
 ExecStart=/usr/bin/touchline run --board /etc/touchline/board.toml --set console.enabled=true \
-    --set 'console.address="0.0.0.0:8642"' --set 'console.hosts=["touchline.local", "HOST.local"]'
+    --set 'console.address="0.0.0.0:8642"' --set 'console.hosts+=["touchline.local", "HOST.local"]'
 )";
 
 struct Paths {

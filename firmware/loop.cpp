@@ -57,7 +57,7 @@ void Loop::set_faults(const config::FaultSettings& faults) {
 
 Result<void> Loop::open() {
   const Result<LoopDevices::OpenResults> opened =
-      devices_.open(from_seconds(settings_.faults.reopen_after_s), settings_.awaited);
+      devices_.open(from_seconds(settings_.faults.reopen_after_s), settings_.awaited, settings_.former_pauses);
   if (!opened.ok()) return opened.error();
   const Instant now = devices_.clock().now();
   prepare_crash_stop(now);

@@ -49,6 +49,9 @@ struct LoopSettings {
   // stand until it is open. When an awaited camera opens, the loop ends with kRestart, because the users of its
   // pictures have to learn their format.
   DeviceFlags awaited{};
+  // Pauses of the former session, whose restart found the awaited device open. If it cannot be opened now, the pauses
+  // go on growing from these.
+  LoopDevices::Pauses former_pauses{};
   std::uint64_t first_number = 0;     // number of the first frame's snapshot
   LiveUpdate* live_update = nullptr;  // new settings while the loop runs; null: none
   ExternalInputSettings external;
@@ -124,6 +127,8 @@ class Loop {
   /// Shows a watchdog that the loop runs; callable from any thread.
   [[nodiscard]] const LoopHeartbeat& heartbeat() const { return heartbeat_; }
   [[nodiscard]] bool is_open(Device device) const { return devices_.is_open(device); }
+  /// Returns the value for LoopSettings::former_pauses of the next session.
+  [[nodiscard]] LoopDevices::Pauses pauses() const { return devices_.pauses(); }
   /// Returns the bits of Halt.
   [[nodiscard]] std::uint32_t halt() const { return rules_.halt(); }
   /// Returns the stops that the next session takes over.

@@ -45,7 +45,8 @@ Result<void> LoopDevices::open_device(Device device) {
   return {};
 }
 
-Result<LoopDevices::OpenResults> LoopDevices::open(Duration first_pause, const DeviceFlags& awaited) {
+Result<LoopDevices::OpenResults> LoopDevices::open(Duration first_pause, const DeviceFlags& awaited,
+                                                   const Pauses& former_pauses) {
   OpenResults results;
   for (const Device device : kOpeningOrder) {
     const auto index = static_cast<std::size_t>(device);
@@ -63,7 +64,8 @@ Result<LoopDevices::OpenResults> LoopDevices::open(Duration first_pause, const D
   are_open_ = true;
   const Instant now = hal_.clock.now();
   for (const Device device : kDevices) {
-    if (!results[static_cast<std::size_t>(device)].ok()) mark_lost(device, now);
+    const auto index = static_cast<std::size_t>(device);
+    if (!results[index].ok()) at(device).mark_lost(now, former_pauses[index]);
   }
   return results;
 }
@@ -80,6 +82,15 @@ void LoopDevices::close() {
   for (auto& reconnector : reconnectors_) reconnector->stop();
   hal_.camera.stop();
   close_all();
+}
+
+LoopDevices::Pauses LoopDevices::pauses() const {
+  Pauses pauses{};
+  for (const Device device : kDevices) {
+    const auto index = static_cast<std::size_t>(device);
+    if (reconnectors_[index]) pauses[index] = reconnectors_[index]->pause();
+  }
+  return pauses;
 }
 
 void LoopDevices::set_first_pause(Duration pause) {

@@ -31,12 +31,14 @@ class LoopDevices {
   LoopDevices(const LoopDevices&) = delete;
   LoopDevices& operator=(const LoopDevices&) = delete;
 
-  using OpenResults = std::array<Result<void>, kDeviceCount>;  // result by Device
+  using OpenResults = std::array<Result<void>, kDeviceCount>;  // by Device
+  using Pauses = std::array<Duration, kDeviceCount>;           // by Device
 
   /// Opens radio, GPIO and camera, in this order, and starts the camera. A device of `awaited` that cannot be opened
   /// counts as lost from now on, and the result says why; poll() tries again. If any other device cannot be opened,
   /// that is an error, and nothing stays open.
-  Result<OpenResults> open(Duration first_pause, const DeviceFlags& awaited = {});
+  /// `former_pauses`: see DeviceReconnector::mark_lost().
+  Result<OpenResults> open(Duration first_pause, const DeviceFlags& awaited = {}, const Pauses& former_pauses = {});
   /// Waits for attempts in progress, then closes all devices.
   void close();
   [[nodiscard]] hal::Camera& camera() const { return hal_.camera; }
@@ -53,6 +55,8 @@ class LoopDevices {
   /// Returns the result of an attempt to reopen the device if it has ended since the last call; see
   /// DeviceReconnector::poll.
   std::optional<Result<void>> poll(Device device, Instant now) { return at(device).poll(now); }
+  /// Returns the pause before the last or next attempt to reopen each device; zero if it was never lost.
+  [[nodiscard]] Pauses pauses() const;
   /// Sets the pause before the first attempt after the next loss.
   void set_first_pause(Duration pause);
 

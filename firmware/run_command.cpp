@@ -1,6 +1,7 @@
 #include "firmware/run_command.h"
 
 #include <unistd.h>
+#include <algorithm>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -39,22 +40,38 @@ bool is_served(const console::ConsolePlan& plan, const config::BoardFile& board,
   return plan.is_enabled && (is_paced || board.camera.backend != hal::CameraBackend::kMock);
 }
 
+/// What open() found and negotiated, a line for each.
+std::vector<std::string> device_lines(const Session& session) {
+  std::vector<std::string> lines;
+  const auto add = [&lines](const char* device, const std::string& description) {
+    if (!description.empty()) lines.push_back(std::string(device) + ": " + description + "\n");
+  };
+  add("camera", session.camera_info().description);
+  add("camera", session.camera_info().negotiated);
+  add("radio", session.radio_description());
+  add("gpio", session.gpio_description());
+  return lines;
+}
+
+/// Prints what differs from the former session's lines: a camera that was absent has negotiated its format.
+void print_changes(const Session& session, const std::vector<std::string>& former, hal::TextOutput& output) {
+  std::string text;
+  for (const std::string& line : device_lines(session)) {
+    if (std::find(former.begin(), former.end(), line) == former.end()) text += line;
+  }
+  if (!text.empty()) output.print(text);
+}
+
 void print_start(const Session& session, const network::Connections& connections, const console::Console& console,
                  const std::vector<std::string>& refused, hal::TextOutput& output) {
   const config::Configuration& configuration = session.configuration();
   std::string text = "board " + configuration.board_where.file() + ", venue " + configuration.venue_where.file() +
                      ", team " + configuration.team_where.file() +
                      "\ncolors: " + std::string(config::kernel_word(configuration.board)) + " kernel\n";
-  const auto add_device = [&text](const std::string& device, const std::string& description) {
-    if (!description.empty()) text += device + ": " + description + "\n";
-  };
-  add_device("camera", session.camera_info().description);
-  add_device("camera", session.camera_info().negotiated);
-  add_device("radio", session.radio_description());
+  for (const std::string& line : device_lines(session)) text += line;
   std::istringstream warnings(config::radio_warnings(configuration));
-  for (std::string warning; std::getline(warnings, warning);) add_device("radio", warning);
+  for (std::string warning; std::getline(warnings, warning);) text += "radio: " + warning + "\n";
   text += radio_hints(configuration);
-  add_device("gpio", session.gpio_description());
   output.print(text + connections.start_text() + console.start_text(::isatty(STDOUT_FILENO) != 0));
   for (const std::string& refusal : refused) output.print_error("real time: " + refusal + "\n");
 }
@@ -97,6 +114,7 @@ struct RunContext {
   std::shared_ptr<SessionSwitch> next = std::make_shared<SessionSwitch>();
   std::shared_ptr<SharedReloader> reloader = std::make_shared<SharedReloader>();
   LinePrinter lines{};
+  std::vector<std::string> device_lines{};  // of the former session
   std::optional<ServiceNotifier> service{};
   std::optional<console::ConsoleThread> console_thread{};
 };
@@ -134,14 +152,15 @@ Result<std::unique_ptr<Session>> load_session(const SessionOptions& saved, const
 
 /// Returns a function that loads files. It owns everything that it uses, because the console's file thread calls it.
 console::UseFiles use_files(const SessionOptions& saved, const RunContext& run) {
-  return [saved, next = run.next, reloader = run.reloader,
-          output = run.output](const config::FilePaths& draft) -> Result<console::FilesUse> {
+  return [saved, next = run.next, reloader = run.reloader, output = run.output](
+             const config::FilePaths& draft, std::uint64_t order) -> Result<console::FilesUse> {
     Result<std::unique_ptr<Session>> loaded = load_session(saved, draft, true, *output);
     if (!loaded.ok()) return loaded.error();
-    const Session& session = *loaded.value();
+    Session& session = *loaded.value();
     if (session.is_draft() && reloader->adjust_camera_only(session.files(), session.configuration())) {
       return console::FilesUse::kAtOnce;
     }
+    session.set_order(order);
     next->offer(std::move(loaded).value());
     return console::FilesUse::kInNextSession;
   };
@@ -209,8 +228,11 @@ LoopEnd run_session(Session& session, RunContext& run, const std::string& error)
     if (is_first) {
       run.refused.insert(run.refused.end(), refused.begin(), refused.end());
       print_start(session, run.connections, run.console, run.refused, *run.output);
+    } else {
+      print_changes(session, run.device_lines, *run.output);
     }
-    // Without the page, nobody could choose a device that is missing.
+    run.device_lines = device_lines(session);
+    // Nobody could choose a device that is missing.
     const bool waits_in_vain = run.serves_console && run.console.port() == 0 && !session.has_all_devices();
     end = waits_in_vain ? LoopEnd::kFault : touchline::run(session.loop(), *run.service, run.stop);
     normal.restore();
@@ -249,7 +271,10 @@ Result<std::unique_ptr<Session>> begin_next(std::unique_ptr<Session> former, Run
     awaited[static_cast<std::size_t>(device)] &= !must_be_there;
   }
   next->await(awaited);
-  // If robots were stopped until somebody acts, they stay stopped in the next session.
+  // A camera that opens in the former session and not in the next one must not make sessions follow each other without
+  // pause.
+  if (!was_chosen) next->set_former_pauses(former->loop().pauses());
+  // Robots that were to stand until somebody acts stand in the next session too.
   const HeldStops held = former->loop().held();
   const std::uint64_t number = former->next_number();
   former.reset();  // the next session needs its devices
@@ -263,9 +288,11 @@ Result<std::unique_ptr<Session>> begin_next(std::unique_ptr<Session> former, Run
   const Result<void> opened = open(*next);
   if (opened.ok()) return next;
   error = opened.text();
+  const std::uint64_t order = next->order();
   next.reset();
   Result<std::unique_ptr<Session>> saved = load_session(run.command_line.session, {}, true, *run.output);
   if (!saved.ok()) return saved;
+  saved.value()->set_order(order);  // which `error` answers
   saved.value()->await(awaited_devices(*saved.value(), run));
   TOUCHLINE_TRY(open(*saved.value()));
   return saved;

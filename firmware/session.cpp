@@ -64,6 +64,7 @@ Result<void> Session::open(LoopObserver observer) {
   settings.external.setup = setup_;
   settings.restart = restart_;
   settings.awaited = awaited_;
+  settings.former_pauses = former_pauses_;
   settings.first_number = first_number_;
   settings.snapshots = snapshots_;
   settings.pictures = pictures_;

@@ -51,7 +51,13 @@ class Session {
   [[nodiscard]] bool is_calibrated() const { return setup_ != SetupMode::kUncalibrated; }
   /// Sets the devices that may be absent at open(), see LoopSettings::awaited; call it before open().
   void await(const DeviceFlags& devices) { awaited_ = devices; }
-  /// Sets a flag that ends the loop with LoopEnd::kRestart; call it before open().
+  /// See LoopSettings::former_pauses; call it before open().
+  void set_former_pauses(const LoopDevices::Pauses& pauses) { former_pauses_ = pauses; }
+  /// The number of the order of the console that this session fulfills, see console::UseFiles; 0: none. Call it before
+  /// open().
+  void set_order(std::uint64_t number) { order_ = number; }
+  [[nodiscard]] std::uint64_t order() const { return order_; }
+  /// Ends the loop with LoopEnd::kRestart when it is set; call it before open().
   void set_restart(const std::atomic<bool>* restart) { restart_ = restart; }
   /// Sets the number of the first snapshot, so that the numbers of a run continue in its next session; call it before
   /// open().
@@ -123,9 +129,10 @@ class Session {
   PictureExchange* pictures_ = nullptr;
   const std::atomic<bool>* restart_ = nullptr;
   std::shared_ptr<ArenaObjects> arena_objects_;
-  std::uint64_t first_number_ = 0;
+  std::uint64_t first_number_ = 0, order_ = 0;
   bool is_draft_ = false;
   DeviceFlags awaited_{};
+  LoopDevices::Pauses former_pauses_{};
   SetupMode setup_ = SetupMode::kCalibrated;
   LiveUpdate live_update_;
   // On the heap, because they take megabytes.

@@ -132,7 +132,8 @@ SortedOverrides sort_overrides(const std::vector<std::string>& texts, ErrorList&
       errors.add("--set " + text, "", "expected key=value");
       continue;
     }
-    Override override{text.substr(0, equals), text.substr(equals + 1)};
+    const bool appends = equals > 1 && text[equals - 1] == '+';
+    Override override{text.substr(0, appends ? equals - 1 : equals), text.substr(equals + 1), appends};
     std::string first = override.key.substr(0, override.key.find_first_of(".["));
     std::vector<Override>* file = nullptr;
     const bool prefixed = override.key.size() > first.size() && override.key[first.size()] == '.';
@@ -166,7 +167,7 @@ SortedOverrides sort_overrides(const std::vector<std::string>& texts, ErrorList&
 }
 
 void refuse_others(const std::vector<Override>& overrides, std::string_view message, ErrorList& errors) {
-  for (const Override& other : overrides) errors.add("--set " + other.key + "=" + other.value, "", message);
+  for (const Override& other : overrides) errors.add(option_text(other), "", message);
 }
 
 Result<void> read_board(const std::string& path, const std::vector<Override>& overrides, Configuration& out) {

@@ -9,8 +9,6 @@
 namespace touchline::config {
 namespace {
 
-std::string option_text(const Override& override) { return "--set " + override.key + "=" + override.value; }
-
 // Returns a table with the value as its only node. Its source is the option, so that messages name the option.
 std::optional<toml::table> parse_value(const Override& override) {
   const auto parse = [&](const std::string& value) -> std::optional<toml::table> {
@@ -78,6 +76,10 @@ Result<void> check_version(const toml::table& root, const std::string& path) {
 
 }  // namespace
 
+std::string option_text(const Override& override) {
+  return "--set " + override.key + (override.appends ? "+=" : "=") + override.value;
+}
+
 Result<toml::table> parse_file(const std::string& path, std::string_view remedy) {
   const Result<std::string> content = hal::read_file(path, hal::kMaxTextFileBytes);
   if (!content.ok()) {
@@ -118,6 +120,18 @@ Result<void> apply(const Override& override, toml::table& root) {
     const bool last = i + 1 == steps.size();
     path.append(path.empty() ? "" : ".").append(step.key);
     if (!step.index) {
+      if (last && override.appends) {
+        toml::array* const added = value->as_array();
+        if (added == nullptr) return wrong(path, "only a list can be added, such as +=[\"a\"]");
+        toml::node* present = table->get(step.key);
+        if (present == nullptr) present = &table->insert(toml::key(step.key, source), toml::array{}).first->second;
+        toml::array* const list = present->as_array();
+        if (list == nullptr) return wrong(path, "is not a list, so that nothing can be added");
+        for (toml::node& element : *added) {
+          element.visit([&](auto& node) { list->push_back(std::move(node)); });
+        }
+        return {};
+      }
       if (last) {
         value->visit([&](auto& node) { table->insert_or_assign(toml::key(step.key, source), std::move(node)); });
         return {};
@@ -135,6 +149,7 @@ Result<void> apply(const Override& override, toml::table& root) {
     if (array == nullptr || *step.index >= array->size()) {
       return wrong(path, "the list has " + std::to_string(array == nullptr ? 0 : array->size()) + " elements");
     }
+    if (last && override.appends) return wrong(path, "is an element of a list, to which nothing can be added");
     if (last) {
       value->visit([&](auto& node) {
         array->replace(array->cbegin() + static_cast<std::ptrdiff_t>(*step.index), std::move(node));

@@ -12,19 +12,23 @@
 
 namespace touchline::config {
 
-/// A setting of the command line, `--set key=value`.
+/// One `--set key=value`, or `--set key+=list`.
 struct Override {
-  std::string key;    // path of the key: "camera.exposure_us", "color[2].name"
-  std::string value;  // value in TOML; text that is no TOML is read as a string
+  std::string key;       // path of the key: "camera.exposure_us", "color[2].name"
+  std::string value;     // TOML; anything else is read as a string
+  bool appends = false;  // the elements of the list `value` follow those that the key has already
 };
 
-/// Parses a file and checks its version. kNotFound: as for read_toml(). `remedy` is added to the message if the file
-/// does not exist.
+/// The option as it was given.
+std::string option_text(const Override& override);
+
+/// Parses a file and checks its version. kNotFound: see read_toml(). `remedy` is added to the message if there is no
+/// file.
 Result<toml::table> parse_file(const std::string& path, std::string_view remedy);
 /// As above for `content`, the content of the file `path`.
 Result<toml::table> parse_text(std::string_view content, const std::string& path);
 
-/// Stores the value in the table. The reader checks it later like a value from the file.
+/// Stores the value in the table, or adds it to the list there. The reader checks it later like a value from the file.
 Result<void> apply(const Override& override, toml::table& root);
 
 /// Checks all keys of a parsed file, and stores their values.

@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <sys/random.h>
+#include <sys/stat.h>
 #include <unistd.h>
 #include <algorithm>
 #include <array>
@@ -10,7 +11,7 @@
 #include <cstring>
 #include <filesystem>
 
-#include "hal/files/input_file.h"
+#include "hal/linux/network/descriptor.h"
 
 namespace touchline::console {
 namespace {
@@ -33,6 +34,54 @@ std::string_view without_port(std::string_view host) {
 
 bool consists_of(std::string_view text, std::string_view characters) {
   return !text.empty() && text.find_first_not_of(characters) == std::string_view::npos;
+}
+
+std::string folder_of(const std::string& path) {
+  const std::string folder = std::filesystem::path(path).parent_path();
+  return folder.empty() ? "." : folder;
+}
+
+/// Opens an existing token file. Root may run this in a folder that belongs to the service's user, who could put
+/// anything in the file's place: symbolic links are not followed, and nothing waits for a FIFO.
+Result<hal::Descriptor> open_token(const std::string& path) {
+  hal::Descriptor file(::open(path.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_NOCTTY | O_CLOEXEC));
+  if (!file.is_open() && errno != ELOOP) {
+    const ErrorCode code = errno == ENOENT   ? ErrorCode::kNotFound
+                           : errno == EACCES ? ErrorCode::kPermission
+                                             : ErrorCode::kIo;
+    return failure(code, "%s: %s", path.c_str(), std::strerror(errno));
+  }
+  struct stat status {};
+  if (!file.is_open() || ::fstat(file.get(), &status) != 0 || !S_ISREG(status.st_mode)) {
+    return failure(ErrorCode::kUnsupported, "%s: is not a regular file; remove it, or name another token_file",
+                   path.c_str());
+  }
+  return file;
+}
+
+Result<std::string> read_open_token(const hal::Descriptor& file, const std::string& path) {
+  std::array<char, kTokenDigits + 2> bytes{};  // with a line end, and one byte more than is valid
+  const ssize_t size = ::read(file.get(), bytes.data(), bytes.size());
+  if (size < 0) return failure(ErrorCode::kIo, "%s: %s", path.c_str(), std::strerror(errno));
+  std::string text(bytes.data(), static_cast<std::size_t>(size));
+  while (!text.empty() && (text.back() == '\n' || text.back() == ' ')) text.pop_back();
+  if (text.size() == kTokenDigits && consists_of(text, "0123456789abcdef")) return text;
+  return failure(ErrorCode::kCorruptFrame, "%s: contains no token; remove the file and run `touchline console --token`",
+                 path.c_str());
+}
+
+/// Lets root make the file for the user in whose folder it lies, such as the service's user. The open file is changed,
+/// not what its name leads to.
+Result<void> give_to_owner_of_folder(const hal::Descriptor& file, const std::string& path) {
+  if (::geteuid() != 0) return {};
+  struct stat folder {
+  }, status{};
+  if (::stat(folder_of(path).c_str(), &folder) == 0 && ::fstat(file.get(), &status) == 0) {
+    if (status.st_uid == folder.st_uid) return {};
+    if (status.st_nlink == 1 && ::fchown(file.get(), folder.st_uid, folder.st_gid) == 0) return {};
+  }
+  return failure(ErrorCode::kIo, "%s: cannot be given to the owner of its folder; remove it and try again",
+                 path.c_str());
 }
 
 }  // namespace
@@ -101,21 +150,21 @@ bool has_access(const RequestOrigin& request, const AccessRules& rules) {
 }
 
 Result<std::string> read_token(const std::string& path) {
-  TOUCHLINE_TRY_ASSIGN(std::string text, hal::read_file(path, hal::kMaxTextFileBytes));
-  while (!text.empty() && (text.back() == '\n' || text.back() == ' ')) text.pop_back();
-  if (text.size() != kTokenDigits || !consists_of(text, "0123456789abcdef")) {
-    return failure(ErrorCode::kCorruptFrame,
-                   "%s: contains no token; remove the file and run `touchline console --token`", path.c_str());
-  }
-  return text;
+  TOUCHLINE_TRY_ASSIGN(const hal::Descriptor file, open_token(path));
+  return read_open_token(file, path);
 }
 
 Result<std::string> make_token(const std::string& path) {
-  std::error_code ignored;  // open() below reports an error
-  std::filesystem::create_directories(std::filesystem::path(path).parent_path(), ignored);
-  const int file = ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0600);
-  if (file < 0 && errno == EEXIST) return read_token(path);
-  if (file < 0) return failure(ErrorCode::kIo, "%s: %s", path.c_str(), std::strerror(errno));
+  std::error_code ignored;  // open() reports what is missing
+  std::filesystem::create_directories(folder_of(path), ignored);
+  const hal::Descriptor file(::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0600));
+  if (!file.is_open() && errno == EEXIST) {
+    TOUCHLINE_TRY_ASSIGN(const hal::Descriptor existing, open_token(path));
+    TOUCHLINE_TRY_ASSIGN(std::string token, read_open_token(existing, path));
+    TOUCHLINE_TRY(give_to_owner_of_folder(existing, path));
+    return token;
+  }
+  if (!file.is_open()) return failure(ErrorCode::kIo, "%s: %s", path.c_str(), std::strerror(errno));
   std::array<unsigned char, kTokenBytes> random{};
   std::string text;
   if (::getrandom(random.data(), random.size(), 0) == static_cast<ssize_t>(random.size())) {
@@ -126,10 +175,12 @@ Result<std::string> make_token(const std::string& path) {
     }
   }
   const std::string line = text + "\n";
-  const bool is_written = !text.empty() && ::write(file, line.data(), line.size()) == static_cast<ssize_t>(line.size());
-  const bool is_closed = ::close(file) == 0;
-  if (is_written && is_closed) return text;
+  const bool is_written =
+      !text.empty() && ::write(file.get(), line.data(), line.size()) == static_cast<ssize_t>(line.size());
+  Result<void> given = give_to_owner_of_folder(file, path);
+  if (is_written && given.ok()) return text;
   ::unlink(path.c_str());
+  if (!given.ok()) return std::move(given).error();
   return failure(ErrorCode::kIo, "%s: could not be written", path.c_str());
 }
 

@@ -49,11 +49,11 @@ bool is_token(std::string_view given, const AccessRules& rules);
 /// Returns whether the client is on this computer or has the token.
 bool has_access(const RequestOrigin& request, const AccessRules& rules);
 
-/// Reads the token in the file, 64 hexadecimal digits. kNotFound: there is no file; kCorruptFrame: it contains no
-/// token.
+/// The token in the file, 64 hexadecimal digits. kNotFound, kPermission, kIo, kCorruptFrame; kUnsupported: it is a
+/// symbolic link, or no regular file.
 Result<std::string> read_token(const std::string& path);
-/// Reads the token in the file; if the file does not exist, makes it, readable only by its owner. Errors of
-/// read_token() and of writing.
+/// The token in the file; makes the file, readable by its owner only, if it does not exist. If root calls it, the file
+/// belongs to the owner of its folder, so that the service's user can read it. Errors of read_token() and of writing.
 Result<std::string> make_token(const std::string& path);
 
 }  // namespace touchline::console

@@ -12,9 +12,10 @@ struct MadeAnswer {
   std::string name, bytes;
 };
 
-/// Makes slow answers, one at a time, on a thread of the lowest priority. Only the console's thread may use it.
+/// Makes answers that take long, one at a time, on a thread of its own. For the console's thread.
 class AnswerWorker {
  public:
+  explicit AnswerWorker(FileThread::Priority priority = FileThread::Priority::kLowest) : thread_(priority) {}
   /// Returns whether an answer is being made or waits for take().
   [[nodiscard]] bool is_busy() const { return is_busy_; }
   /// Returns whether take() has an answer.
@@ -28,7 +29,7 @@ class AnswerWorker {
  private:
   bool is_busy_ = false, is_done_ = false;
   MadeAnswer answer_;
-  FileThread thread_{FileThread::Priority::kLowest};
+  FileThread thread_;
 };
 
 }  // namespace touchline::console

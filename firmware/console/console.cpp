@@ -1,5 +1,7 @@
 #include "firmware/console/console.h"
 
+#include <pwd.h>
+#include <unistd.h>
 #include <exception>
 
 #include "firmware/console/login_link.h"
@@ -16,7 +18,14 @@ Scene scene_of(const Session& session, const std::string& version) {
   Scene scene = console::scene_of(session.shared_configuration(), session.camera_info(), version);
   scene.is_draft = session.is_draft();
   scene.is_calibrated = session.is_calibrated();
+  scene.order = session.order();
   return scene;
+}
+
+/// The user who runs this program, for a command that makes the token for it.
+std::string user_name() {
+  const passwd* const user = ::getpwuid(::geteuid());  // NOLINT(concurrency-mt-unsafe): before other threads ask
+  return user != nullptr ? user->pw_name : std::to_string(::geteuid());
 }
 
 }  // namespace
@@ -37,6 +46,7 @@ void Console::start(Session& session, AdaptationRequests* adaptation, const std:
     return;
   }
   port_ = server_->port();
+  if (!token_.empty()) listening_.write(plan_.token_file, {plan_.address, port_});
   thread_ = std::thread([this, print] { work(print); });
 }
 
@@ -48,8 +58,9 @@ Result<void> Console::open(Session& session, AdaptationRequests* adaptation, con
   if (!is_loopback(plan_.address)) {
     Result<std::string> token = plan_.is_interactive ? make_token(plan_.token_file) : read_token(plan_.token_file);
     if (!token.ok()) {
-      return failure(token.code(), "other computers need a token, which `touchline console --token` makes: %s",
-                     token.error().text.c_str());
+      return failure(token.code(),
+                     "other computers need a token, which `sudo -u %s touchline console --token` makes: %s",
+                     user_name().c_str(), token.error().text.c_str());
     }
     settings.access.token = token_ = std::move(token).value();
   }
@@ -103,6 +114,7 @@ void Console::stop() {
   end_.store(true, std::memory_order_release);
   server_->wake();
   thread_.join();
+  listening_.remove();
   server_.reset();
 }
 

@@ -11,6 +11,7 @@
 #include "firmware/console/console_plan.h"
 #include "firmware/console/files_use.h"
 #include "firmware/console/hub.h"
+#include "firmware/console/listening_file.h"
 #include "firmware/console/web_server.h"
 #include "firmware/session.h"
 
@@ -68,6 +69,7 @@ class Console {
   std::condition_variable task_done_;
   std::function<void()> task_;  // task for the console's thread
   std::uint16_t port_ = 0;
+  ListeningFile listening_;  // if other computers may use the console
   std::atomic<bool> end_{false};
   std::thread thread_;
 };

@@ -420,11 +420,6 @@ BugReportContent Hub::bug_report_content(std::uint64_t from, Instant now) {
   return content;
 }
 
-std::string Hub::used_camera() const {
-  const hal::CameraSettings& camera = scene_.configuration->board.camera;
-  return camera.backend == hal::CameraBackend::kV4l2 ? camera.device : std::string();
-}
-
 std::string Hub::metrics() {
   feed_.read();
   return metrics_text(feed_, report_, monitor_.status(), clients(), pictures_.compressed());

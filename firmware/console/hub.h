@@ -149,8 +149,7 @@ class Hub {
   /// kPictureHeaderBytes bytes in front of it may be written. It is valid until the next call.
   std::span<std::byte> current_jpeg(std::uint64_t from);
   [[nodiscard]] std::uint64_t picture_number() const { return pictures_.number(); }
-  /// Returns the device file of the loop's camera; "" if it has none.
-  [[nodiscard]] std::string used_camera() const;
+  [[nodiscard]] const config::BoardFile& board() const { return scene_.configuration->board; }
   std::string metrics();
   /// Returns the content for a bug report of this moment, with the current picture if has_picture(from). Copies up to 7
   /// MB and the picture.
@@ -175,7 +174,7 @@ class Hub {
   [[nodiscard]] Outgoing status_message(Instant now);
   void obey(const SetupOrder& order);
   Result<void> use(const SetupOrder& order);
-  void end_use(const Result<FilesUse>& used);
+  void end_use(std::uint64_t number, const Result<FilesUse>& used);
   void update_setup_wish(Instant now);
   void end_try(const char* reason);
   Result<void> leave_setup(const Client& client, std::int64_t request);
@@ -240,8 +239,9 @@ class Hub {
   Instant next_second_{};
   std::list<Client> clients_;
   SetupRelay setup_;
-  std::optional<SetupOrder> order_;  // order in progress: its files are being loaded, or its session is about to begin
-  bool is_held_ = false;             // a draft is or was in use, and the saved files are not yet in use again
+  std::optional<SetupOrder> order_;  // in progress: its files are being loaded, or its session is about to begin
+  std::uint64_t last_order_ = 0;     // number of the newest one
+  bool is_held_ = false;             // a draft is or was in use, and the saved files are not in use again
   bool is_trying_ = false;           // robots play with the draft
   SetupWish wish_ = SetupWish::kNone;
   ClientNumber last_number_ = 0, last_stop_line_ = ClientNumber{1} << 31;

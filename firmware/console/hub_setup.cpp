@@ -54,14 +54,15 @@ void Hub::begin_session(Scene scene, const std::string& error) {
   feed_.set_frame_period(period_of_rate(scene_.camera.rate_hz));
   driving_.set_robots(own_robots(scene_));
   end_try("the loop has started anew");
-  const bool is_saved = !scene_.is_draft && scene_.is_calibrated && error.empty();
-  // Robots that stood because of a draft start only when a person says so.
+  // The session of an order that is still pending will follow: until then, robots stand as the order wants it.
+  const bool is_ordered = order_ && order_->number == scene_.order, is_pending = order_ && !is_ordered;
+  const bool is_saved = !scene_.is_draft && scene_.is_calibrated && error.empty() && !is_pending;
+  // Robots that stood because of a draft start when a person says so.
   if (is_saved && std::exchange(is_held_, false)) driving_.stop_after_setup();
   is_held_ = is_held_ || scene_.is_draft || !scene_.is_calibrated;
   for (Client& client : clients_) client.wants_hello = true;
   setup_.set_hello(setup_hello_text(scene_));
-  if (order_) answer(*order_, error);
-  order_.reset();
+  if (is_ordered) answer(*std::exchange(order_, std::nullopt), error);
   if (!error.empty()) links_.print("console: setup: " + error);
   wish_ = is_held_ ? SetupWish::kStand : SetupWish::kNone;
   links_.loop.input.put(input_now());
@@ -105,22 +106,29 @@ Result<void> Hub::use(const SetupOrder& order) {
   end_try("the files have changed");
   // From here on robots stand, even while the files are being read.
   order_ = order;
+  order_->number = ++last_order_;
   update_setup_wish(hal::MonotonicClock::read());
   pass_on();
-  files_.run([this, use = links_.use_files, draft = order.files]() -> FileThread::Finish {
+  const auto job = [this, use = links_.use_files, draft = order.files, number = last_order_]() -> FileThread::Finish {
     const auto used = std::make_shared<Result<FilesUse>>(failure(ErrorCode::kFull, "the board is out of memory"));
     try {
-      *used = use(draft);
+      *used = use(draft, number);
     } catch (const std::exception&) {
     }
-    return [this, used] { end_use(*used); };
-  });
+    return [this, number, used] { end_use(number, *used); };
+  };
+  try {
+    files_.run(job);
+  } catch (const std::exception& error) {  // there is no thread: the order must not stay open
+    order_.reset();
+    return failure(ErrorCode::kFull, "files cannot be loaded: %s", error.what());
+  }
   return {};
 }
 
-void Hub::end_use(const Result<FilesUse>& used) {
-  // In the latter case begin_session() answers, or has answered already.
-  if (!order_ || (used.ok() && used.value() == FilesUse::kInNextSession)) return;
+void Hub::end_use(std::uint64_t number, const Result<FilesUse>& used) {
+  // In this case begin_session() answers, or has answered already.
+  if (!order_ || order_->number != number || (used.ok() && used.value() == FilesUse::kInNextSession)) return;
   answer(*std::exchange(order_, std::nullopt), used.text());
   if (!used.ok()) links_.print("console: setup: " + used.text());
 }

@@ -27,7 +27,8 @@ struct Scene {
   std::string version;  // version of the program
   CameraModel model;    // camera model of the configuration
   bool is_draft = false, is_calibrated = true;
-  config::FilePaths files;  // files of the configuration, with absolute paths
+  std::uint64_t order = 0;  // number of the order that led to the session, see UseFiles; 0: none
+  config::FilePaths files;  // of the configuration, absolute
 };
 /// Asks the system for the current folder, so the console's thread must not call it while it serves.
 Scene scene_of(std::shared_ptr<const config::Configuration> configuration, const hal::CameraInfo& camera,

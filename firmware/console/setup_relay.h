@@ -23,9 +23,10 @@ namespace touchline::console {
 struct SetupOrder {
   enum class Kind : std::uint8_t { kUseSaved, kUseDraft, kTry, kEndTry } kind = Kind::kUseSaved;
   std::int64_t request = 0;
-  config::FilePaths files;     // files, for kUseDraft
-  ClientNumber client = 0;     // client that gave the order; 0: the setup program itself
-  std::int64_t to_client = 0;  // number of the client's request; 0: the client is told only errors
+  config::FilePaths files;     // of kUseDraft
+  ClientNumber client = 0;     // client that gave the order; 0: the setup program gave it
+  std::int64_t to_client = 0;  // number of its request; 0: it is told errors only
+  std::uint64_t number = 0;    // of the orders to use files, from 1
 };
 
 /// Passes messages between the clients of the console and the setup program (docs/console-protocol.md). Requests of the

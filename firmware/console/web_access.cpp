@@ -49,9 +49,10 @@ std::optional<WebServer::Implementation::Refusal> WebServer::Implementation::che
   // Foxglove cannot have our cookie, so its token is in the address.
   const bool has_token = purpose == Purpose::kFoxglove && is_token(token_argument_of(connection), settings_.access);
   if (!has_token && !has_access(request, settings_.access)) {
-    return Refusal{HTTP_STATUS_UNAUTHORIZED,
-                   "This computer needs the token. On the board, `touchline console --token` shows it; then open "
-                   "/login?token=TOKEN here.\n"};
+    return Refusal{
+        HTTP_STATUS_UNAUTHORIZED,
+        "This computer needs the token. On the board, `touchline console --link` prints the link to open here; "
+        "on an installed board, `sudo -u touchline touchline console --link`.\n"};
   }
   return std::nullopt;
 }

@@ -74,7 +74,9 @@ int WebServer::Implementation::begin_request(lws* connection, std::string_view p
   if (path == "/stream.mjpg") return begin_pictures(connection, HttpRequest::Kind::kStream);
   if (path == "/bug-report") return begin_bug_report(connection);
   if (path == "/devices") {
-    return begin_devices(connection, [camera = hub_.used_camera()] { return device_answer(camera); });
+    return begin_devices(connection, [camera = hub_.board().camera, priority = hub_.board().realtime.priority] {
+      return device_answer(camera, priority);
+    });
   }
   if (path == "/ports") return begin_devices(connection, port_answer);
   if (path == "/metrics") return answer(connection, HTTP_STATUS_OK, "text/plain; version=0.0.4", hub_.metrics());

@@ -133,7 +133,9 @@ class WebServer::Implementation {
   lws_vhost* host_ = nullptr;
   Timer timer_{};
   std::map<lws*, HttpRequest> requests_;
-  AnswerWorker reporter_, device_lister_;
+  AnswerWorker reporter_;
+  // Its queries lower their own priority, except those whose threads may serve the loop later.
+  AnswerWorker device_lister_{FileThread::Priority::kNormal};
   std::map<lws*, Visitor> visitors_;
   std::map<lws*, Socket> sockets_;
   std::map<lws*, Instant> waiting_;  // connections that wait to be written to, and since when

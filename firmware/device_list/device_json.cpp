@@ -93,8 +93,13 @@ Json json_of(const hal::GpioChipNode& chip) {
   return entry;
 }
 
-Json json_of(const hal::LibcameraName& camera) {
-  return {{"id", camera.id}, {"model", camera.model}, {"external", camera.external}};
+Json json_of(const hal::LibcameraOffer& camera) {
+  Json formats = Json::array();
+  for (const hal::V4l2FormatInfo& format : camera.formats) formats.push_back(json_of(format));
+  return {{"id", camera.name.id},
+          {"model", camera.name.model},
+          {"external", camera.name.external},
+          {"formats", std::move(formats)}};
 }
 
 template <class Node>

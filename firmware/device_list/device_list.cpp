@@ -29,22 +29,24 @@ void select(std::vector<Node>& nodes, const std::string& wanted, const char* kin
   }
 }
 
-std::vector<Camera> query_cameras(std::vector<hal::CameraNode> nodes) {
-  std::vector<Camera> cameras;
-  for (hal::CameraNode& node : nodes) {
-    Camera camera;
-    hal::V4l2Device device;
-    if (node.error == 0 && device.open(node.path) == 0) {
-      camera.formats = hal::list_formats(device, node.identity.multi_planar, true);
-      camera.controls = hal::list_controls(device);
-    }
-    camera.node = std::move(node);
-    cameras.push_back(std::move(camera));
+Camera query(hal::CameraNode node) {
+  Camera camera;
+  hal::V4l2Device device;
+  if (node.error == 0 && device.open(node.path) == 0) {
+    camera.formats = hal::list_formats(device, node.identity.multi_planar, true);
+    camera.controls = hal::list_controls(device);
   }
-  return cameras;
+  camera.node = std::move(node);
+  return camera;
 }
 
 }  // namespace
+
+std::optional<Camera> query_camera(const std::string& path) {
+  std::optional<hal::CameraNode> node = hal::camera_at(path);
+  if (!node) return std::nullopt;
+  return query(std::move(*node));
+}
 
 DeviceList list_devices(const Selection& selection) {
   DeviceList list;
@@ -53,9 +55,10 @@ DeviceList list_devices(const Selection& selection) {
     select(
         nodes, *selection.camera, "camera", list.errors, [](const hal::CameraNode& node) { return node.path; },
         [](const hal::CameraNode& node) { return hal::open_error_text(node.path, node.error, "video"); });
-    list.cameras = query_cameras(std::move(nodes));
+    std::vector<Camera>& cameras = list.cameras.emplace();
+    for (hal::CameraNode& node : nodes) cameras.push_back(query(std::move(node)));
   }
-  if (selection.libcamera) list.libcamera = hal::libcamera_cameras();
+  if (selection.libcamera) list.libcamera = hal::libcamera_offers(hal::make_libcamera_link().get());
   if (selection.serial) {
     std::vector<hal::SerialPortNode> ports;
     if (!hal::list_serial_ports(ports)) list.errors.emplace_back("the system does not list its serial ports");

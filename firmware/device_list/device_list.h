@@ -27,11 +27,14 @@ struct Selection {
 
 struct DeviceList {
   std::optional<std::vector<Camera>> cameras;
-  std::vector<hal::LibcameraName> libcamera;
+  std::vector<hal::LibcameraOffer> libcamera;
   std::optional<std::vector<hal::SerialPortNode>> ports;
   std::optional<std::vector<hal::GpioChipNode>> chips;
   std::vector<std::string> errors;  // requested devices that are missing or cannot be opened
 };
+
+/// Opens a camera and asks what it offers. Nothing: it is no camera, or has just disappeared.
+std::optional<Camera> query_camera(const std::string& path);
 
 /// Lists the devices of the system. Opens cameras and GPIO chips, but changes nothing.
 DeviceList list_devices(const Selection& selection);

@@ -81,6 +81,16 @@ std::optional<hal::CameraSettings> suggested_settings(const Camera& camera) {
   return settings;
 }
 
+std::optional<hal::CameraSettings> suggested_settings(const hal::LibcameraOffer& camera) {
+  hal::CameraSettings settings;
+  settings.backend = hal::CameraBackend::kLibcamera;
+  settings.device = camera.name.id;
+  std::vector<hal::V4l2FormatInfo> formats = camera.formats;
+  std::stable_partition(formats.begin(), formats.end(), [](const auto& format) { return format.word == "nv12"; });
+  if (!choose_mode(formats, settings)) return std::nullopt;
+  return settings;
+}
+
 std::string lasting_name(const hal::CameraNode& camera) {
   return first_of({camera.by_id, camera.by_path, camera.path});
 }

@@ -20,8 +20,11 @@ bool choose_mode(const std::vector<hal::V4l2FormatInfo>& formats, hal::CameraSet
 /// format that Touchline reads.
 std::optional<hal::CameraSettings> suggested_settings(const Camera& camera);
 
-/// Returns the name for a board file: the link that stays the same if devices are plugged in in another order, or else
-/// the path.
+/// The same for a camera of libcamera. NV12 is preferred, which its image processors deliver without another
+/// conversion.
+std::optional<hal::CameraSettings> suggested_settings(const hal::LibcameraOffer& camera);
+
+/// The name for a board file: the link that lasts when devices are plugged in in another order, or else the path.
 std::string lasting_name(const hal::CameraNode& camera);
 std::string lasting_name(const hal::SerialPortNode& port);
 

@@ -120,7 +120,7 @@ TEST(FieldFit, AVerticalCameraNeedsItsHeight) {
   FieldFit fit;
   Result<void> result;
   EXPECT_EQ((result = fit_field(input, fit)).code(), ErrorCode::kInconsistent);
-  EXPECT_NE(result.text().find("--camera-height"), std::string::npos) << result.text();
+  EXPECT_NE(result.text().find("the height of the lens above the floor"), std::string::npos) << result.text();
   input.camera_height_m = 1.9;
   ASSERT_EQ(fit_field(input, fit).text(), "");
   EXPECT_NEAR(fit.height_m, 1.9, 0.005);
@@ -145,7 +145,7 @@ TEST(FieldFit, AWrongCornerIsNotTakenForACameraFarAway) {
         EXPECT_LT(fit.residual_px.rms, 7 * kClickSigma_px) << "corner " << corner << ", direction " << direction;
       } else {
         ++refused;
-        EXPECT_NE(result.text().find("--camera-height"), std::string::npos) << result.text();
+        EXPECT_NE(result.text().find("the height of the lens above the floor"), std::string::npos) << result.text();
       }
     }
   }

@@ -221,7 +221,7 @@ TEST_F(FieldWithoutAClick, AVerticalCameraNeedsItsHeight) {
   resize(2.8, 2.2);
   arena_.camera.position_m = {0.0, 0.0, 2.9};
   write_field(render());
-  expect_refusal("--length 2.8 --width 2.2", "give --camera-height");
+  expect_refusal("--length 2.8 --width 2.2", "measure the height of the lens above the floor (--camera-height)");
   ASSERT_TRUE(run("--length 2.8 --width 2.2 --camera-height 2.9 --report " + path("report.json"))) << read("out");
   EXPECT_NE(read("report.json").find("\"height_from\": \"measured\""), std::string::npos);
 }

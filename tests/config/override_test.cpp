@@ -41,6 +41,19 @@ TEST_F(ConfigFiles, LaterOverrideWins) {
   EXPECT_EQ(configuration_->board.camera.gain, 5);
 }
 
+// `touchline link` adds names of the computer to those of the board file.
+TEST_F(ConfigFiles, AListCanBeAddedTo) {
+  using Names = std::vector<std::string>;
+  ASSERT_TRUE(load({"console.hosts+=[\"a.local\"]"}).ok()) << errors();
+  EXPECT_EQ(configuration_->board.console.hosts, Names({"a.local"})) << "the file has no such list";
+  ASSERT_TRUE(load({"console.hosts=[\"hall.example\"]", "console.hosts+=[\"a.local\", \"b.local\"]"}).ok()) << errors();
+  EXPECT_EQ(configuration_->board.console.hosts, Names({"hall.example", "a.local", "b.local"}));
+  EXPECT_EQ(refusal({"console.hosts+=a"}),
+            "--set console.hosts+=a: console.hosts: only a list can be added, such as +=[\"a\"]\n");
+  EXPECT_EQ(refusal({"camera.backend+=[1]"}),
+            "--set camera.backend+=[1]: camera.backend: is not a list, so that nothing can be added\n");
+}
+
 TEST_F(ConfigFiles, ErrorsNameTheOption) {
   EXPECT_EQ(refusal({"camera.exposure_us=2000000"}),
             "--set camera.exposure_us=2000000: camera.exposure_us: 2000000 is out of range: 0 to 1000000 us\n");

@@ -85,5 +85,43 @@ TEST(Token, IsMadeOnceAndReadableByItsOwnerOnly) {
   std::filesystem::remove(path);
 }
 
+// `touchline link` runs as root in a folder of the service's user, who could put anything in the file's place.
+TEST(Token, IsReadFromARegularFileOnly) {
+  const std::string path = ::testing::TempDir() + "odd-token-" + std::to_string(::getpid()), target = path + "-target";
+  const Result<std::string> other = make_token(target);
+  ASSERT_TRUE(other.ok()) << other.text();
+  std::filesystem::create_symlink(target, path);
+  EXPECT_EQ(make_token(path).code(), ErrorCode::kUnsupported);
+  EXPECT_EQ(read_token(path).code(), ErrorCode::kUnsupported);
+  std::filesystem::remove(path);
+  std::filesystem::create_symlink(target + "-missing", path);
+  EXPECT_FALSE(make_token(path).ok());
+  EXPECT_FALSE(std::filesystem::exists(target + "-missing"));
+  std::filesystem::remove(path);
+  ASSERT_EQ(::mkfifo(path.c_str(), 0600), 0);
+  EXPECT_EQ(make_token(path).code(), ErrorCode::kUnsupported) << "and nothing waits for a writer";
+  std::filesystem::remove(path);
+  std::filesystem::remove(target);
+}
+
+TEST(Token, OfRootBelongsToTheOwnerOfItsFolder) {
+  if (::geteuid() != 0) GTEST_SKIP() << "only root can give files away";
+  constexpr uid_t kService = 4321;
+  const std::string folder = ::testing::TempDir() + "token-folder-" + std::to_string(::getpid()),
+                    path = folder + "/console-token";
+  std::filesystem::create_directory(folder);
+  ASSERT_EQ(::chown(folder.c_str(), kService, kService), 0);
+  const auto owner = [&path] {
+    struct stat status {};
+    return ::stat(path.c_str(), &status) == 0 ? status.st_uid : 0;
+  };
+  EXPECT_TRUE(make_token(path).ok());
+  EXPECT_EQ(owner(), kService);
+  ASSERT_EQ(::chown(path.c_str(), 0, 0), 0);  // as an earlier version left it
+  EXPECT_TRUE(make_token(path).ok());
+  EXPECT_EQ(owner(), kService);
+  std::filesystem::remove_all(folder);
+}
+
 }  // namespace
 }  // namespace touchline::console

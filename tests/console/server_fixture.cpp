@@ -59,15 +59,16 @@ std::array<std::uint8_t, 3> ConsoleServer::patch_value() const {
   return {};
 }
 
-void ConsoleServer::begin_session_later(bool is_draft, bool is_calibrated, std::string error) {
+void ConsoleServer::begin_session_later(bool is_draft, bool is_calibrated, std::string error, std::uint64_t order) {
   const std::scoped_lock lock(mutex_);
-  task_ = [this, is_draft, is_calibrated, error = std::move(error)] {
+  task_ = [this, is_draft, is_calibrated, order, error = std::move(error)] {
     hal::CameraInfo camera;
     camera.width_px = kWidth;
     camera.height_px = kHeight;
     Scene scene = scene_of(configuration_, camera, "1.2.3");
     scene.is_draft = is_draft;
     scene.is_calibrated = is_calibrated;
+    scene.order = order;
     hub_->begin_session(std::move(scene), error);
   };
 }

@@ -33,10 +33,10 @@ class ConsoleServer : public ::testing::Test {
   [[nodiscard]] std::uint32_t halt() const { return halt_; }
   /// Returns the member of a start that names the present stop; a page takes it from the newest state.
   [[nodiscard]] std::string stop_in_force() const { return "\"stop_number\":" + std::to_string(stop_number_); }
-  /// Lets a session begin, as the main thread does. Call it in `use_files`: the hub learns of the session with its next
-  /// turn.
-  void begin_session_later(bool is_draft, bool is_calibrated, std::string error = {});
-  /// Waits, for at most half a minute, until the condition holds for the input that the loop has taken.
+  /// Lets a session begin, as the main thread does. Call it in `use_files`: the hub is told with its next turn.
+  /// `order`: the number that `use_files` got, if the session fulfills this order.
+  void begin_session_later(bool is_draft, bool is_calibrated, std::string error = {}, std::uint64_t order = 0);
+  /// Waits until the loop has got this, for at most half a minute.
   template <class Condition>
   [[nodiscard]] bool eventually(const Condition& condition) const {
     for (int i = 0; i < 6000; ++i) {

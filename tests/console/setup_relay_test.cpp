@@ -289,9 +289,9 @@ TEST_F(SetupRelayTest, AProgramThatDoesNotReadIsLostAndTheConsoleGoesOn) {
 
 TEST_F(SetupRelayTest, WithADraftRobotsStandExceptOneThatIsDrivenAndATry) {
   std::atomic<int> drafts{0};
-  use_files = [this, &drafts](const config::FilePaths& files) -> Result<FilesUse> {
+  use_files = [this, &drafts](const config::FilePaths& files, std::uint64_t order) -> Result<FilesUse> {
     drafts += files.board == "/draft/board.toml" ? 1 : 0;
-    begin_session_later(!files.board.empty(), true);
+    begin_session_later(!files.board.empty(), true, {}, order);
     return FilesUse::kInNextSession;
   };
   start_both();
@@ -349,7 +349,7 @@ TEST_F(SetupRelayTest, WithADraftRobotsStandExceptOneThatIsDrivenAndATry) {
 
 TEST_F(SetupRelayTest, ATryWhileFilesAreBeingLoadedIsRefused) {
   std::atomic<bool> loads{false};
-  use_files = [&](const config::FilePaths& /*files*/) -> Result<FilesUse> {
+  use_files = [&](const config::FilePaths& /*files*/, std::uint64_t /*order*/) -> Result<FilesUse> {
     loads = true;
     return FilesUse::kInNextSession;
   };
@@ -363,7 +363,9 @@ TEST_F(SetupRelayTest, ATryWhileFilesAreBeingLoadedIsRefused) {
 }
 
 TEST_F(SetupRelayTest, ADraftThatTheRunningSessionAdoptsIsAnsweredAtOnce) {
-  use_files = [](const config::FilePaths& /*files*/) -> Result<FilesUse> { return FilesUse::kAtOnce; };
+  use_files = [](const config::FilePaths& /*files*/, std::uint64_t /*order*/) -> Result<FilesUse> {
+    return FilesUse::kAtOnce;
+  };
   start_both();
   // Done twice, to check that the first order does not stay open.
   for (const char* request : {"4", "5"}) {
@@ -375,8 +377,46 @@ TEST_F(SetupRelayTest, ADraftThatTheRunningSessionAdoptsIsAnsweredAtOnce) {
   EXPECT_TRUE(eventually([&] { return input().setup == SetupWish::kStand; }));
 }
 
+// A camera that was absent appears while the draft is being loaded: its session comes first.
+TEST_F(SetupRelayTest, ASessionThatWasNotOrderedAnswersNoOrder) {
+  std::atomic<std::uint64_t> order{0};
+  use_files = [&](const config::FilePaths& /*files*/, std::uint64_t number) -> Result<FilesUse> {
+    order = number;
+    return FilesUse::kInNextSession;
+  };
+  start_both();
+  SocketPage page(port());
+  wait_for_program(page, true);
+  peer->send(R"({"type":"use","request":4,"source":"draft","board":"/draft/board.toml"})");
+  EXPECT_TRUE(eventually([&] { return order != 0; }));
+  begin_session_later(false, true);
+  EXPECT_EQ(read_json(page, "hello")["using"], "saved");
+  peer->send(R"({"type":"use","request":5,"source":"saved"})");
+  const json second = peer->read_type("used").text;
+  EXPECT_EQ(second["to"], 5);
+  EXPECT_EQ(second["error"], "other files are being loaded");
+  EXPECT_EQ(input().setup, SetupWish::kStand) << "the draft is on its way";
+
+  begin_session_later(true, true, {}, order);
+  const json used = peer->read_type("used").text;
+  EXPECT_EQ(used["to"], 4);
+  EXPECT_EQ(used["ok"], true);
+  EXPECT_EQ(read_json(page, "hello")["using"], "draft");
+
+  // The answer to an order whose devices cannot be opened comes from the session with the saved files.
+  const std::uint64_t first = order;
+  peer->send(R"({"type":"use","request":6,"source":"draft","board":"/draft/board.toml"})");
+  EXPECT_TRUE(eventually([&] { return order != first; }));
+  begin_session_later(false, true, "camera: /dev/video0: no such device", order);
+  const json refused = peer->read_type("used").text;
+  EXPECT_EQ(refused["to"], 6);
+  EXPECT_EQ(refused["error"], "camera: /dev/video0: no such device");
+}
+
 TEST_F(SetupRelayTest, ADraftThatCannotBeUsedLeavesRobotsStopped) {
-  use_files = [](const config::FilePaths& /*files*/) { return failure(ErrorCode::kNotFound, "/draft: no such file"); };
+  use_files = [](const config::FilePaths& /*files*/, std::uint64_t /*order*/) {
+    return failure(ErrorCode::kNotFound, "/draft: no such file");
+  };
   start_both();
   SocketPage page(port());
   peer->send(R"({"type":"use","request":4,"source":"draft","board":"/draft/board.toml"})");
@@ -390,8 +430,8 @@ TEST_F(SetupRelayTest, ADraftThatCannotBeUsedLeavesRobotsStopped) {
 }
 
 TEST_F(SetupRelayTest, WithoutCalibrationNothingMoves) {
-  use_files = [this](const config::FilePaths& files) -> Result<FilesUse> {
-    begin_session_later(!files.board.empty(), false);
+  use_files = [this](const config::FilePaths& files, std::uint64_t order) -> Result<FilesUse> {
+    begin_session_later(!files.board.empty(), false, {}, order);
     return FilesUse::kInNextSession;
   };
   start_both();

@@ -32,7 +32,8 @@ class WebDisk : public ConsoleServer {
 
   // Files are not loaded before disk_answers.
   void block_the_disk() {
-    use_files = [this, answered = disk](const config::FilePaths& /*files*/) -> Result<FilesUse> {
+    use_files = [this, answered = disk](const config::FilePaths& /*files*/,
+                                        std::uint64_t /*order*/) -> Result<FilesUse> {
       is_blocked = true;
       answered.wait();
       return FilesUse::kAtOnce;

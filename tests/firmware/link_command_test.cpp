@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <filesystem>
 
+#include "firmware/config/configuration.h"
 #include "tests/results.h"
 #include "tests/tools/program_folder.h"
 
@@ -55,6 +56,20 @@ TEST_F(LinkCommand, OpensThePageAndClosesItAgain) {
   EXPECT_FALSE(fs::exists(path(drop_in_)));
   EXPECT_FALSE(fs::exists(path("etc/avahi/services/touchline.service")));
   EXPECT_OK(link_command(options(true)));  // twice does no harm
+}
+
+TEST_F(LinkCommand, KeepsTheNamesOfTheBoardFile) {
+  write("etc/touchline/board.toml", read("etc/touchline/board.toml") + "[console]\nhosts = [\"hall.example\"]\n");
+  ASSERT_OK(link_command(options(false)));
+  const std::string unit = read(drop_in_), begin = "--set 'console.hosts";
+  const std::size_t at = unit.find(begin) + std::string("--set '").size();
+  const std::string option = unit.substr(at, unit.find('\'', at) - at);
+  config::Configuration configuration;
+  ASSERT_OK(config::load_board(path("etc/touchline/board.toml"), {option}, configuration));
+  const std::vector<std::string>& hosts = configuration.board.console.hosts;
+  ASSERT_EQ(hosts.size(), 3U) << option;
+  EXPECT_EQ(hosts[0], "hall.example");
+  EXPECT_EQ(hosts[1], "touchline.local");
 }
 
 TEST_F(LinkCommand, SaysThatTheServiceIsMissing) {

@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "tests/firmware/loop_fixture.h"
+#include "tests/results.h"
 
 namespace touchline::testing {
 namespace {
@@ -135,6 +136,36 @@ TEST_F(LoopTest, StartsWithoutAnAwaitedCamera) {
   const std::atomic<bool> stop{false};
   EXPECT_EQ(loop->run(stop), LoopEnd::kRestart) << "whoever uses the pictures has to learn their format";
   EXPECT_NEAR(now_s(), 4.0, 1.1);
+}
+
+// A camera that opens when the reconnector tries it, but not in the session that follows: without growing pauses,
+// sessions would follow each other twice a second.
+TEST_F(LoopTest, PausesGrowAcrossSessionsThatCannotOpenTheirCamera) {
+  settings.awaited = {true, true, true};
+  settings.faults.reopen_after_s = 0.5;
+  ASSERT_TRUE(pipeline->configure(fake_camera_parameters()).ok());
+  std::vector<double> lengths;
+  for (int session = 0; session < 6; ++session) {
+    const double begin = now_s();
+    camera.add({begin, begin + 0.1, ErrorCode::kPermission});
+    loop = std::make_unique<Loop>(HalDevices{camera, radio, gpio, clock, true}, *pipeline, settings, *ring);
+    ASSERT_OK(loop->open());
+    ASSERT_FALSE(loop->is_open(Device::kCamera));
+    const std::atomic<bool> stop{false};
+    ASSERT_EQ(loop->run(stop), LoopEnd::kRestart);
+    lengths.push_back(now_s() - begin);
+    settings.former_pauses = loop->pauses();
+    loop->close();
+  }
+  double expected = 0.5;
+  for (const double length : lengths) {
+    EXPECT_NEAR(length, expected, 0.2);  // the final stop packets take some time
+    expected = std::min(2 * expected, seconds(DeviceReconnector::kLongestPause));
+  }
+  // A camera that opens again ends this.
+  loop = std::make_unique<Loop>(HalDevices{camera, radio, gpio, clock, true}, *pipeline, settings, *ring);
+  ASSERT_OK(loop->open());
+  EXPECT_EQ(loop->pauses()[0], Duration::zero());
 }
 
 TEST_F(LoopTest, StartsWithoutAnAwaitedRadio) {

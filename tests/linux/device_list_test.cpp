@@ -271,11 +271,17 @@ CommandOutput run(const std::string& arguments) {
 
 TEST(DeviceTexts, CamerasOfLibcameraAreListedAsTheBoardFileNamesThem) {
   devices::DeviceList list;
-  list.libcamera = {{"/base/soc/i2c0mux/i2c@1/imx219@10", "imx219", false}, {"usb-1.2:1.0-046d:0825", "Webcam", true}};
+  hal::V4l2FormatInfo nv12;
+  nv12.word = "nv12";
+  nv12.sizes = {{32, 32, 3280, 2464, {}}};
+  list.libcamera = {{{"/base/soc/i2c0mux/i2c@1/imx219@10", "imx219", false}, {nv12}},
+                    {{"usb-1.2:1.0-046d:0825", "Webcam", true}, {}}};
   EXPECT_EQ(to_text(list),
             "cameras of libcamera (backend = \"libcamera\")\n"
             "  imx219\n"
             "    device = \"/base/soc/i2c0mux/i2c@1/imx219@10\"\n"
+            "    nv12   \n"
+            "           32x32 to 3280x2464\n"
             "  Webcam (USB camera: prefer backend v4l2)\n"
             "    device = \"usb-1.2:1.0-046d:0825\"\n");
   const std::string json = to_json(list);

@@ -79,14 +79,14 @@ int Kernel::wait(File& file, short events, Instant deadline, short& found) {
   for (;;) {
     found = static_cast<short>(file.events() & (events | POLLERR | POLLHUP));
     if (found != 0) return 1;
-    if (now_ >= deadline) return 0;
-    now_ = std::min(deadline, std::max(file.next_event(), now_ + Duration(1)));
+    if (now() >= deadline) return 0;
+    now_ = std::min(deadline, std::max(file.next_event(), now() + Duration(1)));
   }
 }
 
 Instant Kernel::read_clock() {
-  now_ += std::chrono::microseconds(1);
-  return now_;
+  advance(std::chrono::microseconds(1));
+  return now();
 }
 
 const std::string* Kernel::resolve(const std::string& path) const {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <cstddef>
 #include <map>
 #include <string>
@@ -53,7 +54,7 @@ class Kernel {
   [[nodiscard]] bool has_clock() const { return has_clock_; }
 
   [[nodiscard]] Instant now() const { return now_; }
-  void advance(Duration duration) { now_ += duration; }
+  void advance(Duration duration) { now_ = now_.load() + duration; }
   [[nodiscard]] std::size_t open_files() const { return open_.size(); }
 
   // Entry points of the wrapped functions.
@@ -80,7 +81,8 @@ class Kernel {
   int next_number_ = 10000;  // higher than all real descriptors
   int interrupted_waits_ = 0, interrupted_requests_ = 0;
   bool has_clock_ = true;
-  Instant now_{std::chrono::seconds(1000)};
+  // Also read by a thread that waits for another one, which uses the devices.
+  std::atomic<Instant> now_{Instant(std::chrono::seconds(1000))};
 };
 
 /// Returns the current fake kernel, null if there is none.

@@ -77,6 +77,11 @@ int FakeLibcamera::cameras(std::vector<hal::LibcameraName>& found) {
   return error_of("cameras");
 }
 
+int FakeLibcamera::formats(const std::string& /*id*/, std::vector<hal::V4l2FormatInfo>& offers) {
+  offers = world_.formats;
+  return error_of("formats");
+}
+
 int FakeLibcamera::acquire(const std::string& id, hal::LibcameraSink& sink) {
   world_.acquired = id;
   world_.sink_ = &sink;

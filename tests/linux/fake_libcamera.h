@@ -25,10 +25,11 @@ struct LibcameraWorld {
   std::map<std::string, int> errors;  // errors by name of the call; each occurs once
   int good_queues = 0;                // number of successful calls of queue() before its error
   std::string offers = "nv12 32x32 to 3280x2464";
-  std::uint32_t padding_bytes = 0;  // padding of each row
-  std::size_t spare_bytes = 0;      // bytes after the picture
-  std::size_t actual_buffers = 0;   // 0: as many as requested
-  std::size_t missing_bytes = 0;    // missing bytes of buffers that the driver allocates
+  std::vector<hal::V4l2FormatInfo> formats;  // that each camera lists
+  std::uint32_t padding_bytes = 0;           // per row
+  std::size_t spare_bytes = 0;               // after the picture
+  std::size_t actual_buffers = 0;            // 0: as requested
+  std::size_t missing_bytes = 0;             // of buffers that the driver allocates
   bool full_range = false, mirrored = false;
   hal::LibcameraLimits limits;
   hal::LibcameraNumbers metadata;        // reported by each frame
@@ -72,6 +73,7 @@ class FakeLibcamera final : public hal::LibcameraLink {
   explicit FakeLibcamera(LibcameraWorld& world) : world_(world) {}
 
   int cameras(std::vector<hal::LibcameraName>& found) override;
+  int formats(const std::string& id, std::vector<hal::V4l2FormatInfo>& offers) override;
   int acquire(const std::string& id, hal::LibcameraSink& sink) override;
   int configure(hal::LibcameraStream& requested, std::string& offers) override;
   hal::LibcameraLimits limits() override { return world_.limits; }

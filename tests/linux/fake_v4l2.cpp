@@ -99,6 +99,7 @@ Instant VideoDevice::start_of_exposure(std::uint32_t sequence) const {
 }
 
 int VideoDevice::ioctl(unsigned long request, void* argument) {
+  if (before_request) before_request(request);
   ++requests_[request];
   run();
   if (gone_) return -ENODEV;

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <map>
 #include <memory>
 #include <string>
@@ -92,6 +93,8 @@ class VideoDevice final : public File {
   int sync_interruptions = 0;
   int spurious_wakeups = 0;  // number of times that poll() reports a frame although there is none
   void unplug() { gone_ = true; }
+  /// Called at the beginning of each request, for example to hang; empty: nothing.
+  std::function<void(unsigned long request)> before_request;
   /// `times` requests of this kind fail after `after` successful ones.
   void fail(unsigned long request, int error, int after = 0, int times = 1) {
     failures_[request] = {error, after, times};

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <csignal>
 #include <filesystem>
 #include <random>
 
@@ -47,6 +48,23 @@ TEST_F(ScriptedFirmware, FindsTheFieldAndSavesIt) {
   EXPECT_NE(read("etc/venue.toml").find("[camera_model]"), std::string::npos);
   ASSERT_FALSE(used_.empty());
   EXPECT_EQ(used_.back()["source"], "saved");
+
+  // What was entered is shown in the next draft, also after a restart of the program.
+  expect_ok("begin");
+  EXPECT_EQ(state_["steps"]["field"]["entered"], field["entered"]);
+  stop_program(SIGTERM);
+  start_program();
+  expect_ok("begin");
+  EXPECT_EQ(state_["steps"]["field"]["entered"], field["entered"]);
+  expect_ok("set", {{"key", "field.margin_m"}, {"value", 0.3}});
+  expect_ok("save");
+  expect_ok("begin");
+  EXPECT_EQ(state_["steps"]["field"]["entered"], field["entered"]);
+  // Another venue file may belong to another place.
+  expect_ok("discard");
+  write("etc/venue.toml", read("etc/venue.toml") + "# edited\n");
+  expect_ok("begin");
+  EXPECT_FALSE(state_["steps"]["field"].contains("entered"));
 }
 
 class SetupWithRegion : public ScriptedFirmware {
@@ -84,6 +102,9 @@ TEST_F(ScriptedFirmware, JudgesAHeightByThePicture) {
   nlohmann::json field = kMiroSot;
   field["camera_height_m"] = 1.5;
   expect_error("field.find", field, "the picture alone says 2.3");
+  const std::string refusal = run("field.find", field)["error"];
+  EXPECT_EQ(refusal.find("--"), std::string::npos) << "the page has no options: " << refusal;
+  expect_error("field.find", field, "the height of the lens above the floor is not 1.50 m, as entered");
   field["camera_height_m"] = 2.3;
   expect_ok("field.find", field);
   EXPECT_NE(state_["steps"]["field"]["quality"]["text"].get<std::string>().find("if the height is right"),
@@ -202,6 +223,31 @@ TEST_F(ScriptedFirmware, AdvisesMoreLightWithAnExposureThatWouldBeTooDark) {
   expect_ok("set", {{"key", "camera.exposure_us"}, {"value", 900000}});
   expect_ok("set", {{"key", "control.drive.max_speed_mps"}, {"value", 2.0}});
   EXPECT_NE(expect_ok("camera.quality")["notes"].dump().find(" us, with more light or more gain"), std::string::npos);
+}
+
+// A dark picture: a longer exposure helps up to the limit at which robots are blurred, and gain after that.
+TEST_F(ScriptedFirmware, AdvisesGainWhenTheExposureIsAtItsLimit) {
+  start_program();
+  const hal::Picture bright = arena_picture(hal::mock::Floor::kField, 1);
+  hal::Picture dark = bright;
+  for (std::uint8_t& value : dark.rgb8) value /= 8;
+  camera_ = {dark};
+  expect_ok("begin");
+  expect_ok("set", {{"key", "camera.exposure_us"}, {"value", 500}});
+  expect_ok("set", {{"key", "control.drive.max_speed_mps"}, {"value", 2.0}});
+  const auto notes = [this] { return expect_ok("camera.quality")["notes"].dump(); };
+  const std::string longer = notes(), before = "expose longer, up to ";
+  ASSERT_NE(longer.find(before), std::string::npos) << longer;
+  const int advised_us = std::stoi(longer.substr(longer.find(before) + before.size()));
+  EXPECT_GT(advised_us, 500);
+  expect_ok("set", {{"key", "camera.exposure_us"}, {"value", advised_us}});
+  const std::string at_the_limit = notes();
+  EXPECT_EQ(at_the_limit.find("expose"), std::string::npos) << at_the_limit;
+  EXPECT_NE(at_the_limit.find("raise the gain"), std::string::npos) << at_the_limit;
+  camera_ = {bright};  // the gain was raised
+  const std::string followed = notes();
+  EXPECT_EQ(followed.find("dark"), std::string::npos) << followed;
+  EXPECT_EQ(followed.find("gain"), std::string::npos) << followed;
 }
 
 TEST_F(SetupOfACalibratedBoard, MeasuresTheNoiseOfStandingRobots) {

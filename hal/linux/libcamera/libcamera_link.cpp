@@ -8,6 +8,7 @@
 #include <libcamera/property_ids.h>
 #include <libcamera/request.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdlib>
 #include <utility>
@@ -42,6 +43,27 @@ std::string list_formats(const libcamera::StreamFormats& formats) {
     if (sizes.empty()) offers += " " + text(range.min) + " to " + text(range.max);
   }
   return offers.empty() ? "nothing" : offers;
+}
+
+std::vector<V4l2FormatInfo> offers_of(const libcamera::StreamFormats& formats) {
+  std::vector<V4l2FormatInfo> offers;
+  for (const libcamera::PixelFormat& format : formats.pixelformats()) {
+    V4l2FormatInfo& offer = offers.emplace_back();
+    offer.code = format.toString();
+    const bool is_known = std::any_of(kPixelFormatTable.begin(), kPixelFormatTable.end(),
+                                      [&](const PixelFormatInfo& info) { return format_of(info.format) == format; });
+    if (is_known) offer.word = name_of(format);
+    // A list of single sizes has a range without steps around it.
+    const libcamera::SizeRange range = formats.range(format);
+    if (range.hStep != 0 && range.vStep != 0 && range.min != range.max) {
+      offer.sizes.push_back({range.min.width, range.min.height, range.max.width, range.max.height, {}});
+      continue;
+    }
+    for (const libcamera::Size& size : formats.sizes(format)) {
+      offer.sizes.push_back({size.width, size.height, size.width, size.height, {}});
+    }
+  }
+  return offers;
 }
 
 class RunningManager final : public libcamera::CameraManager {
@@ -91,6 +113,15 @@ class Link final : public LibcameraLink {
     if (manager_ == nullptr) return error;
     found.clear();
     for (const std::shared_ptr<libcamera::Camera>& camera : manager_->cameras()) found.push_back(name_of(*camera));
+    return 0;
+  }
+
+  int formats(const std::string& id, std::vector<V4l2FormatInfo>& offers) override {
+    const std::shared_ptr<libcamera::Camera> camera = manager_->get(id);
+    if (camera == nullptr) return ENOENT;
+    const auto configuration = camera->generateConfiguration({libcamera::StreamRole::VideoRecording});
+    if (configuration == nullptr || configuration->empty()) return ENOTSUP;
+    offers = offers_of(configuration->at(0).formats());
     return 0;
   }
 

@@ -10,6 +10,7 @@
 
 #include "core/types.h"
 #include "hal/linux/dma_buffer.h"
+#include "hal/linux/v4l2/v4l2_format_list.h"
 
 // Interface between the driver (libcamera_camera.h) and libcamera. The driver uses no type of libcamera and is tested
 // without it; the implementation (libcamera_link.cpp) only calls the library.
@@ -104,6 +105,9 @@ class LibcameraLink {
 
   /// Lists the cameras; starts the library if it is not running.
   virtual int cameras(std::vector<LibcameraName>& found) = 0;
+  /// Lists what a camera offers, also while this or another process uses it. Rates are unknown, because the library
+  /// knows only those of the size that is set. After cameras().
+  virtual int formats(const std::string& id, std::vector<V4l2FormatInfo>& offers) = 0;
   /// Acquires a camera for this process; `sink` must live until release().
   virtual int acquire(const std::string& id, LibcameraSink& sink) = 0;
   /// Sets format, size and number of buffers, and writes the negotiated values to `requested`. EINVAL: they are not
@@ -128,6 +132,19 @@ class LibcameraLink {
 
 /// Returns null if this build has no libcamera.
 std::unique_ptr<LibcameraLink> make_libcamera_link();
+
+struct LibcameraOffer {
+  LibcameraName name;
+  std::vector<V4l2FormatInfo> formats;
+};
+
+/// Returns all cameras with their formats; none if `link` is null. Acquires no camera. Blocks. `priority`: that of the
+/// loop, 0: none. The calling thread gets this priority minus one, which threads of libcamera that start now inherit,
+/// as with LibcameraCamera: they may serve the loop later.
+std::vector<LibcameraOffer> libcamera_offers(LibcameraLink* link, int priority = 0);
+
+/// Gives the calling thread the priority at which libcamera's threads deliver frames. The system may refuse it.
+void take_libcamera_priority(int priority) noexcept;
 
 /// Returns all cameras that libcamera finds; none in a build without it. Blocks.
 std::vector<LibcameraName> libcamera_cameras();

@@ -1,4 +1,8 @@
+#include <pthread.h>
+#include <sched.h>
+
 #include <algorithm>
+#include <utility>
 
 #include "hal/linux/libcamera/libcamera_link.h"
 
@@ -27,6 +31,29 @@ const LibcameraName* choose(const std::vector<LibcameraName>& cameras, const std
   }
   const auto has = [&](const LibcameraName& camera) { return camera.id.find(device) != std::string::npos; };
   return !device.empty() && std::count_if(cameras.begin(), cameras.end(), has) == 1 ? first(has) : nullptr;
+}
+
+void take_libcamera_priority(int priority) noexcept {
+  if (priority <= 0) return;
+  const sched_param below{.sched_priority = std::max(priority - 1, 1)};
+  static_cast<void>(pthread_setschedparam(pthread_self(), SCHED_FIFO, &below));
+}
+
+std::vector<LibcameraOffer> libcamera_offers(LibcameraLink* link, int priority) {
+  std::vector<LibcameraOffer> offers;
+  if (link == nullptr) return offers;
+  take_libcamera_priority(priority);
+  std::vector<LibcameraName> names;
+  if (link->cameras(names) == 0) {
+    for (LibcameraName& name : names) {
+      LibcameraOffer& offer = offers.emplace_back();
+      // A camera that has just been unplugged offers nothing.
+      if (link->formats(name.id, offer.formats) != 0) offer.formats.clear();
+      offer.name = std::move(name);
+    }
+  }
+  link->release();
+  return offers;
 }
 
 std::vector<LibcameraName> libcamera_cameras() {

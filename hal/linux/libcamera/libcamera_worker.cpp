@@ -1,6 +1,5 @@
 // The part of LibcameraCamera that runs on the driver's thread: all calls to libcamera. It may block and allocate.
 #include <linux/videodev2.h>
-#include <pthread.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -54,12 +53,9 @@ void split(DmaBuffer& buffer, const LibcameraStream& stream) {
 }  // namespace
 
 void LibcameraCamera::work() {
-  // The threads of libcamera inherit the priority. A refusal is not reported here: the system then also refuses the
-  // loop's priority, and the loop reports it.
-  if (priority_ > 0) {
-    const sched_param below{.sched_priority = std::max(priority_ - 1, 1)};
-    static_cast<void>(pthread_setschedparam(pthread_self(), SCHED_FIFO, &below));
-  }
+  // The threads of libcamera inherit the priority. Its refusal is not reported here: the system then also refuses the
+  // loop's priority, and the loop reports that.
+  take_libcamera_priority(priority_);
   for (;;) {
     work_.wait();
     queue_returned();

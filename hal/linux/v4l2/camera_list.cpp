@@ -12,19 +12,29 @@ constexpr const char* kCameraFiles = "/dev/video";
 
 }  // namespace
 
+std::vector<std::string> camera_files() { return numbered_files(kCameraFiles); }
+
+CameraNode unopened_camera(const std::string& path) {
+  CameraNode node;
+  node.path = path;
+  node.by_path = stable_link(kCameraLinks, path);
+  node.by_id = stable_link(kCameraIdLinks, path);
+  return node;
+}
+
+std::optional<CameraNode> camera_at(const std::string& path) {
+  CameraNode node = unopened_camera(path);
+  V4l2Device device;
+  node.error = device.open(path);
+  if (node.error == 0 && device.identify(node.identity) != 0) return std::nullopt;
+  if (node.error == 0 && !(node.identity.captures && node.identity.streams)) return std::nullopt;
+  return node;
+}
+
 std::vector<CameraNode> list_cameras() {
   std::vector<CameraNode> cameras;
-  for (const std::string& path : numbered_files(kCameraFiles)) {
-    CameraNode node;
-    node.path = path;
-    V4l2Device device;
-    node.error = device.open(path);
-    // Skips files that are not video devices, and devices that have just disappeared.
-    if (node.error == 0 && device.identify(node.identity) != 0) continue;
-    if (node.error == 0 && !(node.identity.captures && node.identity.streams)) continue;
-    node.by_path = stable_link(kCameraLinks, path);
-    node.by_id = stable_link(kCameraIdLinks, path);
-    cameras.push_back(std::move(node));
+  for (const std::string& path : camera_files()) {
+    if (std::optional<CameraNode> node = camera_at(path)) cameras.push_back(std::move(*node));
   }
   return cameras;
 }

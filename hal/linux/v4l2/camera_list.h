@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -19,7 +20,16 @@ struct CameraNode {
   V4l2Identity identity;
 };
 
-/// Lists all cameras, sorted by number. Opens every video device.
+/// Returns the files of all video devices, sorted by number. Opens none.
+std::vector<std::string> camera_files();
+
+/// Returns a camera as far as it is known without opening it.
+CameraNode unopened_camera(const std::string& path);
+
+/// Opens the device. Nothing: it is no camera, or has just disappeared.
+std::optional<CameraNode> camera_at(const std::string& path);
+
+/// All cameras, sorted by number. Opens every video device.
 std::vector<CameraNode> list_cameras();
 
 /// Returns the list of list_cameras() as text for messages: "/dev/video0 (name, bus) = /dev/v4l/by-path/..., ..." or

@@ -1,7 +1,7 @@
 // What the page says about the devices of a board, and what it writes for one that is chosen.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { cameraKeys, cameraState, chipText, fetchDevices, isNumbered, portNamed, rateText, sizeText, sortedPorts, withUsed, type CameraDevice } from '../../../tools/console/src/lib/devices';
+import { cameraKeys, cameraState, chipText, fetchDevices, isNumbered, pictureText, portNamed, rateText, sizeText, sortedPorts, withUsed, type CameraDevice } from '../../../tools/console/src/lib/devices';
 
 const suggested = { device: '/dev/v4l/by-id/usb-A', format: 'yuyv', width_px: 640, height_px: 480, rate_hz: 60 };
 const camera: CameraDevice = { path: '/dev/video0', name: '/dev/v4l/by-id/usb-A', by_id: '/dev/v4l/by-id/usb-A', by_path: '/dev/v4l/by-path/usb-1', used: false, suggested };
@@ -20,6 +20,18 @@ test('a camera can be chosen unless it delivers already, is refused, or has no f
 
 test('all keys of a camera are written together, under its lasting name', () => {
   assert.deepEqual(cameraKeys(suggested), { backend: 'v4l2', device: '/dev/v4l/by-id/usb-A', format: 'yuyv', width_px: 640, height_px: 480, rate_hz: 60 });
+});
+
+test('a camera of libcamera is written with its backend', () => {
+  assert.equal(cameraKeys({ ...suggested, backend: 'libcamera', device: '/base/soc/i2c/imx296@1a' }).backend, 'libcamera');
+});
+
+test('in the place of a picture stands who has the camera', () => {
+  assert.equal(pictureText(camera), '');
+  assert.equal(pictureText({ ...camera, refused: '/dev/video0: in use by guvcview (process 1234)' }), 'In use by guvcview (process 1234)');
+  assert.equal(pictureText({ ...camera, refused: '/dev/video0: in use by another process; `fuser -v /dev/video0` shows it' }), 'In use by another process');
+  assert.equal(pictureText({ ...camera, refused: '/dev/video0: its driver does not answer; unplug the device, or restart the board' }), 'Does not answer');
+  assert.equal(pictureText({ ...camera, refused: '/dev/video0: permission denied' }), 'No picture');
 });
 
 test('the files in use say which camera is used, by any of its names', () => {

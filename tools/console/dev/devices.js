@@ -29,7 +29,14 @@ export const devices = (game) => ({
       path: '/dev/video2', name: '/dev/v4l/by-path/platform-usb-0:2:1.0-video-index0', by_id: '', by_path: '/dev/v4l/by-path/platform-usb-0:2:1.0-video-index0', card: 'Other Camera', used: false,
       formats: [{ format: 'mjpg', fourcc: 'MJPG', description: 'Motion-JPEG', sizes }],
       suggested: { device: '/dev/v4l/by-path/platform-usb-0:2:1.0-video-index0', format: 'mjpg', width_px: 640, height_px: 480, rate_hz: 60 },
-      refused: '/dev/v4l/by-path/platform-usb-0:2:1.0-video-index0: in use by another process; `fuser -v /dev/v4l/by-path/platform-usb-0:2:1.0-video-index0` shows it',
+      refused: '/dev/v4l/by-path/platform-usb-0:2:1.0-video-index0: in use by guvcview (process 1234)',
     },
+    {
+      backend: 'libcamera', path: '/base/axi/pcie@1000120000/rp1/i2c@80000/imx296@1a', name: '/base/axi/pcie@1000120000/rp1/i2c@80000/imx296@1a', card: 'imx296', used: false,
+      formats: [{ format: 'nv12', sizes: [{ width_px: 32, height_px: 32, max_width_px: 1456, max_height_px: 1088, rates_hz: [] }] }],
+      suggested: { backend: 'libcamera', device: '/base/axi/pcie@1000120000/rp1/i2c@80000/imx296@1a', format: 'nv12', width_px: 1280, height_px: 1024, rate_hz: 60 },
+      thumbnail: `data:image/jpeg;base64,${makePicture(game).subarray(32).toString('base64')}`,
+    },
+    { path: '/dev/video4', name: '/dev/video4', card: '', used: false, refused: '/dev/video4: its driver does not answer; unplug the device, or restart the board' },
   ],
 });

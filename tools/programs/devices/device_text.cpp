@@ -99,11 +99,12 @@ void add_cameras(std::string& text, const std::vector<Camera>& cameras) {
   }
 }
 
-void add_libcamera(std::string& text, const std::vector<hal::LibcameraName>& cameras) {
+void add_libcamera(std::string& text, const std::vector<hal::LibcameraOffer>& cameras) {
   if (!cameras.empty()) line(text, "cameras of libcamera (backend = \"libcamera\")");
-  for (const hal::LibcameraName& camera : cameras) {
-    line(text, "  %s%s", camera.model.c_str(), camera.external ? " (USB camera: prefer backend v4l2)" : "");
-    line(text, "    device = \"%s\"", camera.id.c_str());
+  for (const hal::LibcameraOffer& camera : cameras) {
+    line(text, "  %s%s", camera.name.model.c_str(), camera.name.external ? " (USB camera: prefer backend v4l2)" : "");
+    line(text, "    device = \"%s\"", camera.name.id.c_str());
+    if (!camera.formats.empty()) add_formats(text, camera.formats);
   }
 }
 

@@ -25,11 +25,17 @@ constexpr double kMaxClipped = 0.02;
 // 0.2 for 2 px.
 constexpr double kSharp = 0.3, kBlurred = 0.2;
 constexpr double kMaxBlur_px = 1.0;
+// Smallest difference over an edge that is judged.
+constexpr int kClearEdge = 40;
+// A picture without clear edges is dark if even its brightest parts, such as the lines of a black field, are below
+// twice the smallest edge: then paper of half the brightness of white is no edge.
+constexpr std::size_t kDarkValue = 2 * kClearEdge;
+constexpr double kAlmostAll = 0.999;
 
 // Returns the largest step between neighboring pixels relative to the whole edge, as the median over the clear
 // horizontal edges.
 std::optional<double> focus_of(const hal::Picture& picture) {
-  constexpr int kReach = 3, kClearEdge = 40;
+  constexpr int kReach = 3;
   constexpr std::size_t kEnough = 100;
   const auto luma = [&](std::size_t u, std::size_t v) {
     const std::uint8_t* rgb = &picture.rgb8[3 * (v * picture.width_px + u)];
@@ -75,17 +81,47 @@ const char* blur_level(double exposure_us, double limit_us) {
   return exposure_us > 2 * limit_us ? "bad" : exposure_us > limit_us ? "warning" : "ok";
 }
 
-// Says what to do about an exposure that is too long. `has_edges`: this picture has edges that can be judged.
-std::string exposure_advice(const hal::Picture& picture, double exposure_us, double limit_us, bool has_edges) {
-  const double advised_us = std::floor(limit_us);  // the key takes whole numbers
-  if (advised_us < 1 || std::string_view(blur_level(advised_us, limit_us)) != "ok")
-    return "no exposure is short enough";
-  const std::string advice = formatted("expose at most %.0f us", advised_us);
-  const bool gets_dark = has_edges && !focus_of(exposed(picture, advised_us / exposure_us));
+bool is_dark(const hal::Picture& picture) {
+  std::array<std::size_t, 256> count{};
+  for (const std::uint8_t value : picture.rgb8) ++count[value];
+  std::size_t below = 0;
+  for (std::size_t value = 0; value < kDarkValue; ++value) below += count[value];
+  return static_cast<double>(below) >= kAlmostAll * static_cast<double>(picture.rgb8.size());
+}
+
+// What to do about an exposure that is too long. `has_edges`: this picture has edges that can be judged.
+std::string exposure_advice(const hal::Picture& picture, const ExposureState& state, bool has_edges) {
+  if (state.longest_us < 1) return "no exposure is short enough";
+  const std::string advice = formatted("expose at most %.0f us", state.longest_us);
+  const bool gets_dark = has_edges && !focus_of(exposed(picture, state.longest_us / state.exposure_us));
   return gets_dark ? advice + ", with more light or more gain: the picture would be too dark otherwise" : advice;
 }
 
 }  // namespace
+
+ExposureState exposure_state(const Frame& frame, const std::string& board, const std::string& venue,
+                             const std::string& team) {
+  const auto configuration = std::make_unique<config::Configuration>();
+  static_cast<void>(config::load_board(board, {}, *configuration).ok());
+  static_cast<void>(config::read_toml(team, "", {}, configuration->team, configuration->team_where).ok());
+  const Result<calibrate::VenueDraft> draft = calibrate::read_draft(venue);
+  const double scale = scale_m(draft.ok() ? draft.value() : calibrate::VenueDraft{}, frame);
+  ExposureState state;
+  const hal::CameraSettings& camera = configuration->board.camera;
+  state.exposure_us = camera.exposure_us;
+  state.speed_mps = static_cast<double>(configuration->team.control.drive.max_speed_mps);
+  state.blur_us = state.speed_mps > 0 ? 1e6 * kMaxBlur_px * scale / state.speed_mps : 1e6;
+  const double picture_us = camera.rate_hz > 0 ? 1e6 / camera.rate_hz : 1e6;
+  const double longest_us = std::floor(std::min(state.blur_us, picture_us));  // the key takes whole numbers
+  state.longest_us = std::string_view(blur_level(longest_us, state.blur_us)) == "ok" ? longest_us : 0;
+  return state;
+}
+
+std::string brighter_advice(const ExposureState& state) {
+  if (state.exposure_us < state.longest_us)
+    return formatted("expose longer, up to %.0f us, raise the gain, or use more light", state.longest_us);
+  return "raise the gain, or use more light: the exposure is at its limit";
+}
 
 nlohmann::json camera_quality(const Frame& frame, const SetupFiles& files, const std::string& folder) {
   const hal::Picture picture = calibrate::picture_of(frame);
@@ -110,27 +146,24 @@ nlohmann::json camera_quality(const Frame& frame, const SetupFiles& files, const
   };
   const std::optional<double> focus = focus_of(picture);
   if (focus) out["focus"] = *focus;
-  if (!focus) note("warning", "the picture has no clear edge: is it dark, or is the lens covered?");
+  const ExposureState exposure =
+      exposure_state(frame, folder + "/" + files.board, folder + "/" + files.venue, folder + "/" + files.team);
+  if (!focus && is_dark(picture)) {
+    note("warning", "the picture is too dark, or the lens is covered: " + brighter_advice(exposure));
+  } else if (!focus) {
+    note("warning", "the picture has no clear edge: is the lens covered, or far out of focus?");
+  }
   if (focus && *focus < kSharp) note(*focus < kBlurred ? "bad" : "warning", "the picture is blurred: turn the lens");
   if (*std::max_element(clipped.begin(), clipped.end()) > kMaxClipped) {
     note("warning", "bright parts are clipped: use a shorter exposure or less gain");
   }
 
-  const auto configuration = std::make_unique<config::Configuration>();
-  static_cast<void>(config::load_board(folder + "/" + files.board, {}, *configuration).ok());
-  const Result<calibrate::VenueDraft> venue = calibrate::read_draft(folder + "/" + files.venue);
-  const double scale = scale_m(venue.ok() ? venue.value() : calibrate::VenueDraft{}, frame);
-  static_cast<void>(
-      config::read_toml(folder + "/" + files.team, "", {}, configuration->team, configuration->team_where).ok());
-  const auto speed = static_cast<double>(configuration->team.control.drive.max_speed_mps);
-  const double limit_us = speed > 0 ? 1e6 * kMaxBlur_px * scale / speed : 1e6;
-  const double exposure_us = configuration->board.camera.exposure_us;
-  out["exposure_limit_us"] = limit_us;
-  out["blur_px"] = exposure_us * kMaxBlur_px / limit_us;
-  if (const char* blur = blur_level(exposure_us, limit_us); std::string_view(blur) != "ok") {
-    note(blur,
-         formatted("robots at %.1f m/s are blurred by %.2f pixels: ", speed, exposure_us * kMaxBlur_px / limit_us) +
-             exposure_advice(picture, exposure_us, limit_us, focus.has_value()));
+  out["exposure_limit_us"] = exposure.blur_us;
+  const double blur_px = exposure.exposure_us * kMaxBlur_px / exposure.blur_us;
+  out["blur_px"] = blur_px;
+  if (const char* blur = blur_level(exposure.exposure_us, exposure.blur_us); std::string_view(blur) != "ok") {
+    note(blur, formatted("robots at %.1f m/s are blurred by %.2f pixels: ", exposure.speed_mps, blur_px) +
+                   exposure_advice(picture, exposure, focus.has_value()));
   }
   out["notes"] = notes;
   out["quality"] =

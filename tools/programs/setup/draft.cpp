@@ -3,6 +3,8 @@
 #include <filesystem>
 
 #include "firmware/config/section_writer.h"
+#include "hal/files/input_file.h"
+#include "hal/files/output_file.h"
 
 namespace touchline::setup {
 namespace {
@@ -11,6 +13,7 @@ namespace fs = std::filesystem;
 
 // Number of states that can be undone; each has its own texts and pictures, up to 1 MB.
 constexpr std::size_t kMaxStates = 64;
+constexpr const char* kEntries = "/entries.json";
 
 }  // namespace
 
@@ -44,6 +47,7 @@ Result<void> Draft::begin(const std::string& board_path) {
   FileContent& venue = state.files.content[state.files.venue];
   if (venue == nullptr) venue = std::make_shared<const std::string>(config::kNewFile);
   TOUCHLINE_TRY(store(state));
+  restore_entries(state);
   saved_ = std::move(saved);
   states_.clear();
   states_.push_back(std::move(state));
@@ -59,7 +63,29 @@ void Draft::close() {
   fs::remove_all(folder_ + "/saved", error);
 }
 
-Result<void> Draft::store(const DraftState& state) const { return write_folder(state.files, files_folder()); }
+Result<void> Draft::store(const DraftState& state) const {
+  TOUCHLINE_TRY(write_folder(state.files, files_folder()));
+  keep_entries(state);
+  return {};
+}
+
+void Draft::keep_entries(const DraftState& state) const {
+  const auto field = state.measured.find("field");
+  if (field == state.measured.end() || !field->contains("entered")) return;
+  const nlohmann::json kept{{"venue", state.files.text(state.files.venue)}, {"field", field->at("entered")}};
+  // Without the file, a person enters the height again.
+  static_cast<void>(
+      hal::write_file(folder_ + kEntries, kept.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace)));
+}
+
+void Draft::restore_entries(DraftState& state) const {
+  const Result<std::string> text = hal::read_file(folder_ + kEntries, hal::kMaxTextFileBytes);
+  if (!text.ok()) return;
+  const nlohmann::json kept = nlohmann::json::parse(text.value(), nullptr, false);
+  if (!kept.is_object() || kept.value("venue", "") != state.files.text(state.files.venue)) return;
+  const auto field = kept.find("field");
+  if (field != kept.end() && field->is_object()) state.measured["field"]["entered"] = *field;
+}
 
 Result<void> Draft::add(DraftState state) {
   TOUCHLINE_TRY(store(state));

@@ -61,6 +61,10 @@ class Draft {
 
  private:
   Result<void> store(const DraftState& state) const;
+  /// Keeps what a person has entered for the field beyond saving and the end of the program: no file of the setup has
+  /// the height as it was measured. It counts as long as the venue file is the one that it led to.
+  void keep_entries(const DraftState& state) const;
+  void restore_entries(DraftState& state) const;
   Result<void> move_to(std::size_t index);
 
   std::string folder_;

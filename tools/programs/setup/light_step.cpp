@@ -6,6 +6,7 @@
 #include "firmware/config/light_map_file.h"
 #include "tools/programs/calibrate/light/light_calibration.h"
 #include "tools/programs/command_line/formatted.h"
+#include "tools/programs/setup/camera_quality.h"
 #include "tools/programs/setup/page_state.h"
 
 namespace touchline::setup {
@@ -34,7 +35,8 @@ hal::Picture corrected(const hal::Picture& picture, const LightMap& map) {
   return out;
 }
 
-nlohmann::json measured_light(const calibrate::LightCalibration& light, const std::string& surface, bool relearn) {
+nlohmann::json measured_light(const calibrate::LightCalibration& light, const std::string& surface, bool relearn,
+                              const std::string& brighter) {
   const calibrate::LightReport& report = light.report;
   nlohmann::json out = {{"surface", surface},
                         {"least", report.least},
@@ -54,8 +56,9 @@ nlohmann::json measured_light(const calibrate::LightCalibration& light, const st
     note("warning", "whether the field is covered with paper was not checked: the field is not calibrated yet");
   }
   const bool has_spots = report.saturated_cells + report.dark_cells + report.clamped_cells > 0;
-  if (report.saturated_cells > 0) note("warning", "parts of the field are saturated: use a shorter exposure");
-  if (report.dark_cells > 0) note("warning", "parts of the field are too dark: use a longer exposure or more light");
+  if (report.saturated_cells > 0)
+    note("warning", "parts of the field are saturated: use a shorter exposure or less gain");
+  if (report.dark_cells > 0) note("warning", "parts of the field are too dark: " + brighter);
   if (uneven > kUneven) note("warning", "the light is very uneven: add a lamp above the dark side");
   if (relearn) note("warning", "the colors were learned with another light map: learn them again");
   out["quality"] = quality(has_spots || is_unchecked || uneven > kUneven ? "warning" : "ok",
@@ -74,7 +77,10 @@ Result<void> measure_light(const std::string& surface, bool keep_normal, const J
   TOUCHLINE_TRY_ASSIGN(
       const calibrate::LightCalibration light,
       calibrate::calibrate_light(input.path(input.state.files.venue), std::move(pictures), surface, keep_normal));
-  output.measured(measured_light(light, surface, light.had_colors && !keep_normal));
+  const SetupFiles& files = input.state.files;
+  const ExposureState exposure = exposure_state(input.frames.front()->frame(), input.path(files.board),
+                                                input.path(files.venue), input.path(files.team));
+  output.measured(measured_light(light, surface, light.had_colors && !keep_normal, brighter_advice(exposure)));
   TOUCHLINE_TRY(output.picture("before", before));
   return output.picture("after", corrected(before, light.map));
 }

@@ -3,6 +3,7 @@ import { fetchDevices, type CameraDevice, type Devices } from './devices';
 /** The cameras of the board, as they were found last. Looking again opens those that nobody uses, so a part of the page that appears takes what is known. */
 class CameraList {
   cameras = $state.raw<CameraDevice[] | null>(null);
+  problems = $state.raw<string[]>([]);
   error = $state('');
   looking = $state(false);
 
@@ -11,7 +12,9 @@ class CameraList {
     this.looking = true;
     this.error = '';
     try {
-      this.cameras = (await fetchDevices<Devices>('/devices')).cameras;
+      const devices = await fetchDevices<Devices>('/devices');
+      this.cameras = devices.cameras;
+      this.problems = devices.problems ?? [];
     } catch (reason) {
       this.error = reason instanceof Error ? reason.message : String(reason);
     }

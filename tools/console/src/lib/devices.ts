@@ -1,6 +1,7 @@
 // What GET /devices and GET /ports answer (docs/console-protocol.md), and what the page says about it.
 
 export interface CameraMode {
+  backend?: string; // 'v4l2' if absent
   device: string;
   format: string;
   width_px: number;
@@ -18,6 +19,7 @@ export interface CameraSize {
 }
 
 export interface CameraDevice {
+  backend?: string;
   path: string;
   name: string; // for the board file: a link that lasts, if there is one
   by_id?: string;
@@ -49,6 +51,7 @@ export interface GpioChip {
 export interface Ports {
   serial_ports: SerialPort[];
   gpio_chips: GpioChip[];
+  problems?: string[]; // kinds of devices that could not be listed, and why
 }
 
 export interface Devices extends Ports {
@@ -99,8 +102,16 @@ export function cameraState(camera: CameraDevice, lost: string | null): { choosa
   return { choosable: true, text: '', problem: false };
 }
 
+/** What stands in the place of the small picture of a camera that cannot show one. The whole reason is beside it. */
+export function pictureText({ refused }: CameraDevice): string {
+  if (!refused) return '';
+  const user = /: (in use by [^;]+)/.exec(refused)?.[1];
+  if (user) return user[0]!.toUpperCase() + user.slice(1);
+  return /does not answer/.test(refused) ? 'Does not answer' : 'No picture';
+}
+
 /** The keys of [camera] for a camera that a person chooses. */
-export const cameraKeys = ({ device, format, width_px, height_px, rate_hz }: CameraMode) => ({ backend: 'v4l2', device, format, width_px, height_px, rate_hz });
+export const cameraKeys = ({ backend = 'v4l2', device, format, width_px, height_px, rate_hz }: CameraMode) => ({ backend, device, format, width_px, height_px, rate_hz });
 
 /** Whether a port's name depends on the order in which adapters are plugged in. */
 export const isNumbered = (name: string) => /^\/dev\/tty(USB|ACM)\d+$/.test(name);

@@ -211,10 +211,10 @@ Result<void> check_height_given(const FieldPictures& input, const LightPicture& 
   const double sigmas = std::abs(evidence.height_m - camera_height_m) / std::hypot(evidence.sigma_m, kHeightSigma_m);
   if (sigmas * sigmas < kImpossibleHeight) return {};
   return failure(ErrorCode::kOutOfRange,
-                 "the camera is not %.2f m above the floor, as given (--camera-height): %s, from the perspective of "
+                 "the height of the lens above the floor is not %.2f m, as entered: %s, from the perspective of "
                  "border and markings. Measure from the floor to the lens again%s",
                  camera_height_m, describe(evidence).c_str(),
-                 is_found ? ", or give no height: the field is found without it" : "");
+                 is_found ? ", or enter no height: the field is found without it" : "");
 }
 
 }  // namespace

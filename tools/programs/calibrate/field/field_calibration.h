@@ -41,10 +41,14 @@ struct FieldPictures {
   bool refine = true;                  // false: only the points are used
 };
 
-/// Finds the camera model from the border of the field or from known points. kInconsistent: pictures have different
-/// sizes, or there are fewer than four points. kOutOfRange: the picture contradicts the given height (0: none) or the
-/// drawing of the center line and circle, or a point lies outside the picture. Errors of find_border(), fit_field() and
-/// refine_field(); the message also says what was found until then.
+/// How messages and reports call the given height. They name no option, because the page of the console shows them,
+/// too: each program says where it is entered.
+inline constexpr std::string_view kHeightTerm = "the height of the lens above the floor";
+
+/// Finds the camera model from the border of the field or from known points. kInconsistent: pictures of different
+/// sizes, or fewer than four points. kOutOfRange: the picture contradicts the given height (0: none) or the drawing of
+/// the center line and circle, or a point lies outside of it. Errors of find_border(), fit_field() and refine_field();
+/// the message says what was found before.
 Result<FieldReport> calibrate_field(const FieldPictures& input, const ChosenField& field, double camera_height_m);
 
 /// Returns [picture], [field] (see painted_field()) and [camera_model] of the venue file.

@@ -49,6 +49,16 @@ static bool lexical_cast(const std::string& text, FloorPoint& out) {
 
 namespace {
 
+// Says with which option the height is entered that a message or report asks for.
+std::string with_option(std::string text) {
+  constexpr std::string_view kOption = " (--camera-height)";
+  for (std::size_t at = text.find(kHeightTerm); at != std::string::npos; at = text.find(kHeightTerm, at)) {
+    at += kHeightTerm.size();
+    text.insert(at, kOption);
+  }
+  return text;
+}
+
 Result<std::vector<hal::Picture>> load_photographs(const std::vector<std::string>& paths) {
   std::vector<hal::Picture> out;
   for (const std::string& path : paths) {
@@ -160,7 +170,7 @@ Result<void> FieldCommand::run() const {
                                      "of lines (--point X,Y,U,V)"
                                : skippable ? " (--no-refine skips the refinement)"
                                            : "";
-    return Error{calibrated.code(), pictures[0] + ": " + calibrated.text() + advice};
+    return Error{calibrated.code(), pictures[0] + ": " + with_option(calibrated.text()) + advice};
   }
   FieldReport& found = calibrated.value();
   found.fit.camera.kind = kind == "paper" ? CameraModelKind::kPaper : CameraModelKind::kFull;
@@ -180,7 +190,7 @@ Result<void> FieldCommand::run() const {
   if (!report.empty()) TOUCHLINE_TRY(write_json(found, report));
   TOUCHLINE_TRY(write_sections(venue, sections));
 
-  std::printf("%s%.1f s\n", text_of(found).c_str(), found.seconds);
+  std::printf("%s%.1f s\n", with_option(text_of(found)).c_str(), found.seconds);
   std::printf("%s: [picture], [field], [camera_model]%s written\n", venue.c_str(),
               region.empty() ? "" : ", [region_of_interest]");
   if (const std::string warning = region_warning(searched, photograph, field, found.fit.camera); !warning.empty()) {

@@ -202,13 +202,13 @@ Result<void> check_height(const FieldFitInput& input, double misfit_px, double f
           ErrorCode::kInconsistent,
           "no camera fits the given points better than %.1f px (RMS), so its height is uncertain by %.0f %%: "
           "are all points where they belong? If so, the lens distorts: give more points, or measure the "
-          "height of the lens above the floor and give --camera-height",
+          "height of the lens above the floor and enter it",
           misfit_px, percent);
     }
     return failure(
         ErrorCode::kInconsistent,
         "the camera points almost straight down, so its height and its focal length cannot be separated (height "
-        "uncertain by %.0f %%): measure the height of the lens above the floor and give --camera-height",
+        "uncertain by %.0f %%): measure the height of the lens above the floor and enter it",
         percent);
   }
   const double widths = focal_px / input.width_px;
@@ -216,7 +216,7 @@ Result<void> check_height(const FieldFitInput& input, double misfit_px, double f
     return failure(ErrorCode::kInconsistent,
                    "the given points fit only a camera %.1f m above the floor with a focal length of %.1f picture "
                    "widths: are all points where they belong? If so, measure the height of the lens above the floor "
-                   "and give --camera-height",
+                   "and enter it",
                    fit.height_m, widths);
   }
   return {};
@@ -320,7 +320,7 @@ Result<void> fit_field(const FieldFitInput& input, FieldFit& out) {
   if (misfit_px > tolerance_px) {
     return failure(ErrorCode::kInconsistent,
                    "no camera%s fits these points: residual %.1f px (RMS); is the order right, are length and "
-                   "width exchanged, is --camera-height right?",
+                   "width exchanged, is the height of the lens above the floor right?",
                    solver.has_free_aspect() ? "" : " with square pixels", misfit_px);
   }
   const Eigen::Vector3d turn(best.rotation.data());

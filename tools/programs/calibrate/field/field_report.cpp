@@ -47,9 +47,9 @@ std::string describe_steps(const BorderSearch& border, const std::optional<Vanis
 const char* remark(HeightSource source) {
   switch (source) {
     case HeightSource::kMeasured:
-      return ", from --camera-height";
+      return ", as measured";
     case HeightSource::kRules:
-      return ", estimated with the league's rules: better measure it and use --camera-height";
+      return ", estimated with the league's rules: better measure the height of the lens above the floor and enter it";
     case HeightSource::kSeen:
       break;
   }
@@ -156,7 +156,7 @@ std::string describe_unknowns(const FieldReport& report) {
     out += formatted(
         "unknown: height and tilt follow from the perspective alone; the points leave the height uncertain by "
         "%.2f m (standard deviation), and a robot's position by as many percent; measure the height "
-        "(--camera-height)\n",
+        "of the lens above the floor and enter it\n",
         fit.height_sigma_m);
   }
   return out + formatted(

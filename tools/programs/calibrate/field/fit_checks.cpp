@@ -87,7 +87,7 @@ Result<void> check_camera(const PictureSize& picture, const FieldParameters& fie
         ErrorCode::kInconsistent,
         "the camera points almost straight down, so its height and its focal length cannot be separated (%.2f m +- "
         "%.2f: the top of a robot in a corner would be %.0f mm off): measure the height of the lens above the "
-        "floor and give --camera-height",
+        "floor and enter it",
         fit.height_m, std::min(report.sigma.height_m, 99.0), std::min(report.sigma.top_corner_mm, 999.0));
   }
   return {};

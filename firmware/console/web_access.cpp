@@ -50,8 +50,8 @@ std::optional<WebServer::Implementation::Refusal> WebServer::Implementation::che
   const bool has_token = purpose == Purpose::kFoxglove && is_token(token_argument_of(connection), settings_.access);
   if (!has_token && !has_access(request, settings_.access)) {
     return Refusal{HTTP_STATUS_UNAUTHORIZED,
-                   "This computer needs the token. On the board, `touchline console --token` shows it; then open "
-                   "/login?token=TOKEN here.\n"};
+                   "This computer needs the login link. On the board, `touchline console --link` prints it, with a QR "
+                   "code for phones (of an installed service: `sudo -u touchline touchline console --link`).\n"};
   }
   return std::nullopt;
 }

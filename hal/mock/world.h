@@ -23,7 +23,7 @@ struct Snapshot {
 };
 
 struct GameStatistics {
-  std::uint64_t touches = 0;  // times that an own robot started to touch the ball
+  std::uint64_t touches = 0;  // number of times that an own robot began to touch the ball
   double ball_path_m = 0.0;
   std::uint32_t goals_own = 0, goals_opponent = 0;  // goals scored by each team
   std::uint32_t free_balls = 0;
@@ -53,7 +53,7 @@ class World {
   /// Kinetic energy of robots and ball in J.
   [[nodiscard]] double energy() const;
 
-  /// For scenes and tests. A placed robot does not move until drive() is called for it.
+  /// Moves an object, for scenes and tests. A placed robot does not move until drive() is called for it.
   void place(std::size_t robot, const Placement& placement);
   void place_ball(const Placement& placement, Vector2 velocity_mps = {});
 
@@ -63,7 +63,7 @@ class World {
     Side team = Side::kOwn;
     int id = 0;
     std::array<double, 2> commanded_mps{}, wheel_mps{}, gain{1.0, 1.0}, slip{};
-    Vector2 target;  // opponents: the point to which it drives
+    Vector2 target;  // point to which an opponent drives
     double decide_in_s = 0.0;
     bool touches_ball = false;
   };

@@ -49,10 +49,9 @@ std::optional<WebServer::Implementation::Refusal> WebServer::Implementation::che
   // Foxglove cannot have our cookie, so its token is in the address.
   const bool has_token = purpose == Purpose::kFoxglove && is_token(token_argument_of(connection), settings_.access);
   if (!has_token && !has_access(request, settings_.access)) {
-    return Refusal{
-        HTTP_STATUS_UNAUTHORIZED,
-        "This computer needs the token. On the board, `touchline console --link` prints the link to open here; "
-        "on an installed board, `sudo -u touchline touchline console --link`.\n"};
+    return Refusal{HTTP_STATUS_UNAUTHORIZED,
+                   "This computer needs the login link. On the board, `touchline console --link` prints it, with a QR "
+                   "code for phones (of an installed service: `sudo -u touchline touchline console --link`).\n"};
   }
   return std::nullopt;
 }

@@ -38,21 +38,28 @@ def connect(path, timeout_s=20.0):
 
 
 class Guest:
-    def __init__(self, kernel, initrd, image, folder):
+    """`page_port`: port of this computer's loopback interface that leads to the console's page in the guest, or None."""
+
+    def __init__(self, kernel, initrd, image, folder, page_port=None):
         self.folder = pathlib.Path(folder)
         for old in self.folder.glob("*.sock"):
             old.unlink()
         chardevs = []
-        for name in ("console", "radio", "pictures", "usb"):
+        for name in ("console", "radio", "usbradio", "pictures", "usb"):
             chardevs += ["-chardev", f"socket,id={name},path={self.folder}/{name}.sock,server=on,wait=off"]
+        # No other connection: the guest's network ends at this port.
+        network = ["-nic", "none"] if page_port is None else [
+            "-netdev", f"user,id=net,restrict=on,hostfwd=tcp:127.0.0.1:{page_port}-:8642", "-device", "virtio-net-pci,netdev=net"]
         command = [
-            "qemu-system-aarch64", "-M", "virt", "-cpu", "cortex-a72", "-m", "1024", "-nic", "none", "-display", "none",
+            "qemu-system-aarch64", "-M", "virt", "-cpu", "cortex-a72", "-m", "1024", *network, "-display", "none",
             "-no-reboot", "-icount", ICOUNT, "-rtc", "clock=vm", "-kernel", str(kernel), "-initrd", str(initrd),
             "-append", f"console=ttyAMA0 {KERNEL_OPTIONS}",
             "-drive", f"file={image},if=virtio,format=raw,snapshot=on", *chardevs, "-serial", "chardev:console",
             "-device", "pci-serial,chardev=radio", "-device", "virtio-serial-pci",
             "-device", "virtserialport,chardev=pictures,name=arena",
             "-device", "qemu-xhci,id=usb", "-device", "usb-redir,bus=usb.0,chardev=usb",
+            # Plugged in while somebody is connected to its socket.
+            "-device", "usb-serial,bus=usb.0,chardev=usbradio,serial=A1",
             "-qmp", f"unix:{self.folder}/qmp.sock,server=on,wait=off",
             "-qtest", f"unix:{self.folder}/qtest.sock,server=on,wait=off", "-qtest-log", "/dev/null"]
         self.log = open(self.folder / "console.log", "wb")

@@ -11,7 +11,7 @@ SUITE = "bookworm"
 # Packages for the test, besides the dependencies of the package under test.
 GUEST_PACKAGES = ["systemd", "udev", "kmod", "busybox-static", "v4l-utils", "gpiod"]
 FIRST_MODULES = ["virtio_pci", "virtio_blk", "ext4"]
-LATER_MODULES = ["virtio_console", "vivid", "v4l2loopback", "xhci_pci", "uvcvideo"]
+LATER_MODULES = ["virtio_console", "virtio_net", "vivid", "v4l2loopback", "xhci_pci", "uvcvideo", "ftdi_sio"]
 IMAGE_SIZE = "3G"  # a sparse file: unused blocks take no disk space
 
 FETCH_KERNEL = """cd "$OUT" && export APT_CONFIG="$MMDEBSTRAP_APT_CONFIG" &&

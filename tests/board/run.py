@@ -11,13 +11,14 @@ sys.dont_write_bytecode = True
 import game  # noqa: E402
 import guest  # noqa: E402
 import image  # noqa: E402
+import page  # noqa: E402
 import usb  # noqa: E402
 
 BOARD = pathlib.Path(__file__).resolve().parent
 ROOT = BOARD.parent.parent
 BUILD = ROOT / "build" / "board"
 PROGRAMS = ROOT / "build" / "release" / "tests" / "board"
-PARTS = ("formats", "game", "led", "usb")
+PARTS = ("formats", "game", "led", "usb", "page")
 
 
 def parse():
@@ -58,6 +59,23 @@ def make_programs():
     return feeder
 
 
+def visit(cache, ramdisk, run, checks, package):
+    """The page needs a board on which nothing was set up, and a network: a guest of its own."""
+    folder = run / "bare"
+    folder.mkdir()
+    run_visibly("tools/console/build", "--install")  # playwright
+    port = page.free_port()
+    board = guest.Guest(cache.vmlinuz, ramdisk, cache.image, folder, port)
+    bare = page.Page(board, checks, folder, PROGRAMS, port)
+    try:
+        for text, do in (("boot", board.boot), ("installation on a bare board", lambda: bare.install(package)),
+                         ("page: from no device to a game", bare.visit), ("page: what was written", bare.end)):
+            step(f"page: {text}" if text == "boot" else text)
+            do()
+    finally:
+        board.close()
+
+
 def main():
     arguments = parse()
     step("programs for this test")
@@ -80,11 +98,17 @@ def main():
     cache.make_ramdisk([*packages, feeder, *game.payload()], ramdisk)
 
     checks = game.Checks()
+    chosen = set(arguments.part or PARTS)
+    has_devices = chosen & {"formats", "game", "led", "usb"}
+    if "page" in chosen:
+        visit(cache, ramdisk, run, checks, package.name)
+    if not has_devices:
+        step("summary")
+        return checks.summary(run)
     board = guest.Guest(cache.vmlinuz, ramdisk, cache.image, run)
     try:
         play = game.Game(board, checks, PROGRAMS / "board-arena", run)
         camera = usb.UsbCamera(board, play, checks, run, PROGRAMS)
-        chosen = set(arguments.part or PARTS)
         for parts, text, do in (
                 (chosen, "boot", play.boot), (chosen, "installation", lambda: play.install([file.name for file in packages])),
                 ({"formats", "game", "led"}, "devices", play.list_devices),

@@ -133,6 +133,30 @@ case $1 in
       grep -qxF "$line" "$package/touchline.service" || fail "$line is missing"
     done
     ;;
+  TheSetupUnitPermitsToGiveUpItsCapability)
+    # $2: systemd-analyze. The calibrations of tools/programs/setup/worker.cpp do so first of all, and end if they cannot. Later lines of
+    # SystemCallFilter add calls and, with ~, remove them.
+    members() { [[ $1 != @* ]] || "$2" syscall-filter "$1" | sed -n 's/^ \+\([@a-z]\)/\1/p'; [[ $1 == @* ]] || echo "$1"; }
+    permits() {
+      local entry
+      for entry in $(members "$1" "$3"); do
+        if [[ $entry == @* ]] && permits "$entry" "$2" "$3" || [ "$entry" = "$2" ]; then return 0; fi
+      done
+      return 1
+    }
+    for unit in touchline-setup.service planted; do
+      grep -v '^SystemCallFilter=capset' "$package/touchline-setup.service" >"$work/planted"
+      file=$package/$unit
+      [ -e "$file" ] || file=$work/$unit
+      is_permitted=no
+      while read -r filter; do
+        for entry in ${filter#\~}; do
+          if permits "$entry" capset "$2"; then [[ $filter == \~* ]] && is_permitted=no || is_permitted=yes; fi
+        done
+      done < <(sed -n 's/^SystemCallFilter=//p' "$file")
+      [ $is_permitted = "$([ "$unit" = planted ] && echo no || echo yes)" ] || fail "$unit: capset is permitted: $is_permitted"
+    done
+    ;;
   ManualPage)
     # $2: the program's name; the rest: the program, after its emulator if it needs one. The page must contain all options of --help.
     name=$2

@@ -1,4 +1,8 @@
 // What a person does on the page "Set up".
+import { PATIENCE_MS } from './browser.mjs';
+
+// A quarter of the patience, because a press is repeated four times.
+const SHOWN_MS = PATIENCE_MS / 4;
 
 /** Takes control and opens a draft, or goes on with one. */
 export async function begin(page) {
@@ -13,7 +17,11 @@ export async function begin(page) {
 export async function act(page, step) {
   for (let attempt = 1; ; attempt += 1) {
     await page.click(`[data-action="${step}"]:not([disabled])`);
-    if (await page.waitForSelector(`[data-goto="${step}"].done`, { timeout: 15_000 }).catch(() => null)) break;
+    if (await page.waitForSelector(`[data-goto="${step}"].done`, { timeout: SHOWN_MS }).catch(() => null)) break;
+    if (await page.locator(`[data-action="${step}"][disabled]`).count()) {
+      await page.waitForSelector(`[data-goto="${step}"].done`); // a slow board still works
+      break;
+    }
     if (attempt === 4) throw new Error(`the step ${step} is not done: ${await page.textContent(`[data-step="${step}"]`)}`);
   }
   await page.waitForSelector(`[data-action="${step}"]:not([disabled])`);
@@ -24,7 +32,7 @@ export async function next(page, name) {
   const shown = name ? `[data-step="${name}"]` : '[data-save-panel]';
   for (let attempt = 0; attempt < 5; attempt += 1) {
     await page.click('[data-next]');
-    if (await page.waitForSelector(shown, { timeout: 5000 }).catch(() => null)) return;
+    if (await page.waitForSelector(shown, { timeout: Math.max(5000, SHOWN_MS / 3) }).catch(() => null)) return;
   }
   throw new Error(`${shown} does not appear`);
 }

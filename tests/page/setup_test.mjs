@@ -179,6 +179,70 @@ test('a color is clicked on with the keyboard alone', () =>
     await page.waitForSelector('[data-color-chip="yellow"]:not(.missing)');
   }));
 
+test('the whole way with the keyboard alone, from the start to the files', () =>
+  withBoard(async (page) => {
+    await page.evaluate(() => addEventListener('pointerdown', () => (window.pressed = true), true));
+    /** Moves the focus with Tab until it is on an element that matches. */
+    const reach = async (selector) => {
+      await page.waitForSelector(selector);
+      for (let i = 0; i < 250; i += 1) {
+        if (await page.evaluate((wanted) => document.activeElement.matches(wanted), selector)) return;
+        await page.keyboard.press('Tab');
+      }
+      assert.fail(`Tab does not reach ${selector}`);
+    };
+    const press = async (selector) => {
+      await reach(`${selector}:not([disabled])`);
+      await page.keyboard.press('Enter');
+    };
+    const pass = async (step) => {
+      await press(`[data-action="${step}"]`);
+      await page.waitForSelector(`[data-goto="${step}"].done`);
+    };
+    const goOn = async (step) => {
+      await press('[data-next]');
+      await page.waitForSelector(`[data-step="${step}"]`);
+    };
+    await press('[data-begin]');
+    await page.waitForSelector('[data-step="camera"]');
+    await pass('camera');
+    await goOn('field');
+    await reach('[data-preset]:not([disabled])');
+    const preset = await page.inputValue('[data-preset]');
+    await page.keyboard.press('ArrowDown');
+    await page.keyboard.press('ArrowUp');
+    assert.equal(await page.inputValue('[data-preset]'), preset);
+    await reach('[data-height]:not([disabled])');
+    await page.keyboard.type('2.3');
+    await page.keyboard.press('Tab');
+    await pass('field');
+    await goOn('light');
+    await pass('light');
+    await goOn('robots');
+    await reach('[data-top="opponent-3"] input[list]:not([disabled])');
+    await page.keyboard.press('Control+a');
+    await page.keyboard.type('cyan');
+    await page.keyboard.press('Tab');
+    await pass('robots');
+    await goOn('colors');
+    await pass('colors');
+    await press('[data-color-chip="yellow"]');
+    await reach('canvas[data-picture]');
+    await page.keyboard.press('Shift+ArrowLeft');
+    await page.keyboard.press('Enter');
+    await page.waitForSelector('[data-color-chip="yellow"]:not(.missing)');
+    await goOn('radio');
+    await press('[data-robot="1"]');
+    await hold(page, () => page.keyboard.down('KeyW'), () => page.keyboard.up('KeyW'), '[data-driving]:has-text("0.20 m/s")');
+    await page.keyboard.up('KeyW');
+    await pass('radio');
+    await press('[data-next]');
+    await page.waitForSelector('[data-save-panel]');
+    await press('[data-confirm-save]');
+    await page.waitForSelector('[data-message]:has-text("Saved")');
+    assert.equal(await page.evaluate(() => window.pressed), undefined, 'no pointer was used');
+  }));
+
 test('Ctrl+Z undoes, Ctrl+Y does it again, from every step', () =>
   withBoard(async (page) => {
     await begin(page);
@@ -315,7 +379,7 @@ test('without a camera, two presses lead to a picture; a camera that is refused 
     await page.click('[data-look-again]:not([disabled])');
     assert.equal((await asked).status(), 200);
     await page.waitForSelector('[data-cameras="4"]');
-  }, { width: 360 }, { camera: 'false' }));
+  }, { viewport: { width: 360, height: 740 } }, { camera: 'false' }));
 
 test('ports are chosen by their lasting names; one that is absent or has a number is pointed out', () =>
   withBoard(async (page) => {

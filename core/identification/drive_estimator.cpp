@@ -1,12 +1,12 @@
 #include "core/identification/drive_estimator.h"
 
-#include <Eigen/Cholesky>
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 
 #include "core/geometry/angle.h"
 #include "core/geometry/vector2.h"
+#include "core/identification/positive_definite.h"
 
 namespace touchline {
 namespace {
@@ -16,6 +16,10 @@ constexpr std::size_t kMinIntervals = 60;
 // Residuals beyond this number of standard deviations get less weight, and none beyond the second one: a robot that was
 // pushed, or another robot's sighting. Beyond the third one, they do not count for the variances.
 constexpr double kHuber = 2.0, kRejected = 8.0, kClipped = 4.0, kUnclipped = 1e9;
+// Passes from the start of the search until the residuals tell the noise.
+constexpr std::size_t kRoughPasses = 4;
+// Intervals without which the noise is not estimated: five seconds at 60 pictures per second.
+constexpr std::size_t kMinForNoise = 300;
 // Standard deviations from which a value is used.
 constexpr double kKnownDelay_s = 0.0015, kKnownLag_s = 0.005, kKnownGain = 0.005, kKnownDeadZone_mps = 0.005,
                  kKnownLength_m = 0.001;
@@ -179,7 +183,7 @@ void DriveEstimator::begin_pass() {
   reader_ = DriveIntervals(record_, parameters_[kDelay],
                            {{{parameters_[kLagLeft], dead_zone}, {parameters_[kLagRight], dead_zone}}}, wiring_);
   sums_ = {};
-  noise_estimator_ = NoiseEstimator(noise_, passes_ > 0 ? kClipped : kUnclipped);
+  noise_estimator_ = NoiseEstimator(noise_, passes_ > kRoughPasses ? kClipped : kUnclipped);
   score_number_ = 0;
   is_reading_ = true;
 }
@@ -242,7 +246,7 @@ void DriveEstimator::add(const DriveInterval& interval) {
   for (const Series series : {kForward, kTurn}) {
     const double sigmas = std::abs(columns[series][0]);
     double weight = 1.0;
-    if (passes_ > 1 && sigmas > kHuber) weight = sigmas > kRejected ? 0.0 : kHuber / sigmas;
+    if (passes_ > kRoughPasses && sigmas > kHuber) weight = sigmas > kRejected ? 0.0 : kHuber / sigmas;
     const ConstVectorMap gradient(columns[series].data() + 1);
     information += weight * gradient * gradient.transpose();
     VectorMap(score.data()) += weight * columns[series][0] * gradient;
@@ -264,20 +268,22 @@ void DriveEstimator::add(const DriveInterval& interval) {
 void DriveEstimator::finish_pass() {
   is_reading_ = false;
   if (sums_.count < kMinIntervals) return begin_search();
-  EigenMatrix information = ConstMatrixMap(sums_.information.data());
+  Matrix information = sums_.information;
   EigenVector score = ConstVectorMap(sums_.score.data());
   EigenMatrix scatter = ConstMatrixMap(sums_.scatter.data());
   for (std::size_t i = 0; i < kParameters; ++i) {
     const auto at = static_cast<Eigen::Index>(i);
     const double weight = 1.0 / (prior_sigma_[i] * prior_sigma_[i]);
-    information(at, at) += weight;
+    information[i * kParameters + i] += weight;
     scatter(at, at) += weight;
     score(at) += weight * (prior_[i] - parameters_[i]);
   }
-  const Eigen::LLT<EigenMatrix> factor(information);
-  const EigenMatrix inverse = factor.solve(EigenMatrix::Identity());
-  const EigenVector step = inverse * score;
-  EigenMatrix covariance = inverse * scatter * inverse;
+  const Matrix inverted = inverse_of<kParameters>(information);
+  const ConstMatrixMap inverse(inverted.data());
+  const EigenVector step = inverse.lazyProduct(score);
+  // Lazy products, because the others contain calls of malloc for matrices of this size.
+  const EigenMatrix half = inverse.lazyProduct(scatter);
+  EigenMatrix covariance = half.lazyProduct(inverse);
   // Few data can show a small scatter by chance; the model's own covariance is the lower limit.
   const EigenVector widening =
       (inverse.diagonal().array() / covariance.diagonal().array().max(1e-300)).max(1.0).sqrt().matrix();
@@ -291,14 +297,15 @@ void DriveEstimator::finish_pass() {
     parameters_[i] += moved;
     moved_ = std::max(moved_, std::abs(moved) / std::sqrt(std::max(covariance_[i * kParameters + i], 1e-30)));
   }
-  noise_ = noise_estimator_.estimate();
+  // Far from the solution, a wrong delay looks like lateness of the packets, whose weight would keep it wrong.
+  if (passes_ >= kRoughPasses && sums_.count >= kMinForNoise) noise_ = noise_estimator_.estimate();
   ++passes_;
   report(sums_.count);
 }
 
 void DriveEstimator::report(std::size_t count) {
-  // The residuals of the first passes are not whitened yet.
-  constexpr std::size_t kMinPasses = 3;
+  // The noise is estimated twice.
+  constexpr std::size_t kMinPasses = kRoughPasses + 2;
   const bool is_settled = passes_ >= kMinPasses && moved_ < 1.0;
   const auto set = [&](MeasuredValue& out, Index i, double sigma_needed) {
     const double variance = covariance_[i * kParameters + i];
@@ -355,13 +362,15 @@ Pose DriveEstimator::pose_after_commands(Instant now) const {
 }
 
 void DriveEstimator::solve() {
-  // From the coarse search, ten passes suffice; without convergence the values stay unknown.
+  // From the coarse search, twelve passes suffice; without convergence the values stay unknown.
   constexpr int kMaxPasses = 20;
   constexpr double kConverged = 0.02;
   constexpr std::size_t kAll = std::numeric_limits<std::size_t>::max();
+  // From values that a short record gave, the steps can end at a wrong delay with a large noise.
+  begin_search();
   for (int i = 0; i < kMaxPasses; ++i) {
     if (!work(kAll) || is_searching_) return;
-    if (passes_ > 4 && moved_ < kConverged) return;
+    if (passes_ > kRoughPasses + 2 && moved_ < kConverged) return;
   }
 }
 

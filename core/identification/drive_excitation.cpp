@@ -11,10 +11,10 @@ namespace {
 
 // Duration of constant speeds. The shortest is about a third of the lag of common robots, so that delay and lag have
 // different effects. After the longest, a wheel runs nearly evenly, which shows its gain and its dead zone.
-constexpr double kShortest_s = 0.05, kLongestLags = 3.0;
+constexpr double kMinDuration_s = 0.05, kMaxLags = 3.0;
 constexpr int kCandidates = 24;
 // Slower speeds than this share of the maximum could be inside the dead zone, in which a wheel shows nothing.
-constexpr double kLowestShare = 0.12;
+constexpr double kMinShare = 0.12;
 
 // The position after driving at these speeds for some time, along a chord of the arc.
 Vector2 position_after(const Pose& pose, const WheelSpeeds& wheels, double time_s, double wheel_base_m) {
@@ -38,7 +38,7 @@ double DriveExcitation::speed_near(double now_mps) {
   const double most = limits_.max_speed_mps;
   const double low = std::max(-most, now_mps - limits_.max_step_mps);
   const double high = std::min(most, now_mps + limits_.max_step_mps);
-  const double speed = low + (high - low) * uniform(), lowest = kLowestShare * most;
+  const double speed = low + (high - low) * uniform(), lowest = kMinShare * most;
   if (std::abs(speed) >= lowest) return speed;
   return low <= 0.0 && high >= 0.0 ? 0.0 : std::copysign(lowest, now_mps);
 }
@@ -62,7 +62,7 @@ WheelSpeeds DriveExcitation::next(const Pose& pose, Instant acts_at) {
   has_begun_ = true;
   if (!wiring_) return probe(acts_at);
   if (acts_at < until_) return wiring_->command_of(wheels_);
-  const double time_s = kShortest_s + kLongestLags * lag_s_ * uniform();
+  const double time_s = kMinDuration_s + kMaxLags * lag_s_ * uniform();
   until_ = acts_at + from_seconds(time_s);
   double nearest = std::numeric_limits<double>::infinity();
   WheelSpeeds chosen;

@@ -1,20 +1,21 @@
 #include "core/identification/residual_filter.h"
 
-#include <Eigen/Cholesky>
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
+
+#include "core/identification/positive_definite.h"
 
 namespace touchline {
 namespace {
 
 // The filter needs positive variances.
-constexpr double kLeastForward_m = 1e-6, kLeastTurn_rad = 1e-5;
+constexpr double kMinForward_m = 1e-6, kMinTurn_rad = 1e-5;
 // No wheel rolls without slip.
-constexpr double kLeastSlip = 0.005;
+constexpr double kMinSlip = 0.005;
 // Slip cannot be distinguished from a gain if it lasts longer than the parts of a measurement in which the robot drives
 // in one direction.
-constexpr double kShortestSlip_s = 0.02, kLongestSlip_s = 0.2;
+constexpr double kMinSlipLasts_s = 0.02, kMaxSlipLasts_s = 0.2;
 
 double square(double a) { return a * a; }
 
@@ -68,14 +69,21 @@ void ResidualFilter::whiten(const ModeledMotion& motion, Columns& columns) {
   h << 0.5 * travel[0], 0.5 * travel[1], -1.0, 0.0, 1.0, 0.0, 0.5 * followed, 0.5 * followed, 0.5 * (late[0] + late[1]),
       -travel[0] * per_base, travel[1] * per_base, 0.0, -1.0, 0.0, 1.0, -followed * per_base, followed * per_base,
       (late[1] - late[0]) * per_base;
-  const Eigen::Matrix<double, kN, 2> ph = p * h.transpose();
-  const Eigen::LLT<Eigen::Matrix2d> factor(h * ph);
-  const Eigen::Matrix<double, 2, kC> innovation = y - h * x;
-  const Eigen::Matrix<double, kN, 2> gain = factor.solve(ph.transpose()).transpose();
-  x += gain * innovation;
-  p -= (gain * ph.transpose()).eval();
+  // Lazy products, because the others contain calls of malloc for matrices of this size.
+  const Eigen::Matrix<double, kN, 2> ph = p.lazyProduct(h.transpose());
+  const Eigen::Matrix2d variance = h.lazyProduct(ph);
+  const Eigen::Matrix<double, 2, kC> innovation = y - h.lazyProduct(x);
+  const double determinant = variance(0, 0) * variance(1, 1) - square(variance(0, 1));
+  Eigen::Matrix2d inverse;
+  inverse << variance(1, 1), -variance(0, 1), -variance(0, 1), variance(0, 0);
+  const Eigen::Matrix<double, kN, 2> gain = ph.lazyProduct(inverse) / determinant;
+  x += gain.lazyProduct(innovation);
+  p -= gain.lazyProduct(ph.transpose()).eval();
   p = (0.5 * (p + p.transpose())).eval();
-  y = factor.matrixL().solve(innovation);
+  // Innovations in units of their standard deviations: the second one is what the first one does not tell.
+  const double first = std::sqrt(variance(0, 0)), second = std::sqrt(determinant) / first;
+  y.row(0) = innovation.row(0) / first;
+  y.row(1) = (innovation.row(1) - variance(0, 1) / variance(0, 0) * innovation.row(0)) / second;
 
   // What changes during the interval: the speeds follow, and the packet adds its lateness.
   const double kept = std::exp(-motion.dt_s / motion.lag_s);
@@ -141,35 +149,41 @@ void NoiseEstimator::add(const ModeledMotion& motion, const std::array<double, 2
 }
 
 DriveNoise NoiseEstimator::estimate() const {
-  constexpr int kN = static_cast<int>(kUnknowns);
-  using Matrix = Eigen::Matrix<double, kN, kN, Eigen::RowMajor>;
-  Matrix normal = Eigen::Map<const Matrix>(normal_.data());
-  Eigen::Matrix<double, kN, 1> right = Eigen::Map<const Eigen::Matrix<double, kN, 1>>(right_side_.data());
+  std::array<double, kUnknowns* kUnknowns> normal = normal_;
+  std::array<double, kUnknowns> right = right_side_;
   // Noisy sightings show neither slip nor lateness, so a value that is usual decides then. A normally distributed
   // residual's square has twice the square of its variance as variance.
   const DriveNoise usual;
-  const auto expect = [&](Eigen::Index i, double value, double sigma) {
-    normal(i, i) += 2.0 / square(sigma);
-    right(i) += 2.0 / square(sigma) * value;
+  const auto expect = [&](std::size_t i, double value, double sigma) {
+    normal[i * kUnknowns + i] += 2.0 / square(sigma);
+    right[i] += 2.0 / square(sigma) * value;
   };
   const double slip = square(usual.slip), late = square(usual.late_sigma_s);
   expect(0, slip, slip);
   expect(1, slip * std::exp(-time_s_ / std::max(count_, 1.0) / usual.slip_lasts_s), slip);
   expect(4, late, late);
   // The unknowns have different units, hence the scaling.
-  const Eigen::Matrix<double, kN, 1> scale = normal.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
-  Matrix scaled = scale.asDiagonal() * normal * scale.asDiagonal();
-  scaled.diagonal().array() += 1e-9;
-  const Eigen::Matrix<double, kN, 1> found =
-      scale.asDiagonal() * Eigen::LDLT<Matrix>(scaled).solve(scale.asDiagonal() * right);
+  std::array<double, kUnknowns> scale{};
+  for (std::size_t i = 0; i < kUnknowns; ++i) scale[i] = 1.0 / std::sqrt(std::max(normal[i * kUnknowns + i], 1e-300));
+  for (std::size_t i = 0; i < kUnknowns; ++i) {
+    for (std::size_t k = 0; k < kUnknowns; ++k) normal[i * kUnknowns + k] *= scale[i] * scale[k];
+    normal[i * kUnknowns + i] += 1e-9;
+  }
+  const std::array<double, kUnknowns* kUnknowns> inverse = inverse_of<kUnknowns>(normal);
+  std::array<double, kUnknowns> found{};
+  for (std::size_t i = 0; i < kUnknowns; ++i) {
+    for (std::size_t k = 0; k < kUnknowns; ++k) {
+      found[i] += scale[i] * inverse[i * kUnknowns + k] * scale[k] * right[k];
+    }
+  }
   DriveNoise out;
-  out.slip = std::sqrt(std::max(found(0), square(kLeastSlip)));
-  const double correlation = std::clamp(found(1) / square(out.slip), 0.01, 0.99);
+  out.slip = std::sqrt(std::max(found[0], square(kMinSlip)));
+  const double correlation = std::clamp(found[1] / square(out.slip), 0.01, 0.99);
   const double lasts = -(time_s_ / std::max(count_, 1.0)) / std::log(correlation);
-  out.slip_lasts_s = std::clamp(lasts, kShortestSlip_s, kLongestSlip_s);
-  out.forward_sigma_m = std::sqrt(std::max(found(2), square(kLeastForward_m)));
-  out.turn_sigma_rad = std::sqrt(std::max(found(3), square(kLeastTurn_rad)));
-  out.late_sigma_s = std::sqrt(std::max(found(4), square(1e-5)));
+  out.slip_lasts_s = std::clamp(lasts, kMinSlipLasts_s, kMaxSlipLasts_s);
+  out.forward_sigma_m = std::sqrt(std::max(found[2], square(kMinForward_m)));
+  out.turn_sigma_rad = std::sqrt(std::max(found[3], square(kMinTurn_rad)));
+  out.late_sigma_s = std::sqrt(std::max(found[4], square(1e-5)));
   return out;
 }
 

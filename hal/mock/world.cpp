@@ -4,6 +4,7 @@
 #include <bit>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "core/geometry/angle.h"
 
@@ -103,8 +104,12 @@ void World::place_ball(const Placement& placement, Vector2 velocity_mps) {
 }
 
 void World::drive(int id, double left_mps, double right_mps) {
+  const PhysicsParameters& physics = parameters_.physics;
   for (Robot& robot : robots_) {
-    if (robot.team == Side::kOwn && robot.id == id) robot.commanded_mps = {left_mps, right_mps};
+    if (robot.team != Side::kOwn || robot.id != id) continue;
+    robot.commanded_mps = {physics.left_reversed ? -left_mps : left_mps,
+                           physics.right_reversed ? -right_mps : right_mps};
+    if (physics.wheels_exchanged) std::swap(robot.commanded_mps[0], robot.commanded_mps[1]);
   }
 }
 

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "firmware/config/configuration.h"
 #include "tests/mock/mock_game.h"
 
 // Measures robots of the arena by its pictures, through the whole loop.
@@ -16,8 +17,9 @@ std::vector<std::string> with_measuring(std::vector<std::string> overrides) {
 class MeasuredGame : public MockGame {
  public:
   MeasuredGame(std::uint64_t seed, std::vector<std::string> overrides, RobotId robot,
-               std::vector<hal::mock::ArenaFault> faults = {})
-      : MockGame(seed, std::move(faults), with_measuring(std::move(overrides))), measurement(settings_for(robot)) {
+               std::vector<hal::mock::ArenaFault> faults = {}, double duration_s = 23.0)
+      : MockGame(seed, std::move(faults), with_measuring(std::move(overrides))),
+        measurement(settings_for(robot, duration_s)) {
     LoopSettings wanted = settings();
     wanted.external.commands = &measurement.commands();
     wanted.restart = &measurement.has_ended();
@@ -32,9 +34,10 @@ class MeasuredGame : public MockGame {
   LoopEnd run() { return loop->run(stop); }
 
  private:
-  [[nodiscard]] MeasurementSettings settings_for(RobotId robot) const {
+  [[nodiscard]] MeasurementSettings settings_for(RobotId robot, double duration_s) const {
     MeasurementSettings out;
     out.robot = robot;
+    out.duration_s = duration_s;
     out.expected.delay_s = configuration->board.radio.delay_s;
     out.field = configuration->pipeline.marker.field;
     out.radio_byte_time = hal::byte_time(configuration->board.radio);
@@ -48,7 +51,7 @@ class MeasuredGame : public MockGame {
   std::optional<Loop> loop;
 };
 
-double speed_of(const hal::mock::Arena& arena) { return arena.world().energy(); }
+double energy_of(const hal::mock::Arena& arena) { return arena.world().energy(); }
 
 TEST(DriveMeasurementInArena, FindsWhatTheFilesDoNotSay) {
   constexpr double kDelay_s = 0.057, kLag_s = 0.12, kDeadZone_mps = 0.03;
@@ -69,7 +72,19 @@ TEST(DriveMeasurementInArena, FindsWhatTheFilesDoNotSay) {
   EXPECT_NEAR(measured.gain_right.value, motors.gain[1], 0.02);
   EXPECT_NEAR(measured.dead_zone_mps.value, kDeadZone_mps, 0.004);
   EXPECT_NEAR(measured.wheel_base_m.value, 0.07, 0.001);
-  EXPECT_LT(speed_of(*game.arena), 1e-6) << "all robots stand at the end";
+  game.arena->advance_to(game.arena->now() + std::chrono::seconds(1));
+  EXPECT_LT(energy_of(*game.arena), 1e-6) << "all robots stand at the end";
+}
+
+TEST(DriveMeasurementInArena, FindsWrongWiring) {
+  MeasuredGame game(
+      1, {"arena.opponents=stand", "arena.physics.wheels_exchanged=true", "arena.physics.left_reversed=true"}, 1, {},
+      6.0);
+  EXPECT_EQ(game.run(), LoopEnd::kRestart);
+  EXPECT_EQ(game.measurement.end(), DriveMeasurement::End::kDone) << describe(game.measurement.end());
+  const DriveEstimate& measured = game.measurement.estimator().estimate();
+  EXPECT_TRUE(measured.is_wiring_known);
+  EXPECT_EQ(measured.wiring, (WheelWiring{true, {true, false}}));
 }
 
 TEST(DriveMeasurementInArena, NeedsRoom) {
@@ -88,7 +103,7 @@ TEST(DriveMeasurementInArena, StopsWithTheEmergencyStop) {
   MeasuredGame game(1, {"arena.opponents=stand"}, 1, {{hal::mock::FaultKind::kEmergencyStop, 4.0, 100.0}});
   EXPECT_EQ(game.run(), LoopEnd::kRestart);
   EXPECT_EQ(game.measurement.end(), DriveMeasurement::End::kHalted);
-  EXPECT_LT(speed_of(*game.arena), 1e-6);
+  EXPECT_LT(energy_of(*game.arena), 1e-6);
 }
 
 }  // namespace

@@ -31,8 +31,9 @@ class StageTimer {
 Status Pipeline::configure(const PipelineParameters& parameters, StageClock clock) {
   clock_ = clock;
   packet_sequence_ = 0;
-  team_number_ = parameters.team_number;
-  monitor_.configure(parameters.low_battery_v);
+  radio_ = parameters.radio;
+  on_radio_opened();
+  monitor_.configure(parameters.telemetry, parameters.low_battery_v);
   trace_.reports = {};
   trace_.tracks.robots.clear();
   trace_.tracks.ball = {};
@@ -112,7 +113,7 @@ const StepTrace& Pipeline::step(const Frame& frame) {
   }
   {
     const StageTimer t = timer(Stage::kRadio);
-    encode_commands();
+    encode_commands(trace_.frame.capture_time);
   }
   return trace_;
 }
@@ -126,11 +127,19 @@ void Pipeline::check_picture() {
   if (was_unusable && !trace_.picture.is_unusable()) reset();
 }
 
-const Packet& Pipeline::stop(Instant now) {
+const OutgoingPackets& Pipeline::stop(Instant now) {
   trace_.commands.robots.clear();
-  stop_from(now + action_delay_);
-  return trace_.packet;
+  stop_from(now);
+  return trace_.packets;
 }
+
+void Pipeline::prepare_stop(Instant now, OutgoingPackets& out) const {
+  Commands commands;
+  commands.stop = true;  // with an empty list: all robots
+  if (!encode(radio_, commands, {true, false, packet_sequence_, now}, out).ok()) out.clear();
+}
+
+void Pipeline::on_radio_opened() { starts_left_ = kStarts; }
 
 void Pipeline::revoke() {
   --packet_sequence_;
@@ -138,13 +147,13 @@ void Pipeline::revoke() {
     robot.twist = {};
     robot.wheels = {};
   }
-  stop_from(trace_.frame.capture_time + action_delay_);
+  stop_from(trace_.frame.capture_time);
 }
 
-void Pipeline::stop_from(Instant acts_at) {
+void Pipeline::stop_from(Instant now) {
   trace_.commands.stop = true;
-  tracker_.add_commands(trace_.commands, acts_at);
-  encode_commands();
+  tracker_.add_commands(trace_.commands, now + action_delay_);
+  encode_commands(now);
 }
 
 void Pipeline::reset() {
@@ -155,9 +164,16 @@ void Pipeline::reset() {
   controller_.reset();
 }
 
-void Pipeline::encode_commands() {
+void Pipeline::encode_commands(Instant now) {
+  const bool is_due =
+      starts_left_ > 0 || (radio_.start_period_s > 0.0 && now - last_start_ >= from_seconds(radio_.start_period_s));
+  if (is_due) {
+    last_start_ = now;
+    starts_left_ = std::max(0, starts_left_ - 1);
+  }
   // All commands fit into a packet, because both lists have the same capacity.
-  if (!encode(trace_.commands, packet_sequence_, trace_.packet, team_number_).ok()) trace_.packet.clear();
+  const PacketValues values{trace_.commands.stop, is_due, packet_sequence_, now};
+  if (!encode(radio_, trace_.commands, values, trace_.packets).ok()) trace_.packets.clear();
   ++packet_sequence_;
 }
 

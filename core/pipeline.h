@@ -22,8 +22,9 @@ struct PipelineParameters {
   TrackParameters track;
   ControlParameters control;
   AdaptationParameters adaptation;
-  float low_battery_v = 0.0f;              // a battery below this voltage is low; 0: never
-  TeamNumber team_number = kNoTeamNumber;  // in the packets
+  float low_battery_v = 0.0f;  // a battery below this voltage is low; 0: never
+  PacketLayout radio = touchline_layout();
+  PacketLayout telemetry = touchline_telemetry_layout();
 };
 
 /// The referee's assignment of colors and sides to the teams.
@@ -92,19 +93,27 @@ class Pipeline {
   /// team has no color, or its color has another meaning. After an error nothing has changed.
   Status assign_teams(const TeamAssignment& assignment);
 
-  /// Creates a packet that stops all robots, for times without a frame. It acts after the action delay, counted from
+  /// Creates packets that stop all robots, for times without a frame. They act after the action delay, counted from
   /// `now`. Valid until the next call.
-  const Packet& stop(Instant now);
-  /// Replaces the last step's commands by a stop, in its trace and with its packet's sequence number. Call it if the
+  const OutgoingPackets& stop(Instant now);
+  /// Writes packets that stop all robots into `out`, for a program that ends before it can call stop(). Nothing else
+  /// changes.
+  void prepare_stop(Instant now, OutgoingPackets& out) const;
+  /// Sends the layout's bytes for the start before the next packets. Call it after the radio was opened.
+  void on_radio_opened();
+  /// Replaces the last step's commands by a stop, in its trace and with its packets' sequence number. Call it if the
   /// robots must stop before the step's packet was sent.
   void revoke();
   /// Resets tracks and game. Call it after a long gap, for example when the camera was reopened.
   void reset();
 
  private:
+  // Radio links lose packets: with 3 % of loss, all three are lost once in 40,000 times.
+  static constexpr int kStarts = 3;
+
   void check_picture();
-  void stop_from(Instant acts_at);
-  void encode_commands();
+  void stop_from(Instant now);
+  void encode_commands(Instant now);
 
   RegionScanner scanner_;
   CameraModel camera_;
@@ -122,7 +131,9 @@ class Pipeline {
   Duration action_delay_{};
   bool halted_ = false, observing_ = false;
   std::uint8_t packet_sequence_ = 0;
-  TeamNumber team_number_ = kNoTeamNumber;
+  PacketLayout radio_;
+  int starts_left_ = kStarts;  // packets that get the bytes for the start
+  Instant last_start_{};
   StepTrace trace_;
 };
 

@@ -297,10 +297,19 @@ struct Commands {
   FixedVector<RobotCommand, kMaxRobotsPerTeam> robots;
 };
 
-// Header, 11 robots of 5 bytes and the checksum have 64 bytes (docs/radio.md). The double leaves room for 10 bytes per
-// robot.
-constexpr std::size_t kMaxPacketBytes = 128;
+// Touchline's own packet of 11 robots has 65 bytes (docs/radio.md); a list of 11 ids and speeds in ASCII has up to 200.
+constexpr std::size_t kMaxPacketBytes = 256;
 using Packet = FixedVector<std::byte, kMaxPacketBytes>;
+
+// The receiver of a packet is a robot, given by its index in the team file's list own.robot, or kAllRobots.
+constexpr std::size_t kAllRobots = kMaxRobotsPerTeam;
+constexpr std::size_t kMaxReceivers = kMaxRobotsPerTeam + 1;
+
+struct OutgoingPacket {
+  Packet packet;
+  std::size_t receiver = kAllRobots;
+};
+using OutgoingPackets = FixedVector<OutgoingPacket, kMaxRobotsPerTeam>;
 
 // --- radio -> telemetry ---------------------------------------------------------------------------------------------
 
@@ -326,6 +335,7 @@ struct RobotReports {
   FixedVector<RobotReport, kMaxRobotsPerTeam> robots;  // sorted by id
   std::uint64_t packets = 0;                           // of all robots
   std::uint64_t foreign_bytes = 0;                     // not part of a valid packet
+  std::size_t report_bytes = 0;                        // of one packet, at most
 };
 
 // --- whole pipeline ------------------------------------------------------------------------------------------------
@@ -368,7 +378,7 @@ struct StepTrace {
   Sightings sightings;
   Tracks tracks;
   Commands commands;
-  Packet packet;
+  OutgoingPackets packets;
   LightTrace light;
   PictureTrace picture;
   RobotReports reports;  // telemetry of all robots until now

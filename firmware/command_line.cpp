@@ -183,6 +183,10 @@ std::optional<int> parse_command_line(int argc, char** argv, CommandLine& out) {
   add_examples(*faults, {{"touchline faults", "print the tables"},
                          {"touchline faults --update docs/faults.md", "write them into the documentation"}});
 
+  CLI::App* radio = app.add_subcommand("radio", "List what robots can understand, or print one of these formats");
+  radio->add_option("format", out.radio_format, "Print the keys of this format, to copy them into a team file");
+  add_examples(*radio, {{"touchline radio", "list the formats"}, {"touchline radio sysmic", "print one of them"}});
+
   CLI::App* console_command = app.add_subcommand("console", "Show what a browser on another computer needs");
   add_files(*console_command, out.session.files);
   bool prints_token = false;
@@ -213,6 +217,7 @@ std::optional<int> parse_command_line(int argc, char** argv, CommandLine& out) {
                 : faults->parsed()          ? Command::kFaults
                 : console_command->parsed() ? Command::kConsole
                 : link->parsed()            ? Command::kLink
+                : radio->parsed()           ? Command::kRadio
                                             : Command::kRun;
   out.console.is_requested = console->count() > 0 || out.console.is_for_network;
   if (out.console.is_for_network) out.console.address = "0.0.0.0:8642";

@@ -14,7 +14,7 @@
 
 namespace touchline {
 
-enum class Command : std::uint8_t { kRun, kCheck, kKeys, kFaults, kInit, kConsole, kLink };
+enum class Command : std::uint8_t { kRun, kCheck, kKeys, kFaults, kInit, kConsole, kLink, kRadio };
 /// How fast simulated time passes. kDefault means kReal if somebody watches or a program is connected, otherwise kFast.
 enum class Pace : std::uint8_t { kDefault, kReal, kFast };
 
@@ -32,6 +32,7 @@ struct CommandLine {
   std::string page_to_update;          // keys --update, faults --update
   InitOptions init;
   LinkOptions link;
+  std::string radio_format;  // radio NAME
 };
 
 /// Parses the command line. An empty result means: continue with `out`. Otherwise help, version or an error has been

@@ -42,7 +42,7 @@ void Devices::make(const config::Configuration& configuration, std::uint64_t see
     arena_ =
         std::make_unique<hal::mock::Arena>(board.arena, board.camera, board.radio, seed,
                                            simulated_time_ ? hal::mock::Arena::kBegin : hal::MonotonicClock::read());
-    arena_->channel().set_team(configuration.pipeline.team_number);
+    arena_->channel().set_layouts(configuration.pipeline.radio, configuration.pipeline.telemetry);
   }
   if (simulated_time_) {
     clock_ = std::make_unique<hal::mock::ArenaClock>(*arena_);

@@ -90,6 +90,10 @@ constexpr std::string_view kTeam =
 LAYOUTS# Own arrangements are declared with [[layout]] and [[layout.patch]] (docs/files.md).
 version = 1
 
+# What the robots understand: `touchline radio` lists the known formats, docs/radio.md describes how to add your own.
+[radio]
+format = "touchline"
+
 [ball]
 color = "orange"
 radius_m = BALL
@@ -101,7 +105,7 @@ std::string replaced(std::string text, std::string_view what, std::string_view b
 }
 
 constexpr std::string_view kNoRadio =
-    "backend = \"none\"                # \"serial\" with device and baud, as soon as robots are to be driven\n";
+    "backend = \"none\"                # \"serial\" with device, as soon as robots are to be driven\n";
 
 // Returns the cameras that the new board file can name, in the order of their numbers.
 std::vector<hal::CameraSettings> usable_cameras(const devices::DeviceList& found) {
@@ -153,8 +157,8 @@ std::string board_text(const League& league, const devices::DeviceList& found) {
   std::array<char, 32> rate{};
   std::snprintf(rate.data(), rate.size(), "%.6g", camera.rate_hz);
   const std::string decimal = std::string_view(rate.data()).find('.') == std::string_view::npos ? ".0" : "";
-  const std::string radio = ports.empty() ? std::string(kNoRadio)
-                                          : "backend = \"serial\"\ndevice = \"" + ports.front() + "\"\nbaud = 115200\n";
+  const std::string radio =
+      ports.empty() ? std::string(kNoRadio) : "backend = \"serial\"\ndevice = \"" + ports.front() + "\"\n";
   std::string text = replaced(std::string(kBoard), "LEAGUE", league.name);
   for (const auto& [what, by] : {std::pair<const char*, std::string>{"CAMERAS", others},
                                  {"DEVICE", camera.device},

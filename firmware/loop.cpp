@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "firmware/crash_stop.h"
 #include "hal/linux/monotonic_clock.h"
 
 namespace touchline {
@@ -60,8 +59,8 @@ Result<void> Loop::open() {
   const Result<LoopDevices::OpenResults> opened =
       devices_.open(from_seconds(settings_.faults.reopen_after_s), settings_.awaited);
   if (!opened.ok()) return opened.error();
-  if (devices_.is_open(Device::kRadio)) crash_stop::set_radio(devices_.radio().descriptor());
   const Instant now = devices_.clock().now();
+  prepare_crash_stop(now);
   statistics_.begin = last_frame_ = last_packet_ = now;
   reports_.begin(now);
   for (const Device device : kDevices) {
@@ -149,7 +148,7 @@ void Loop::process_frame(const hal::FrameLease& lease) {
   // The emergency stop may have been pulled meanwhile.
   read_inputs(devices_.clock().now());
   if (!rules_.may_move() && !trace.commands.stop) pipeline_.revoke();
-  send(trace.packet, trace.commands.stop, timing.received);
+  send(trace.packets, trace.commands.stop, timing.received);
   timing.sent = devices_.clock().now();
   const Instant machine_sent = hal::MonotonicClock::read();
   timing.processing = machine_sent - machine_received;
@@ -298,26 +297,44 @@ void Loop::stop_if_due(Instant now) {
 
 void Loop::send_stop(Instant now) { send(pipeline_.stop(now), true, now); }
 
-void Loop::send(const Packet& packet, bool is_stop, Instant now) {
+void Loop::send(const OutgoingPackets& packets, bool is_stop, Instant now) {
   if (crash_stop::is_stopping()) return;  // another thread has crashed; its stop packets must be the last ones
   last_packet_ = now;
-  packet_time_ = static_cast<Duration::rep>(packet.size()) * settings_.radio_byte_time;
+  std::size_t bytes = 0;
+  for (const OutgoingPacket& outgoing : packets) bytes += outgoing.packet.size();
+  packet_time_ = static_cast<Duration::rep>(bytes) * settings_.radio_byte_time;
   needs_final_stops_ = true;
   if (!devices_.is_open(Device::kRadio)) {
     ++statistics_.packets_refused;
     return;
   }
-  const Result<void> sent = devices_.radio().send(packet);
-  crash_stop::record_sent(packet);
-  const bool drops = sent.code() == ErrorCode::kBusy;
-  if (sent.ok() || drops) {
-    ++statistics_.packets;
-    statistics_.stop_packets += is_stop ? 1 : 0;
-    statistics_.packets_dropped += drops ? 1 : 0;
-  } else {
-    ++statistics_.packets_refused;
+  prepare_crash_stop(now);  // with the number after this packet's
+  for (const OutgoingPacket& outgoing : packets) {
+    const Result<void> sent = devices_.radio().send(outgoing.packet, outgoing.receiver);
+    const bool drops = sent.code() == ErrorCode::kBusy;
+    if (sent.ok() || drops) {
+      ++statistics_.packets;
+      statistics_.stop_packets += is_stop ? 1 : 0;
+      statistics_.packets_dropped += drops ? 1 : 0;
+    } else {
+      ++statistics_.packets_refused;
+    }
+    if (!sent.ok()) on_fault(Device::kRadio, sent.error(), now);
+    if (!devices_.is_open(Device::kRadio)) return;
   }
-  if (!sent.ok()) on_fault(Device::kRadio, sent.error(), now);
+}
+
+void Loop::prepare_crash_stop(Instant now) {
+  stop_targets_.clear();
+  if (devices_.is_open(Device::kRadio)) {
+    pipeline_.prepare_stop(now, stop_packets_);
+    for (const OutgoingPacket& outgoing : stop_packets_) {
+      hal::RadioRoutes routes;
+      devices_.radio().add_routes(outgoing.receiver, routes);
+      for (const hal::RadioRoute& route : routes) stop_targets_.push_back({route, outgoing.packet});
+    }
+  }
+  crash_stop::prepare(stop_targets_);
 }
 
 void Loop::serve_radio(Instant now) {
@@ -366,7 +383,7 @@ void Loop::close() {
   if (!devices_.are_open()) return;
   if (needs_final_stops_) send_final_stops();
   outputs_.switch_light_off();
-  crash_stop::set_radio(-1);
+  crash_stop::prepare({});
   devices_.close();
 }
 
@@ -382,7 +399,7 @@ void Loop::on_fault(Device device, const Error& error, Instant now) {
   const FaultAction action = is_required(device) ? action_for(error.code) : reopening_action(device);
   report_fault(device, error, action, now);
   if (action == FaultAction::kReopen || action == FaultAction::kContinueWithout) {
-    if (device == Device::kRadio) crash_stop::set_radio(-1);  // its descriptor will be closed
+    if (device == Device::kRadio) crash_stop::prepare({});  // its descriptors will be closed
     devices_.mark_lost(device, now);
   }
   if (action == FaultAction::kLeave) end_ = LoopEnd::kFault;
@@ -432,7 +449,8 @@ void Loop::on_reopened(Device device, Instant now) {
       outputs_.on_reopened();
       break;
     case Device::kRadio:
-      crash_stop::set_radio(devices_.radio().descriptor());
+      pipeline_.on_radio_opened();
+      prepare_crash_stop(now);
       break;
   }
 }

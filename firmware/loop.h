@@ -10,6 +10,7 @@
 #include "firmware/adaptation_requests.h"
 #include "firmware/board_outputs.h"
 #include "firmware/config/board_file.h"
+#include "firmware/crash_stop.h"
 #include "firmware/external_input.h"
 #include "firmware/frame_gaps.h"
 #include "firmware/latency_estimate.h"
@@ -154,7 +155,9 @@ class Loop {
   void read_inputs(Instant now);
   void check_radio(Instant now);
   void acknowledge_start();
-  void send(const Packet& packet, bool is_stop, Instant now);
+  void send(const OutgoingPackets& packets, bool is_stop, Instant now);
+  /// Prepares the packets that stop all robots if the process crashes now.
+  void prepare_crash_stop(Instant now);
   void send_stop(Instant now);
   void on_reopened(Device device, Instant now);
   void on_fault(Device device, const Error& error, Instant now);
@@ -188,6 +191,8 @@ class Loop {
   Duration packet_time_{};          // time of the last packet on the radio's line
   DeviceFlags was_open_{};          // since open()
   bool needs_final_stops_ = false;  // packets were sent since the last final stop packets
+  OutgoingPackets stop_packets_;
+  crash_stop::StopTargets stop_targets_;
   FrameGaps frame_gaps_;
   LatencyEstimate latency_;
   AdaptationRequestReader adaptation_requests_;

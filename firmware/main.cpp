@@ -4,6 +4,7 @@
 
 #include "firmware/command_line.h"
 #include "firmware/config/key_reference.h"
+#include "firmware/config/packet_text.h"
 #include "firmware/config/uncalibrated.h"
 #include "firmware/console_command.h"
 #include "firmware/fault_reference.h"
@@ -84,7 +85,8 @@ int check_command(const CommandLine& command_line) {
   if (command_line.dump) return code;
   return print(configuration.board_where.file() + ", " + configuration.venue_where.file() + " and " +
                configuration.team_where.file() + " are valid\ncolors: " +
-               std::string(config::kernel_word(configuration.board)) + " kernel\n" + describe(plan.value()));
+               std::string(config::kernel_word(configuration.board)) + " kernel\n" + describe(plan.value()) +
+               config::sample_packet_text(configuration.pipeline) + config::radio_warnings(configuration));
 }
 
 int link(const LinkOptions& options) {
@@ -112,6 +114,11 @@ int keys_command(const CommandLine& command_line) {
   return text.ok() ? print(text.value()) : fail(text.text());
 }
 
+int radio_command(const CommandLine& command_line) {
+  const Result<std::string> text = config::radio_formats_text(command_line.radio_format);
+  return text.ok() ? print(text.value()) : fail(text.text());
+}
+
 int faults_command(const CommandLine& command_line) {
   return command_line.page_to_update.empty() ? print(fault_reference_markdown())
                                              : update_page(command_line.page_to_update, updated_fault_reference);
@@ -136,6 +143,8 @@ int main(int argc, char** argv) {
         return touchline::console_command(command_line);
       case touchline::Command::kLink:
         return touchline::link(command_line.link);
+      case touchline::Command::kRadio:
+        return touchline::radio_command(command_line);
       case touchline::Command::kKeys:
         return touchline::keys_command(command_line);
       case touchline::Command::kFaults:

@@ -4,8 +4,10 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <sstream>
 #include <utility>
 
+#include "firmware/config/packet_text.h"
 #include "firmware/config_reloader.h"
 #include "firmware/console/console.h"
 #include "firmware/crash_stop.h"
@@ -48,12 +50,8 @@ void print_start(const Session& session, const network::Connections& connections
   add_device("camera", session.camera_info().description);
   add_device("camera", session.camera_info().negotiated);
   add_device("radio", session.radio_description());
-  if (configuration.board.radio.backend != hal::RadioBackend::kNone && configuration.team.team_number == 0) {
-    add_device("radio",
-               "packets have no team number: robots obey every Touchline on their channel; to prevent it, set "
-               "team_number in " +
-                   configuration.team_where.file() + " and in the robots (docs/radio.md)");
-  }
+  std::istringstream warnings(config::radio_warnings(configuration));
+  for (std::string warning; std::getline(warnings, warning);) add_device("radio", warning);
   add_device("gpio", session.gpio_description());
   output.print(text + connections.start_text() + console.start_text(::isatty(STDOUT_FILENO) != 0));
   for (const std::string& refusal : refused) output.print_error("real time: " + refusal + "\n");

@@ -78,7 +78,7 @@ const char* direction(bool own_on_positive_half) { return own_on_positive_half ?
 std::uint64_t bytes_of_damaged_reports(const RobotReports& reports) {
   std::uint64_t damaged = 0;
   for (const RobotReport& robot : reports.robots) damaged += robot.missed + 1U;
-  return damaged * kTelemetryBytes;
+  return damaged * reports.report_bytes;
 }
 
 // Leaves out values that a robot does not measure.

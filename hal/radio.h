@@ -5,6 +5,7 @@
 #include <span>
 #include <string>
 
+#include "core/fixed_vector.h"
 #include "core/types.h"
 #include "hal/result.h"
 
@@ -17,6 +18,17 @@ struct RadioCounters {
   std::uint64_t received_bytes = 0;
 };
 
+/// Where bytes leave this computer: a file descriptor, and for a datagram its destination.
+struct RadioRoute {
+  int descriptor = -1;
+  bool is_datagram = false;
+  std::uint32_t ipv4 = 0;  // 127.0.0.1 is 0x7f000001
+  std::uint16_t port = 0;
+};
+/// A datagram for each robot, and one for each of several radios.
+constexpr std::size_t kMaxRadios = 4;
+using RadioRoutes = FixedVector<RadioRoute, kMaxRobotsPerTeam + kMaxRadios>;
+
 /// The link to the robots. Only open() and drain() may block, and only open() may allocate.
 class Radio {
  public:
@@ -25,10 +37,12 @@ class Radio {
   Result<void> open() { return do_open(); }
   void close() { do_close(); }
 
-  /// Sends a packet of at least one byte. While the line is busy with an earlier packet, the new one waits. kBusy: the
-  /// new packet was accepted and replaced an older waiting one. kDisconnected, kIo: close() and open() again.
-  Result<void> send(const Packet& packet) {
-    Result<void> sent = do_send(packet);
+  /// Sends a packet of at least one byte to `receiver`: a robot, as its index in the team file's list own.robot, or
+  /// kAllRobots. While the line is busy with an earlier packet, the new one waits. kBusy: the new packet was accepted
+  /// and replaced an older waiting one, of this receiver unless it is for all robots. kDisconnected, kIo: close() and
+  /// open() again.
+  Result<void> send(const Packet& packet, std::size_t receiver = kAllRobots) {
+    Result<void> sent = do_send(packet, receiver);
     if (!sent.ok() && sent.code() != ErrorCode::kBusy) {
       ++counters_.refused;
       return sent;
@@ -50,15 +64,16 @@ class Radio {
   /// Waits until all packets are sent, at most until `deadline` (kTimeout). Used for the stop packets at the exit.
   Result<void> drain(Instant deadline) { return do_drain(deadline); }
 
-  /// File descriptor to which a handler of fatal signals can write whole packets while the radio is open; -1: none.
-  [[nodiscard]] virtual int descriptor() const { return -1; }
+  /// Adds where a handler of fatal signals can write whole packets for `receiver` while the radio is open; nothing if
+  /// it cannot.
+  virtual void add_routes(std::size_t /*receiver*/, RadioRoutes& /*out*/) const {}
   [[nodiscard]] const RadioCounters& counters() const { return counters_; }
   /// Valid after open(): one line with the port and its settings; empty if there are none.
   [[nodiscard]] virtual const std::string& description() const { return no_description_; }
 
  private:
   virtual Result<void> do_open() = 0;
-  virtual Result<void> do_send(const Packet& packet) = 0;
+  virtual Result<void> do_send(const Packet& packet, std::size_t receiver) = 0;
   virtual Result<Duration> do_serve() = 0;
   virtual Result<std::size_t> do_receive(std::span<std::byte> into) = 0;
   virtual Result<void> do_drain(Instant deadline) = 0;

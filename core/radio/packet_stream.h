@@ -3,29 +3,31 @@
 #include <cstdint>
 #include <span>
 
-#include "core/radio/packet.h"
+#include "core/radio/framing.h"
+#include "core/radio/packet_parser.h"
 #include "core/radio/packet_sync.h"
 
 namespace touchline {
 
-/// Finds command packets in the bytes of a line that loses, inserts and corrupts bytes. After any error, the first
-/// complete packet is found at the latest after kMaxCommandPacketBytes more bytes, because a corrupt header
-/// may announce that many.
+/// Finds packets of a layout in the bytes of a line that loses, inserts and corrupts bytes. After any error, the first
+/// complete packet is found at the latest after kMaxPacketBytes more bytes, because a corrupt header may announce that
+/// many.
 ///
 ///   stream.push(byte);
-///   while (stream.next(commands, sequence)) ...
+///   while (stream.next(packet)) ...
 class PacketStream {
  public:
-  PacketStream() = default;
-  /// `team`: of the robot. Packets of other teams, and packets without a team if the robot has one, are not returned.
-  explicit PacketStream(TeamNumber team) : team_(team) {}
+  /// `receiver`: the robot that listens, for layouts without ids. Packets of other teams than layout.team are not
+  /// returned. The layout must outlive the stream.
+  explicit PacketStream(const PacketLayout& layout, RobotId receiver = kUnknownId)
+      : layout_(&layout), receiver_(receiver), frames_(layout.framing) {}
 
   /// If the buffer is full because next() was not called, the oldest byte is dropped and counted as skipped.
-  void push(std::byte byte) { sync_.push(byte); }
+  void push(std::byte byte);
   /// Returns the oldest complete packet of the own team. False if more bytes are needed.
-  bool next(Commands& commands, std::uint8_t& sequence);
+  bool next(ParsedPacket& packet);
   /// Drops buffered bytes. Call it after a pause on the line that is longer than a packet.
-  void reset() { sync_.reset(); }
+  void reset();
 
   /// Number of bytes that were not part of a valid packet.
   [[nodiscard]] std::uint64_t skipped_bytes() const { return sync_.skipped_bytes(); }
@@ -33,13 +35,13 @@ class PacketStream {
   [[nodiscard]] std::uint64_t foreign_packets() const { return foreign_packets_; }
 
  private:
-  struct Format {
-    static constexpr std::size_t kMaxBytes = kMaxCommandPacketBytes;
-    static std::size_t length(std::span<const std::byte> bytes) { return packet_length(bytes); }
-  };
-  TeamNumber team_ = kNoTeamNumber;
+  const PacketLayout* layout_;
+  RobotId receiver_;
+  FrameReader frames_;
+  PacketSync<2 * kMaxPacketBytes> sync_;  // room for two packets: a corrupt one and the next one
+  bool frame_complete_ = false;
+  FieldReadings readings_;
   std::uint64_t foreign_packets_ = 0;
-  PacketSync<Format> sync_;
 };
 
 /// Decides which packets a robot obeys: stop packets always; others if their sequence number is newer than the last one

@@ -8,19 +8,14 @@
 
 namespace touchline {
 
-/// Return values of Format::length() instead of a length.
+/// Instead of a packet's length.
 constexpr std::size_t kNoPacket = 0, kMoreBytes = ~std::size_t{0};
 
-/// Finds packets in the bytes of a line that loses, inserts and corrupts bytes. `Format` describes a packet:
-///
-///   static constexpr std::size_t kMaxBytes;
-///   // Length of the packet at the start of `bytes`, which is never empty. kMoreBytes: not known yet. kNoPacket: these
-///   // bytes do not start a packet.
-///   static std::size_t length(std::span<const std::byte> bytes);
+/// Finds packets in the last `N` bytes of a line that loses, inserts and corrupts bytes.
 ///
 /// After any error, the first complete packet is found as soon as the bytes that a corrupt header announced have
 /// arrived: the search continues after the invalid start bytes, not after the invalid packet.
-template <class Format>
+template <std::size_t N>
 class PacketSync {
  public:
   /// If the buffer is full because next() was not called, the oldest byte is dropped and counted as skipped.
@@ -32,21 +27,33 @@ class PacketSync {
     buffer_[size_++] = byte;
   }
 
-  /// Calls decode(bytes) for possible packets, oldest first, until it returns true. False if more bytes are needed.
-  template <class Decode>
-  bool next(Decode decode) {
+  /// Calls take(bytes) for possible packets, oldest first, until it returns true. False if more bytes are needed.
+  /// `length_at(bytes)`: length of the packet at the start of `bytes`, which are never empty; kMoreBytes: not known
+  /// yet; kNoPacket: these bytes do not start a packet.
+  template <class LengthAt, class Take>
+  bool next(LengthAt length_at, Take take) {
     std::size_t begin = 0, length = 0;
     bool found = false;
     for (; begin < size_; ++begin) {
       const std::span<const std::byte> rest{buffer_.data() + begin, size_ - begin};
-      length = Format::length(rest);
+      length = length_at(rest);
       if (length == kNoPacket) continue;
       if (length == kMoreBytes || rest.size() < length) break;
-      found = decode(rest.first(length));
+      found = take(rest.first(length));
       if (found) break;
     }
     skipped_ += begin;
     drop(found ? begin + length : begin);
+    return found;
+  }
+
+  /// Removes all bytes, which are one packet or are skipped.
+  template <class LengthAt, class Take>
+  bool take_all(LengthAt length_at, Take take) {
+    const std::span<const std::byte> bytes{buffer_.data(), size_};
+    const bool found = !bytes.empty() && length_at(bytes) == size_ && take(bytes);
+    if (!found) skipped_ += size_;
+    size_ = 0;
     return found;
   }
 
@@ -65,8 +72,7 @@ class PacketSync {
     size_ -= count;
   }
 
-  // Room for two packets: a corrupt one and the next one.
-  std::array<std::byte, 2 * Format::kMaxBytes> buffer_{};
+  std::array<std::byte, N> buffer_{};
   std::size_t size_ = 0;
   std::uint64_t skipped_ = 0;
 };

@@ -29,6 +29,20 @@ void append_top_level(std::vector<std::string>& words) {
   }
 }
 
+// Whether the file knows `key`, which may have indices of lists.
+template <class File>
+bool has_key(std::string_view key) {
+  std::string path;
+  bool is_index = false;
+  for (const char c : key) {
+    if (c == ']') is_index = false;
+    if (!is_index) path += c;
+    if (c == '[') is_index = true;
+  }
+  static const std::vector<KeyInfo> keys = KeyLister::keys_of<File>();
+  return std::any_of(keys.begin(), keys.end(), [&](const KeyInfo& info) { return info.path == path; });
+}
+
 std::string beside(const std::string& file, const std::string& path) {
   return (std::filesystem::path(file).parent_path() / path).lexically_normal().string();
 }
@@ -115,6 +129,8 @@ SortedOverrides sort_overrides(const std::vector<std::string>& texts, ErrorList&
       file = first == "board" ? &out.board : first == "venue" ? &out.venue : &out.team;
       override.key.erase(0, first.size() + 1);
       first = override.key.substr(0, override.key.find_first_of(".["));
+    } else if (has_key<TeamFile>(override.key) && !has_key<BoardFile>(override.key)) {
+      file = &out.team;  // [radio] stands in both files, with other keys
     } else if (has_top_level_key<BoardFile>(first)) {
       file = &out.board;
     } else if (has_top_level_key<VenueFile>(first)) {
@@ -219,6 +235,9 @@ Result<void> load(const FilePaths& paths, Configuration& out) {
   const std::string team = path_of(paths.team, out.board.team, "team", out.board_where, errors);
   read_if_named(venue, kVenueRemedy, overrides.venue, out.venue, out.venue_where, errors);
   read_if_named(team, kTeamRemedy, overrides.team, out.team, out.team_where, errors);
+  if (out.team.radio.default_baud > 0 && !out.board_where.has("radio.baud")) {
+    out.board.radio.baud = out.team.radio.default_baud;
+  }
   // Invalid values are not checked against each other, because follow-up errors would hide the first ones.
   TOUCHLINE_TRY(errors.result());
   const hal::CameraSettings& camera = out.board.camera;

@@ -4,6 +4,7 @@
 #include "firmware/config/error_list.h"
 #include "firmware/config/layout_choice.h"
 #include "firmware/config/resolve.h"
+#include "firmware/config/resolve_radio.h"
 #include "firmware/config/standard_layouts.h"
 #include "firmware/config/wording.h"
 
@@ -185,8 +186,8 @@ Result<void> resolve_team(const TeamFile& team, const Locations& where, const Ve
   out.track = team.tracking;
   add_noise(venue.noise, out.track);
   out.control = team.control;
-  out.team_number = static_cast<TeamNumber>(team.team_number);
-  return resolver.result();
+  TOUCHLINE_TRY(resolver.result());
+  return resolve_radio(team, where, out);
 }
 
 }  // namespace touchline::config

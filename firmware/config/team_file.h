@@ -10,10 +10,11 @@
 #include "core/marker/marker_layout.h"
 #include "core/marker/matcher.h"
 #include "core/parameter.h"
-#include "core/radio/packet.h"
+#include "core/radio/packet_layout.h"
 #include "core/track/tracker.h"
 #include "core/types.h"
 #include "firmware/config/board_file.h"
+#include "firmware/config/radio_entry.h"
 
 namespace touchline::config {
 
@@ -84,12 +85,16 @@ struct LayoutEntry {
 struct RobotEntry {
   int id = 0;
   std::vector<std::string> colors;
+  std::string address;
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
     // Range of RobotId and of the radio packet (docs/radio.md).
     visit.number(self.id, {.name = "id", .range = {0, 127}, .help = "Id of the robot in reports and radio packets"});
     visit.texts(self.colors, {.name = "colors", .help = "Colors of the identification patches, in the layout's order"});
+    visit.text(self.address, {.name = "address",
+                              .help = "Own team: address of the robot's radio, as the board file's radio needs it; "
+                                      "udp: 192.168.1.11 or 192.168.1.11:8081; empty: radio.address"});
   }
 };
 
@@ -137,9 +142,11 @@ struct TeamFile {
   std::vector<LayoutEntry> layout;
   TeamEntry own, opponent;
   BallEntry ball;
+  RadioEntry radio;
   TrackParameters tracking;
   ControlParameters control;
 
+  static constexpr std::string_view kPresetKey = "radio.format";
   static constexpr std::array<std::string_view, 13> kRequired{"own",
                                                               "own.color",
                                                               "own.robot.id",
@@ -168,10 +175,14 @@ struct TeamFile {
     visit.section(self.opponent, {.name = "opponent", .help = "The other team"});
     visit.section(self.ball, {.name = "ball", .help = "The ball"});
     visit.list(self.layout, {.name = "layout", .help = "A marker: the positions of the patches on a robot's top"});
+    visit.section(self.radio, {.name = "radio", .help = "What the robots understand (docs/radio.md)"});
     visit.section(self.tracking, {.name = "tracking", .help = "Filters of robots and ball"});
     visit.section(self.control,
                   {.name = "control", .reload = Reload::kControl, .help = "Drive limits, gains and play"});
   }
 };
+
+/// Reads the preset of radio.format into `out`; nothing if there is none of this name.
+void read_preset(std::string_view name, TeamFile& out);
 
 }  // namespace touchline::config

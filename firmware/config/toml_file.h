@@ -32,6 +32,10 @@ template <class File>
 Result<void> read_table(toml::table& root, std::span<const Override> overrides, File& out, Locations& locations) {
   ErrorList errors;
   for (const Override& override : overrides) errors.add(apply(override, root));
+  // The keys of a preset count before those of the file.
+  if constexpr (requires { File::kPresetKey; }) {
+    read_preset(root.at_path(File::kPresetKey).value_or(std::string_view()), out);
+  }
   TomlReader reader(root, File::kRequired, locations, errors);
   reader.read(out);
   return errors.result();

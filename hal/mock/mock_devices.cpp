@@ -171,13 +171,13 @@ Result<std::size_t> MockRadio::unsent_bytes() {
 }
 
 Result<std::size_t> MockRadio::write(std::span<const std::byte> bytes) {
-  return arena_.channel().send(bytes, arena_.now()).ok() ? bytes.size() : std::size_t{0};
+  return arena_.channel().send(bytes, arena_.now(), slot_.receiver()).ok() ? bytes.size() : std::size_t{0};
 }
 
-Result<void> MockRadio::do_send(const Packet& packet) {
+Result<void> MockRadio::do_send(const Packet& packet, std::size_t receiver) {
   const std::scoped_lock lock(arena_.mutex());
   TOUCHLINE_TRY(check_usable());
-  Result<void> sent = slot_.send(packet, *this);
+  Result<void> sent = slot_.send(packet, receiver, *this);
   if (!sent.ok()) return prefixed("mock radio", std::move(sent).error());
   return sent;
 }

@@ -72,7 +72,7 @@ class MockRadio : public Radio, private ByteLine {
 
  private:
   Result<void> do_open() override;
-  Result<void> do_send(const Packet& packet) override;
+  Result<void> do_send(const Packet& packet, std::size_t receiver) override;
   Result<Duration> do_serve() override;
   Result<std::size_t> do_receive(std::span<std::byte> into) override;
   Result<void> do_drain(Instant deadline) override;

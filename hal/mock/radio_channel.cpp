@@ -20,22 +20,25 @@ RadioChannel::RadioChannel(const ArenaParameters& parameters, int baud, std::uin
       telemetry_(parameters, seed) {
   for (const ArenaRobot& robot : parameters.robot) {
     if (robot.team != Side::kOwn) continue;
-    Receiver receiver;
-    receiver.id = robot.id;
-    receivers_.push_back(receiver);
+    receivers_.push_back({robot.id, PacketStream(layout_, static_cast<RobotId>(robot.id)), {}, {}, true});
   }
 }
 
-void RadioChannel::set_team(TeamNumber team) {
-  for (Receiver& receiver : receivers_) receiver.stream = PacketStream(team);
+void RadioChannel::set_layouts(const PacketLayout& commands, const PacketLayout& telemetry) {
+  layout_ = commands;
+  for (RobotReceiver& receiver : receivers_) {
+    receiver.stream = PacketStream(layout_, static_cast<RobotId>(receiver.id));
+  }
+  telemetry_.set_layout(telemetry);
 }
 
-Result<void> RadioChannel::send(std::span<const std::byte> bytes, Instant now) {
+Result<void> RadioChannel::send(std::span<const std::byte> bytes, Instant now, std::size_t receiver) {
   PacketInFlight in_flight;
   if (bytes.empty() || bytes.size() > in_flight.packet.capacity()) {
     return failure(ErrorCode::kOutOfRange, "a packet has 1 to %zu bytes, not %zu", in_flight.packet.capacity(),
                    bytes.size());
   }
+  in_flight.receiver = receiver;
   const Instant begin = std::max(now, line_free_);
   if (queued_bytes(now) + bytes.size() > static_cast<std::size_t>(parameters_.queue_bytes) || in_flight_.full()) {
     return failure(ErrorCode::kBusy, "the queue is full");
@@ -62,12 +65,14 @@ void RadioChannel::deliver(Instant now, World& world) {
         next = i;
     }
     if (next == in_flight_.size()) break;
-    for (Receiver& receiver : receivers_)
+    for (RobotReceiver& receiver : receivers_) {
+      if (!is_for(in_flight_[next], receiver)) continue;
       deliver_to(receiver, in_flight_[next].packet, in_flight_[next].arrival, world);
+    }
     in_flight_[next] = in_flight_.back();
     in_flight_.pop_back();
   }
-  for (Receiver& receiver : receivers_) {
+  for (RobotReceiver& receiver : receivers_) {
     if (receiver.timed_out || now - receiver.last_good < timeout_) continue;
     receiver.timed_out = true;
     receiver.filter.reset();
@@ -78,7 +83,12 @@ void RadioChannel::deliver(Instant now, World& world) {
   telemetry_.advance(now);
 }
 
-void RadioChannel::deliver_to(Receiver& receiver, const Packet& packet, Instant now, World& world) {
+bool RadioChannel::is_for(const PacketInFlight& packet, const RobotReceiver& receiver) const {
+  if (packet.receiver >= layout_.receivers.size()) return true;
+  return layout_.receivers[packet.receiver].id == receiver.id;
+}
+
+void RadioChannel::deliver_to(RobotReceiver& receiver, const Packet& packet, Instant now, World& world) {
   ++statistics_.due;
   if (random_.bernoulli(parameters_.loss)) {
     ++statistics_.lost;
@@ -93,10 +103,9 @@ void RadioChannel::deliver_to(Receiver& receiver, const Packet& packet, Instant 
   for (std::size_t i = 0; i < packet.size(); ++i) {
     receiver.stream.push(corrupt && i == wrong ? packet[i] ^ mask : packet[i]);
   }
-  Commands commands;
-  std::uint8_t sequence = 0;
+  ParsedPacket read;
   const std::uint64_t foreign = receiver.stream.foreign_packets();
-  if (!receiver.stream.next(commands, sequence)) {
+  if (!receiver.stream.next(read)) {
     const bool is_foreign = receiver.stream.foreign_packets() != foreign;
     ++(is_foreign ? statistics_.foreign : statistics_.corrupted);
     if (is_foreign) return;
@@ -104,7 +113,7 @@ void RadioChannel::deliver_to(Receiver& receiver, const Packet& packet, Instant 
     return;
   }
   telemetry_.on_packet(receiver.id, true);
-  if (!receiver.filter.obey(sequence, commands.stop)) {
+  if (read.has_sequence && !receiver.filter.obey(read.sequence, read.stop)) {
     ++statistics_.ignored;
     return;
   }
@@ -112,8 +121,8 @@ void RadioChannel::deliver_to(Receiver& receiver, const Packet& packet, Instant 
   receiver.last_good = now;
   receiver.timed_out = false;
   WheelSpeeds wheels;
-  for (const RobotCommand& command : commands.robots) {
-    if (command.id == receiver.id && !commands.stop) wheels = command.wheels;
+  for (const RobotCommand& command : read.commands.robots) {
+    if (command.id == receiver.id) wheels = command.wheels;
   }
   world.drive(receiver.id, static_cast<double>(wheels.left_mps), static_cast<double>(wheels.right_mps));
   telemetry_.on_wheel_speeds(receiver.id, wheels);

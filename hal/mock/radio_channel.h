@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <vector>
 
 #include "core/radio/packet_stream.h"
 #include "core/time.h"
@@ -37,12 +38,11 @@ class RadioChannel {
   /// `baud`: speed of the serial line at 10 bits per byte.
   RadioChannel(const ArenaParameters& parameters, int baud, std::uint64_t seed);
 
-  /// Sets the number of the robots' team, whose packets alone they obey. Without a number, they obey all packets
-  /// without a number.
-  void set_team(TeamNumber team);
-  /// Queues one packet. kBusy: the queue is full, and nothing was queued. kOutOfRange: `bytes` is empty or larger than
-  /// a packet.
-  Result<void> send(std::span<const std::byte> bytes, Instant now);
+  /// Sets the packets that the robots understand and send. They obey packets of the layout's team alone.
+  void set_layouts(const PacketLayout& commands, const PacketLayout& telemetry);
+  /// Queues one packet for `receiver`, an index of the layout's receivers, or for all robots. kBusy: the queue is full,
+  /// and nothing was queued. kOutOfRange: `bytes` is empty or larger than a packet.
+  Result<void> send(std::span<const std::byte> bytes, Instant now, std::size_t receiver = kAllRobots);
   /// The time at which the last queued byte will be sent.
   [[nodiscard]] Instant drained() const { return line_free_; }
   /// Number of queued bytes that are not sent yet.
@@ -57,8 +57,9 @@ class RadioChannel {
   struct PacketInFlight {
     Instant arrival{};
     Packet packet;
+    std::size_t receiver = kAllRobots;
   };
-  struct Receiver {
+  struct RobotReceiver {
     int id = 0;
     PacketStream stream;
     SequenceFilter filter;
@@ -66,16 +67,18 @@ class RadioChannel {
     bool timed_out = true;  // robots do not drive at the start
   };
 
-  void deliver_to(Receiver& receiver, const Packet& packet, Instant now, World& world);
+  [[nodiscard]] bool is_for(const PacketInFlight& packet, const RobotReceiver& receiver) const;
+  void deliver_to(RobotReceiver& receiver, const Packet& packet, Instant now, World& world);
 
   ChannelParameters parameters_;
+  PacketLayout layout_ = touchline_layout();
   Duration byte_time_, timeout_;
   Random random_;
   Instant line_free_{};
   // Packets on their way: at 60 packets per second, one second of delay and one second of mean jitter, they are 120 on
   // average.
   FixedVector<PacketInFlight, 256> in_flight_;
-  FixedVector<Receiver, kMaxRobots> receivers_;
+  std::vector<RobotReceiver> receivers_;
   RobotTelemetrySource telemetry_;
   ChannelStatistics statistics_;
 };

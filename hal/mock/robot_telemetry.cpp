@@ -77,15 +77,14 @@ void RobotTelemetrySource::send_report(Robot& robot, Instant now) {
                      kSagVPerMps * robot.speed_mps;
   report.link_percent = static_cast<std::int8_t>(std::lround(100.0f * std::clamp(robot.link, 0.0f, 1.0f)));
   PacketInFlight in_flight;
-  in_flight.packet = encode_telemetry(report);
-  in_flight.size = in_flight.packet.size();
+  if (!encode_telemetry(layout_, report, in_flight.packet).ok() || in_flight.packet.empty()) return;
   in_flight.arrival =
       now + from_seconds(parameters_.delay_s) + from_seconds(parameters_.jitter_s * random_.exponential());
   if (random_.bernoulli(parameters_.loss)) return;
   if (random_.bernoulli(parameters_.corruption)) {
-    const auto at = static_cast<std::size_t>(random_.bits() % in_flight.size);
+    const auto at = static_cast<std::size_t>(random_.bits() % in_flight.packet.size());
     if (random_.bernoulli(0.5)) {
-      in_flight.size = at;  // truncated
+      in_flight.packet.resize(at);  // truncated
     } else {
       in_flight.packet[at] ^= static_cast<std::byte>(1U << (random_.bits() % 8U));
     }
@@ -94,7 +93,7 @@ void RobotTelemetrySource::send_report(Robot& robot, Instant now) {
 }
 
 void RobotTelemetrySource::append_received(const PacketInFlight& in_flight) {
-  for (const std::byte byte : std::span(in_flight.packet).first(in_flight.size)) received_.push_back(byte);
+  for (const std::byte byte : in_flight.packet) received_.push_back(byte);
 }
 
 std::size_t RobotTelemetrySource::read(std::span<std::byte> into) {

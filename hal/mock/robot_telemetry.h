@@ -19,6 +19,8 @@ class RobotTelemetrySource {
  public:
   RobotTelemetrySource(const ArenaParameters& parameters, std::uint64_t seed);
 
+  /// Sets how robots write their reports.
+  void set_layout(const PacketLayout& layout) { layout_ = layout; }
   /// Records that a command packet was due at robot `id`. `good`: it was received and valid.
   void on_packet(int id, bool good);
   /// Records the wheel speeds that robot `id` drives; the battery voltage sags with them.
@@ -37,8 +39,7 @@ class RobotTelemetrySource {
   };
   struct PacketInFlight {
     Instant arrival{};
-    TelemetryPacket packet{};
-    std::size_t size = 0;
+    Packet packet;
   };
 
   void send_report(Robot& robot, Instant now);
@@ -46,6 +47,7 @@ class RobotTelemetrySource {
   Robot* find(int id);
 
   ChannelParameters parameters_;
+  PacketLayout layout_ = touchline_telemetry_layout();
   Random random_;
   FixedVector<Robot, kMaxRobots> robots_;
   // Five robots at 50 Hz with one second of delay fit. A packet that does not fit is lost.

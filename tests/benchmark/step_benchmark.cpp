@@ -39,7 +39,7 @@ Result<void> StepBenchmark::play(std::size_t frames) {
     if (!lease.ok()) return lease.error();
     const Frame& frame = lease.value().frame();
     const StepTrace& trace = pipeline_->step(frame);
-    TOUCHLINE_TRY(loop.radio.send(trace.packet));
+    for (const OutgoingPacket& outgoing : trace.packets) TOUCHLINE_TRY(loop.radio.send(outgoing.packet));
     pipeline_->adapt();
     if (i < kFramesBefore) continue;
     if (!trace.status.ok()) return Error{trace.status.code(), describe(trace.status.code())};

@@ -11,8 +11,6 @@
 #include <cmath>
 #include <cstring>
 
-#include "core/radio/packet.h"
-
 namespace touchline::board {
 namespace {
 

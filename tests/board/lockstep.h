@@ -4,11 +4,11 @@
 #include <string>
 #include <vector>
 
-#include "core/radio/packet_stream.h"
 #include "firmware/config/board_file.h"
 #include "hal/mock/arena.h"
 #include "hal/result.h"
 #include "tests/board/wire.h"
+#include "tests/radio/touchline_packets.h"
 
 namespace touchline::board {
 
@@ -61,7 +61,7 @@ class Lockstep {
   int pictures_, radio_;
   std::vector<bool> is_own_;  // in the order of the arena's robots
   std::vector<std::uint8_t> picture_;
-  PacketStream stream_;
+  CommandStream stream_;
   std::uint32_t number_ = 0;
   int last_sequence_ = -1;
   std::uint64_t sequence_gaps_ = 0;

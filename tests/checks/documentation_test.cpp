@@ -72,9 +72,9 @@ class Documentation : public ::testing::Test {
 };
 
 TEST_F(Documentation, LinksAreValid) {
-  const Links links =
-      links_of({repository_ / "README.md", repository_ / "CONTRIBUTING.md", repository_ / "docs",
-                repository_ / "boards", repository_ / "core", repository_ / "hal", repository_ / "firmware"});
+  const Links links = links_of({repository_ / "README.md", repository_ / "CONTRIBUTING.md", repository_ / "docs",
+                                repository_ / "boards", repository_ / "core", repository_ / "hal",
+                                repository_ / "firmware", repository_ / "tools/robot"});
   EXPECT_EQ(links.broken, std::vector<std::string>());
   EXPECT_GT(links.count, 30U);
 }

@@ -99,7 +99,11 @@ std::optional<std::string> core_violation(std::string_view file, std::string_vie
   return std::nullopt;
 }
 
+// People copy this folder to their robots' firmware.
+constexpr std::string_view kRobotFolder = "tools/robot/";
+
 std::optional<std::string> quoted_violation(std::string_view file, std::string_view target) {
+  if (file.starts_with(kRobotFolder)) return "tools/robot is copied to robots and may not include files of Touchline";
   const Place from = place_of(file), to = place_of(target);
   const FolderRule* rule = rule_of(folder_rules(), from.folder);
   if (to.folder.empty()) return "\"" + std::string(target) + "\" must be written from the repository's root";
@@ -116,6 +120,9 @@ std::optional<std::string> quoted_violation(std::string_view file, std::string_v
 }
 
 std::optional<std::string> bracket_violation(std::string_view file, std::string_view target) {
+  if (file.starts_with(kRobotFolder) && file.ends_with(".h") && target != "stdint.h") {
+    return "the robots' header may use only <stdint.h>, because AVR has no C++ library";
+  }
   if (place_of(file).folder != "core") return std::nullopt;
   if (target.starts_with("Eigen/") || contains(kCoreHeaders, target)) return std::nullopt;
   return "the core may not use <" + std::string(target) + ">";
@@ -169,7 +176,7 @@ std::vector<SourceFile> read_sources(const std::string& root) {
     if (!std::filesystem::is_directory(folder)) continue;
     for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
       const std::string extension = entry.path().extension().string();
-      if (extension != ".h" && extension != ".cpp") continue;
+      if (extension != ".h" && extension != ".cpp" && extension != ".ino") continue;
       std::ostringstream text;
       text << std::ifstream(entry.path()).rdbuf();
       files.push_back({std::filesystem::relative(entry.path(), root).generic_string(), text.str()});

@@ -16,6 +16,16 @@ TEST(InclusionRule, HoldsInTheWholeRepository) {
   EXPECT_GT(findings.includes, 500U);
 }
 
+TEST(InclusionRule, ReadsTheRobotsHeaderAndSketches) {
+  std::size_t headers = 0, sketches = 0;
+  for (const SourceFile& file : read_sources(TOUCHLINE_SOURCE_DIR)) {
+    headers += file.path == "tools/robot/touchline_robot.h" ? 1U : 0U;
+    sketches += file.path.ends_with(".ino") ? 1U : 0U;
+  }
+  EXPECT_EQ(headers, 1U);
+  EXPECT_GE(sketches, 4U);
+}
+
 std::string violation_of(const std::string& path, const std::string& line) {
   const Findings findings = check_inclusion({{path, "#pragma once\n" + line + "\n"}});
   EXPECT_EQ(findings.includes, 1U) << line;
@@ -59,6 +69,18 @@ TEST(InclusionRule, FindsHeadersThatTheCoreMayNotUse) {
   EXPECT_EQ(violation_of("core/color/x.h", "#include <vector>"), "the core may not use <vector>");
   EXPECT_EQ(violation_of("core/x.cpp", "#include <sys/mman.h>"), "the core may not use <sys/mman.h>");
   EXPECT_EQ(violation_of("core/x.cpp", "#include<iostream>"), "the core may not use <iostream>");
+}
+
+TEST(InclusionRule, FindsWhatARobotDoesNotHave) {
+  const std::string copied = "tools/robot is copied to robots and may not include files of Touchline";
+  EXPECT_EQ(violation_of("tools/robot/x.h", "#include \"core/radio/packet.h\""), copied);
+  EXPECT_EQ(violation_of("tools/robot/examples/x/x.ino", "#include \"tools/robot/touchline_robot.h\""), copied);
+  const std::string standard = "the robots' header may use only <stdint.h>, because AVR has no C++ library";
+  EXPECT_EQ(violation_of("tools/robot/x.h", "#include <cstdint>"), standard);
+  EXPECT_EQ(violation_of("tools/robot/x.h", "#include <Arduino.h>"), standard);
+  EXPECT_EQ(violation_of("tools/robot/x.h", "#include <stdint.h>"), "");
+  EXPECT_EQ(violation_of("tools/robot/examples/x/x.ino", "#include <Arduino.h>"), "");
+  EXPECT_EQ(violation_of("core/x.h", "#include \"tools/robot/touchline_robot.h\""), "core may not include tools");
 }
 
 TEST(InclusionRule, AcceptsAllowedIncludes) {

@@ -151,15 +151,16 @@ TEST(Reloadable, AllKeys) {
   }
   keys.erase(Reload::kRestart);
   using Keys = std::set<std::string>;
-  EXPECT_EQ(keys, (std::map<Reload, Keys>{{Reload::kNoEffect, {"name", "venue", "team"}},
-                                          {Reload::kCamera,
-                                           {"camera.exposure_us", "camera.exposure_steps", "camera.gain",
-                                            "camera.white_balance_k", "camera.focus", "camera.power_line"}},
-                                          {Reload::kThresholds,
-                                           {"color", "colors.background", "light", "region_of_interest",
-                                            "picture.min_area_px", "picture.min_height_px", "adaptation"}},
-                                          {Reload::kControl, {"control"}},
-                                          {Reload::kLoop, {"faults", "radio.delay_s"}}}));
+  EXPECT_EQ(keys, (std::map<Reload, Keys>{
+                      {Reload::kNoEffect, {"name", "radio.about", "radio.note", "radio.source", "venue", "team"}},
+                      {Reload::kCamera,
+                       {"camera.exposure_us", "camera.exposure_steps", "camera.gain", "camera.white_balance_k",
+                        "camera.focus", "camera.power_line"}},
+                      {Reload::kThresholds,
+                       {"color", "colors.background", "light", "region_of_interest", "picture.min_area_px",
+                        "picture.min_height_px", "adaptation"}},
+                      {Reload::kControl, {"control"}},
+                      {Reload::kLoop, {"faults", "radio.delay_s"}}}));
 }
 
 }  // namespace

@@ -29,14 +29,16 @@ class TerminalRadio final : public hal::Radio {
     ::cfmakeraw(&line);
     ::tcsetattr(file_, TCSANOW, &line);
   }
-  [[nodiscard]] int descriptor() const override { return file_; }
+  void add_routes(std::size_t /*receiver*/, hal::RadioRoutes& out) const override {
+    out.push_back({.descriptor = file_});
+  }
 
  private:
   Result<void> do_open() override {
     if (file_ >= 0) return {};
     return failure(ErrorCode::kNotFound, "no terminal");
   }
-  Result<void> do_send(const Packet& packet) override {
+  Result<void> do_send(const Packet& packet, std::size_t /*receiver*/) override {
     if (::write(file_, packet.data(), packet.size()) == static_cast<ssize_t>(packet.size())) return {};
     return failure(ErrorCode::kIo, "the terminal is full");
   }
@@ -95,7 +97,7 @@ int main(int argc, char** argv) {
   FakeGpio gpio(clock);
   const auto pipeline = std::make_unique<Pipeline>();
   PipelineParameters parameters = fake_camera_parameters();
-  parameters.team_number = 7;
+  parameters.radio = touchline_layout(7);
   if (!pipeline->configure(parameters).ok()) return 65;
   const auto ring = std::make_unique<ReportRing>();
   LoopSettings settings;

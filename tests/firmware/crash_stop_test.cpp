@@ -12,7 +12,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/radio/packet_stream.h"
+#include "tests/radio/touchline_packets.h"
 
 namespace touchline {
 namespace {
@@ -59,7 +59,7 @@ Outcome run(const std::string& ending) {
   if (opened) ::waitpid(child, &outcome.status, 0);
   ::close(robots);
   // As the robots of the program's team receive them.
-  PacketStream stream(7);
+  CommandStream stream(7);
   Commands commands;
   Received packet;
   for (const std::byte byte : bytes) {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "core/radio/packet.h"
+#include "tests/radio/touchline_packets.h"
 
 namespace touchline::testing {
 namespace {
@@ -111,7 +111,7 @@ Result<void> FakeRadio::do_open() {
   return {};
 }
 
-Result<void> FakeRadio::do_send(const Packet& bytes) {
+Result<void> FakeRadio::do_send(const Packet& bytes, std::size_t /*receiver*/) {
   if (!is_open) return failed(ErrorCode::kIo);
   if (const Status fault = status(); !fault.ok()) return failed(fault.code());
   Commands commands;

@@ -1,8 +1,8 @@
 // Status light, strobe, start button, and telemetry of the robots.
 #include <algorithm>
 
-#include "core/radio/telemetry.h"
 #include "tests/firmware/loop_fixture.h"
+#include "tests/radio/touchline_packets.h"
 
 namespace touchline::testing {
 namespace {

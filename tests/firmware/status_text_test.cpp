@@ -209,16 +209,18 @@ TEST(Summary, ContainsAllCounts) {
 
 // Noise damages some reports on every link, in the arena too. Their numbers are missing in the reports that follow.
 TEST(Summary, DamagedReportsAreNoForeignBytes) {
+  constexpr std::size_t kReportBytes = 10;
   LoopStatistics statistics;
+  statistics.robots.report_bytes = kReportBytes;
   statistics.robots.robots.push_back({{0, 5, 7.92f, 98}, statistics.end, 58, 2, false});
   statistics.robots.robots.push_back({{1, 5, 7.92f, 98}, statistics.end, 60, 0, false});
   const auto warns = [&](std::uint64_t foreign_bytes) {
     statistics.robots.foreign_bytes = foreign_bytes;
     return summary(statistics, LoopEnd::kLimit).find("not from reports") != std::string::npos;
   };
-  EXPECT_FALSE(warns(2 * kTelemetryBytes)) << "two missed reports";
-  EXPECT_FALSE(warns(4 * kTelemetryBytes)) << "and the last one of each robot";
-  EXPECT_TRUE(warns(4 * kTelemetryBytes + 1));
+  EXPECT_FALSE(warns(2 * kReportBytes)) << "two missed reports";
+  EXPECT_FALSE(warns(4 * kReportBytes)) << "and the last one of each robot";
+  EXPECT_TRUE(warns(4 * kReportBytes + 1));
   statistics.robots.robots.clear();
   EXPECT_TRUE(warns(1)) << "no robot was heard";
 }

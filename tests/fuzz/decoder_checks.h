@@ -32,7 +32,7 @@ void require_result(const Result<T>& result) {
   if (!result.ok()) require_error(result.error());
 }
 
-// Of tests/fuzz/file_checks.cpp and tests/fuzz/stream_checks.cpp.
+// Of tests/fuzz/file_checks.cpp, tests/fuzz/stream_checks.cpp and tests/fuzz/robot_checks.cpp.
 void check_board_file(std::span<const std::byte> bytes);
 void check_venue_file(std::span<const std::byte> bytes);
 void check_team_file(std::span<const std::byte> bytes);
@@ -43,9 +43,11 @@ void check_mjpg(std::span<const std::byte> bytes);
 void check_telemetry(std::span<const std::byte> bytes);
 void check_command_packet(std::span<const std::byte> bytes);
 void check_setup_message(std::span<const std::byte> bytes);
+void check_robot(std::span<const std::byte> bytes);
 std::vector<std::string> mjpg_seeds();
 std::vector<std::string> telemetry_seeds();
 std::vector<std::string> command_packet_seeds();
 std::vector<std::string> setup_message_seeds();
+std::vector<std::string> robot_seeds();
 
 }  // namespace touchline::fuzz

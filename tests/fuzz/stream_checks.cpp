@@ -1,12 +1,15 @@
 // What arrives from robots, camera and setup program.
 #include <algorithm>
+#include <cmath>
+#include <memory>
 #include <optional>
 
-#include "core/radio/packet_stream.h"
-#include "core/radio/telemetry.h"
+#include "firmware/config/resolve_radio.h"
 #include "hal/linux/v4l2/mjpg_decoder.h"
+#include "tests/config/preset_team.h"
 #include "tests/fuzz/decoder_checks.h"
 #include "tests/linux/jpeg_picture.h"
+#include "tests/radio/touchline_packets.h"
 #include "tools/programs/setup/arguments.h"
 #include "tools/programs/setup/message_link.h"
 
@@ -15,6 +18,38 @@ namespace {
 
 std::string text_of(std::span<const std::byte> bytes) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
+// Of all robots that are known.
+const std::vector<PacketLayout>& preset_layouts() {
+  static const std::vector<PacketLayout> layouts = [] {
+    std::vector<PacketLayout> all;
+    for (const config::RadioPreset& preset : config::radio_presets()) {
+      const auto parameters = std::make_unique<PipelineParameters>();
+      const config::Locations where("team.toml");
+      require(config::resolve_radio(config::team_of(std::string(preset.name)), where, *parameters).ok(),
+              "a preset is valid");
+      all.push_back(parameters->radio);
+      if (!parameters->telemetry.fields.empty()) all.push_back(parameters->telemetry);
+    }
+    return all;
+  }();
+  return layouts;
+}
+
+void check_packets(const PacketLayout& layout, std::span<const std::byte> bytes) {
+  PacketStream stream(layout, 1);
+  for (const std::byte byte : bytes) {
+    stream.push(byte);
+    ParsedPacket read;
+    while (stream.next(read)) {
+      for (const RobotCommand& robot : read.commands.robots) {
+        require(robot.id >= 0, "each robot has an id");
+        require(std::isfinite(robot.wheels.left_mps) && std::isfinite(robot.wheels.right_mps), "a speed is a number");
+      }
+    }
+  }
+  require(stream.skipped_bytes() <= bytes.size(), "a byte is counted once");
 }
 
 // Several blocks with 4:2:0, but small, so that most of an input is header and Huffman tables.
@@ -57,11 +92,11 @@ std::vector<std::string> mjpg_seeds() {
 void check_telemetry(std::span<const std::byte> bytes) {
   RobotTelemetry telemetry;
   if (decode_telemetry(bytes, telemetry).ok()) {
-    const TelemetryPacket again = encode_telemetry(telemetry);
+    const Packet again = encode_telemetry(telemetry);
     require(std::equal(bytes.begin(), bytes.end(), again.begin(), again.end()), "telemetry is encoded as it arrived");
   }
   RobotMonitor monitor;
-  monitor.configure(7.0f);
+  monitor.configure(touchline_telemetry_layout(), 7.0f);
   RobotReports reports;
   monitor.listen(bytes, Instant{}, reports);
   int last = -1;
@@ -91,7 +126,7 @@ void check_command_packet(std::span<const std::byte> bytes) {
       Packet again;
       require(encode(commands, sequence, again, team).ok() && again.size() == bytes.size(), "a packet can be encoded");
     }
-    PacketStream stream(team);
+    CommandStream stream(team);
     std::size_t received = 0;
     for (const std::byte byte : bytes) {
       stream.push(byte);
@@ -99,6 +134,7 @@ void check_command_packet(std::span<const std::byte> bytes) {
     }
     require(received + stream.skipped_bytes() <= bytes.size(), "a byte belongs to one packet");
   }
+  for (const PacketLayout& layout : preset_layouts()) check_packets(layout, bytes);
 }
 
 std::vector<std::string> command_packet_seeds() {
@@ -113,6 +149,11 @@ std::vector<std::string> command_packet_seeds() {
     seeds.push_back(text_of({packet.data(), packet.size()}));
   }
   seeds.push_back(seeds[0] + seeds[1] + seeds[2]);
+  for (const PacketLayout& layout : preset_layouts()) {
+    OutgoingPackets packets;
+    if (!encode(layout, commands, {}, packets).ok() || packets.empty()) continue;
+    seeds.push_back(text_of({packets[0].packet.data(), packets[0].packet.size()}));
+  }
   return seeds;
 }
 

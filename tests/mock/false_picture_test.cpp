@@ -24,17 +24,17 @@ class ExchangedMotors final : public hal::Radio {
  private:
   Result<void> do_open() override { return radio_.open(); }
   void do_close() override { radio_.close(); }
-  Result<void> do_send(const Packet& packet) override {
+  Result<void> do_send(const Packet& packet, std::size_t receiver) override {
     Commands commands;
     std::uint8_t sequence = 0;
     if (seconds(clock_.now() - hal::mock::Arena::kBegin) < from_s ||
         !decode({packet.data(), packet.size()}, commands, sequence).ok()) {
-      return radio_.send(packet);
+      return radio_.send(packet, receiver);
     }
     for (RobotCommand& robot : commands.robots) std::swap(robot.wheels.left_mps, robot.wheels.right_mps);
     Packet changed;
     static_cast<void>(encode(commands, sequence, changed));
-    return radio_.send(changed);
+    return radio_.send(changed, receiver);
   }
   Result<Duration> do_serve() override { return radio_.serve(); }
   Result<std::size_t> do_receive(std::span<std::byte> into) override { return radio_.receive(into); }

@@ -6,9 +6,9 @@
 #include <span>
 #include <vector>
 
-#include "core/radio/packet.h"
 #include "hal/mock/arena_parameters.h"
 #include "hal/mock/world.h"
+#include "tests/radio/touchline_packets.h"
 
 namespace touchline::hal::mock {
 
@@ -68,7 +68,5 @@ inline Packet packet_of(std::span<const Drive> drives, std::uint8_t sequence, bo
   static_cast<void>(encode(commands, sequence, packet, team));
   return packet;
 }
-
-inline std::span<const std::byte> bytes_of(const Packet& packet) { return {packet.data(), packet.size()}; }
 
 }  // namespace touchline::hal::mock

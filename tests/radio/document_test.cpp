@@ -6,21 +6,21 @@
 #include <string>
 #include <vector>
 
-#include "core/radio/packet.h"
-#include "core/radio/telemetry.h"
+#include "tests/radio/touchline_packets.h"
 
 namespace touchline {
 namespace {
 
-// Lines of two-digit hexadecimal numbers between ``` fences of docs/radio.md.
+// Lines of two-digit hexadecimal numbers between ``` fences of docs/radio.md. A fence with a language has no packets.
 std::vector<std::string> examples_of_the_page() {
   std::ifstream page(TOUCHLINE_RADIO_PAGE);
   std::vector<std::string> examples;
-  bool fenced = false;
+  bool fenced = false, has_packets = false;
   for (std::string line; std::getline(page, line);) {
     if (line.starts_with("```")) {
       fenced = !fenced;
-    } else if (fenced) {
+      has_packets = fenced && line == "```";
+    } else if (has_packets) {
       examples.push_back(line);
     }
   }

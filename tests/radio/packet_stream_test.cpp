@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "tests/radio/noisy_line.h"
+#include "tests/radio/touchline_packets.h"
 
 namespace touchline {
 namespace {
@@ -22,7 +23,7 @@ Packet packet_of(std::size_t robots, std::uint8_t sequence, TeamNumber team = kN
   return packet;
 }
 
-std::vector<std::uint8_t> sequences_in(PacketStream& stream, const std::vector<std::byte>& bytes) {
+std::vector<std::uint8_t> sequences_in(CommandStream& stream, const std::vector<std::byte>& bytes) {
   std::vector<std::uint8_t> found;
   Commands commands;
   std::uint8_t sequence = 0;
@@ -44,7 +45,7 @@ TEST(PacketStream, FindsAllPacketsOnAnErrorFreeLine) {
     append(bytes, packet_of(i % 12, static_cast<std::uint8_t>(i)));
     expected.push_back(static_cast<std::uint8_t>(i));
   }
-  PacketStream stream;
+  CommandStream stream;
   EXPECT_EQ(sequences_in(stream, bytes), expected);
   EXPECT_EQ(stream.skipped_bytes(), 0u);
 }
@@ -52,13 +53,13 @@ TEST(PacketStream, FindsAllPacketsOnAnErrorFreeLine) {
 TEST(PacketStream, ReturnsThePacketsOfItsTeamAmongThoseOfOthers) {
   std::vector<std::byte> bytes;
   std::vector<std::uint8_t> of_team[3];
-  constexpr std::array<TeamNumber, 3> kTeams{kNoTeamNumber, 7, 0x4C};
+  constexpr std::array<TeamNumber, 3> kTeams{3, 7, 0x4C};
   for (std::size_t i = 0; i < 300; ++i) {
     append(bytes, packet_of(i % 12, static_cast<std::uint8_t>(i), kTeams[i % 3]));
     of_team[i % 3].push_back(static_cast<std::uint8_t>(i));
   }
   for (std::size_t team = 0; team < 3; ++team) {
-    PacketStream stream(kTeams[team]);
+    CommandStream stream(kTeams[team]);
     EXPECT_EQ(sequences_in(stream, bytes), of_team[team]);
     EXPECT_EQ(stream.skipped_bytes(), 0u);
     EXPECT_EQ(stream.foreign_packets(), 200u);
@@ -67,7 +68,7 @@ TEST(PacketStream, ReturnsThePacketsOfItsTeamAmongThoseOfOthers) {
 
 TEST(PacketStream, ReportsAPacketAtItsLastByte) {
   const Packet packet = packet_of(5, 9);
-  PacketStream stream;
+  CommandStream stream;
   Commands commands;
   std::uint8_t sequence = 0;
   for (std::size_t i = 0; i < packet.size(); ++i) {
@@ -88,7 +89,7 @@ TEST(PacketStream, LosesOnlyTheTruncatedPacket) {
         if (i < begin || i >= begin + gone) bytes.push_back(cut[i]);
       }
       append(bytes, after);
-      PacketStream stream;
+      CommandStream stream;
       EXPECT_EQ(sequences_in(stream, bytes), (std::vector<std::uint8_t>{1, 3})) << begin << " " << gone;
       EXPECT_EQ(stream.skipped_bytes(), cut.size() - gone);
     }
@@ -105,7 +106,7 @@ TEST(PacketStream, FindsShortPacketsWithinTheLengthOfACorruptCount) {
     append(bytes, packet_of(0, i));
     expected.push_back(i);
   }
-  PacketStream stream;
+  CommandStream stream;
   EXPECT_EQ(sequences_in(stream, bytes), expected);
   EXPECT_EQ(stream.skipped_bytes(), damaged.size());
 }
@@ -113,7 +114,7 @@ TEST(PacketStream, FindsShortPacketsWithinTheLengthOfACorruptCount) {
 TEST(PacketStream, RestartsAfterAPause) {
   Packet first = packet_of(5, 1);
   first.resize(20);
-  PacketStream stream;
+  CommandStream stream;
   EXPECT_TRUE(sequences_in(stream, {first.begin(), first.end()}).empty());
   stream.reset();
   const Packet second = packet_of(2, 2);
@@ -122,7 +123,7 @@ TEST(PacketStream, RestartsAfterAPause) {
 }
 
 TEST(PacketStream, DropsTheOldestBytesIfNextIsNotCalled) {
-  PacketStream stream;
+  CommandStream stream;
   for (std::size_t i = 0; i < 1000; ++i) stream.push(kPacketMagic0);
   const Packet packet = packet_of(3, 77);
   for (const std::byte byte : packet) stream.push(byte);
@@ -144,7 +145,7 @@ TEST(PacketStream, ReportsOnlySentPacketsOnANoisyLine) {
     const Packet packet = packet_of(static_cast<std::size_t>(i % 12), static_cast<std::uint8_t>(i));
     whole += line.send({packet.data(), packet.size()}) ? 1 : 0;
   }
-  PacketStream stream;
+  CommandStream stream;
   Commands commands;
   std::uint8_t sequence = 0;
   int found = 0, wrong = 0;

@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "core/radio/wire_format.h"
+#include "tests/radio/touchline_packets.h"
 
 namespace touchline {
 namespace {
@@ -23,12 +23,10 @@ Commands sample_commands() {
   return commands;
 }
 
-std::span<const std::byte> bytes_of(const Packet& packet) { return {packet.data(), packet.size()}; }
-
 TEST(Crc16, HasTheCatalogsCheckValue) {
   constexpr std::string_view kDigits = "123456789";
-  EXPECT_EQ(crc16_ccitt_false(std::as_bytes(std::span(kDigits.data(), kDigits.size()))), 0x29B1);
-  EXPECT_EQ(crc16_ccitt_false({}), 0xFFFF);
+  EXPECT_EQ(checksum(CheckKind::kCrc16Ccitt, std::as_bytes(std::span(kDigits.data(), kDigits.size()))), 0x29B1);
+  EXPECT_EQ(checksum(CheckKind::kCrc16Ccitt, {}), 0xFFFF);
 }
 
 TEST(Packet, IsReadBackAsWritten) {
@@ -154,7 +152,7 @@ TEST(Packet, TruncatedAnywhereIsRejected) {
 
 // Writes the checksum of the bytes before it, so that only the field under test is invalid.
 void seal(Packet& packet) {
-  const std::uint16_t crc = crc16_ccitt_false(bytes_of(packet).first(packet.size() - 2));
+  const std::uint16_t crc = checksum(CheckKind::kCrc16Ccitt, bytes_of(packet).first(packet.size() - 2));
   packet[packet.size() - 2] = static_cast<std::byte>(crc & 0xFFu);
   packet[packet.size() - 1] = static_cast<std::byte>(crc >> 8u);
 }
@@ -222,7 +220,7 @@ TEST(Packet, WithATeamNumberAndAnyOneOrTwoBitsFlippedIsRejectedByEveryTeam) {
       Packet damaged = packet;
       flip(damaged, i);
       if (k != i) flip(damaged, k);
-      const TeamNumber team = packet_team(bytes_of(damaged));
+      const TeamNumber team = std::to_integer<TeamNumber>(damaged[5]);
       ASSERT_FALSE(decode(bytes_of(damaged), read, sequence, team).ok()) << i << " " << k;
     }
   }

@@ -5,8 +5,8 @@
 #include <random>
 #include <vector>
 
-#include "core/radio/packet.h"
 #include "tests/radio/noisy_line.h"
+#include "tests/radio/touchline_packets.h"
 
 namespace touchline {
 namespace {
@@ -60,16 +60,14 @@ TEST(Telemetry, RoundsAndSaturatesVoltages) {
 }
 
 TEST(Telemetry, WithAnyOneToThreeBitsFlippedIsRejected) {
-  const TelemetryPacket good = encode_telemetry(telemetry_of(3, 42));
+  const Packet good = encode_telemetry(telemetry_of(3, 42));
   constexpr std::size_t kBits = kTelemetryBytes * 8;
-  const auto turn = [](TelemetryPacket& p, std::size_t bit) {
-    p[bit / 8] ^= std::byte{1} << static_cast<int>(bit % 8);
-  };
+  const auto turn = [](Packet& p, std::size_t bit) { p[bit / 8] ^= std::byte{1} << static_cast<int>(bit % 8); };
   RobotTelemetry read = telemetry_of(9, 9);
   for (std::size_t i = 0; i < kBits; ++i) {
     for (std::size_t k = i; k < kBits; ++k) {
       for (std::size_t n = k; n < kBits; ++n) {
-        TelemetryPacket damaged = good;  // flips only bit i if n == k > i
+        Packet damaged = good;  // flips only bit i if n == k > i
         turn(damaged, i);
         if (k > i) turn(damaged, k);
         if (n > i) turn(damaged, n);
@@ -84,14 +82,19 @@ TEST(Telemetry, WithAWrongFieldButAValidChecksumIsRejected) {
   RobotTelemetry read;
   EXPECT_TRUE(decode_telemetry(encode_telemetry(telemetry_of(127, 1, 7.4f, 100)), read).ok());
   EXPECT_FALSE(decode_telemetry(encode_telemetry(telemetry_of(1, 1, 7.4f, 101)), read).ok()) << "101 percent";
-  EXPECT_FALSE(decode_telemetry(encode_telemetry(telemetry_of(-1, 1)), read).ok()) << "id 255";
-  const TelemetryPacket good = encode_telemetry(telemetry_of(1, 1));
+  const Packet good = encode_telemetry(telemetry_of(1, 1));
+  Packet wrong_id = good;
+  wrong_id[3] = std::byte{128};
+  const std::uint16_t crc = checksum(CheckKind::kCrc16Ccitt, bytes_of(wrong_id).first(8));
+  wrong_id[8] = static_cast<std::byte>(crc & 0xFFu);
+  wrong_id[9] = static_cast<std::byte>(crc >> 8u);
+  EXPECT_FALSE(decode_telemetry(wrong_id, read).ok()) << "id 128";
   EXPECT_FALSE(decode_telemetry(std::span(good).first(9), read).ok());
 }
 
 TEST(TelemetryStream, LosesOnlyTheTruncatedPacket) {
-  const TelemetryPacket before = encode_telemetry(telemetry_of(1, 1)), cut = encode_telemetry(telemetry_of(2, 2)),
-                        after = encode_telemetry(telemetry_of(3, 3));
+  const Packet before = encode_telemetry(telemetry_of(1, 1)), cut = encode_telemetry(telemetry_of(2, 2)),
+               after = encode_telemetry(telemetry_of(3, 3));
   for (std::size_t begin = 0; begin < kTelemetryBytes; ++begin) {
     for (std::size_t gone = 1; begin + gone <= kTelemetryBytes; ++gone) {
       std::vector<std::byte> bytes;
@@ -223,7 +226,7 @@ TEST_F(RobotMonitorTest, ListsTheRobotsOfATeamAndCountsOthers) {
 }
 
 TEST_F(RobotMonitorTest, ABatteryIsLowAfterThreePacketsAndGoodAfterItsReplacement) {
-  monitor.configure(7.0f);
+  monitor.configure(touchline_telemetry_layout(), 7.0f);
   hear_battery(6.9f, 2);
   hear_battery(7.1f, 1);
   hear_battery(6.9f, 2);
@@ -239,10 +242,10 @@ TEST_F(RobotMonitorTest, ABatteryIsLowAfterThreePacketsAndGoodAfterItsReplacemen
 }
 
 TEST_F(RobotMonitorTest, ABatteryThatIsNotMeasuredOrMonitoredIsNotLow) {
-  monitor.configure(7.0f);
+  monitor.configure(touchline_telemetry_layout(), 7.0f);
   hear_battery(0.0f, 10);
   EXPECT_FALSE(reports.robots[0].battery_low);
-  monitor.configure(0.0f);
+  monitor.configure(touchline_telemetry_layout(), 0.0f);
   hear_battery(0.5f, 10);
   EXPECT_FALSE(reports.robots[0].battery_low);
 }

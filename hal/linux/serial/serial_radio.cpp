@@ -161,9 +161,13 @@ Result<void> SerialRadio::check_usable() {
   return failure(ErrorCode::kDisconnected, "%s: not open", name());
 }
 
-Result<void> SerialRadio::do_send(const Packet& packet) {
+void SerialRadio::add_routes(std::size_t /*receiver*/, RadioRoutes& out) const {
+  if (file_ >= 0) out.push_back({.descriptor = file_});
+}
+
+Result<void> SerialRadio::do_send(const Packet& packet, std::size_t receiver) {
   TOUCHLINE_TRY(check_usable());
-  Result<void> sent = slot_.send(packet, *this);
+  Result<void> sent = slot_.send(packet, receiver, *this);
   if (sent.code() == ErrorCode::kBusy) {
     return failure(
         ErrorCode::kBusy,

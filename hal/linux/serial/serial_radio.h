@@ -32,14 +32,14 @@ class SerialRadio final : public Radio, private ByteLine {
 
   [[nodiscard]] const std::string& description() const override { return description_; }
 
-  [[nodiscard]] int descriptor() const override { return file_; }
+  void add_routes(std::size_t receiver, RadioRoutes& out) const override;
 
   /// Number of packets that the port accepted in several parts.
   [[nodiscard]] std::uint64_t split_packets() const { return slot_.split_packets(); }
 
  private:
   Result<void> do_open() override;
-  Result<void> do_send(const Packet& packet) override;
+  Result<void> do_send(const Packet& packet, std::size_t receiver) override;
   Result<Duration> do_serve() override;
   Result<std::size_t> do_receive(std::span<std::byte> into) override;
   Result<void> do_drain(Instant deadline) override;

@@ -47,9 +47,10 @@ void ArenaHand::move() {
   Commands commands;
   commands.stop = false;
   commands.robots.push_back({0, {}, {speed, speed}});
-  Packet packet;
-  static_cast<void>(encode(commands, sequence_++, packet));
-  static_cast<void>(radio_.send(packet));  // a lost packet: the lid goes on for a moment
+  OutgoingPackets packets;
+  static_cast<void>(encode(touchline_layout(), commands, {false, false, sequence_++, {}}, packets));
+  // After a lost packet, the lid goes on for a moment.
+  for (const OutgoingPacket& outgoing : packets) static_cast<void>(radio_.send(outgoing.packet));
 }
 
 }  // namespace touchline::devices

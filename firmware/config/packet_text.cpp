@@ -1,0 +1,168 @@
+#include "firmware/config/packet_text.h"
+
+#include <array>
+#include <cmath>
+#include <cstdio>
+
+#include "core/radio/field_type.h"
+#include "core/radio/packet.h"
+#include "core/radio/packet_parser.h"
+#include "firmware/config/radio_presets.h"
+#include "firmware/config/wording.h"
+
+namespace touchline::config {
+namespace {
+
+constexpr float kSampleSpeed_mps = 0.5f, kSampleTurn_radps = 1.0f;
+
+std::string hexadecimal(std::span<const std::byte> bytes) {
+  std::string text;
+  for (const std::byte byte : bytes) {
+    std::array<char, 4> digits{};
+    std::snprintf(digits.data(), digits.size(), "%02X", std::to_integer<unsigned>(byte));
+    text.append(text.empty() ? "" : " ").append(digits.data());
+  }
+  return text;
+}
+
+std::string with_unit(double value, const char* unit) {
+  std::array<char, 48> text{};
+  std::snprintf(text.data(), text.size(), " = %.3f %s", value, unit);
+  return text.data();
+}
+
+std::string unit_text(const PacketLayout& layout, const FieldReading& reading) {
+  const double value = value_of(layout, reading);
+  switch (layout.fields[reading.field].value) {
+    case FieldValue::kLeft:
+    case FieldValue::kRight:
+    case FieldValue::kForward:
+      return with_unit(value, "m/s");
+    case FieldValue::kTurn:
+      return with_unit(value, "rad/s");
+    case FieldValue::kBattery:
+      return with_unit(value, "V");
+    default:
+      return "";
+  }
+}
+
+std::string number_on_wire(double number) {
+  std::array<char, 32> text{};
+  std::snprintf(text.data(), text.size(), "%.10g", number);
+  return text.data();
+}
+
+}  // namespace
+
+std::string packet_text(const PacketLayout& layout, std::span<const std::byte> bytes) {
+  FieldReadings readings;
+  const std::size_t length = parse_packet(layout, bytes, readings);
+  if (length != bytes.size()) return "  unknown: " + hexadecimal(bytes) + "\n";
+  std::string text;
+  for (const FieldReading& reading : readings) {
+    const PacketField& field = layout.fields[reading.field];
+    std::array<char, 128> line{};
+    std::snprintf(line.data(), line.size(), "  %3zu  %-24s  %.*s", reading.begin,
+                  hexadecimal(bytes.subspan(reading.begin, reading.end - reading.begin)).c_str(),
+                  static_cast<int>(config::word_of(field.value, kFieldValues).size()),
+                  config::word_of(field.value, kFieldValues).data());
+    text += line.data();
+    if (field.block > 0) text += " of robot " + std::to_string(reading.robot + 1);
+    if (field.type != FieldType::kBytes) text += ": " + number_on_wire(reading.number) + unit_text(layout, reading);
+    text += "\n";
+  }
+  return text;
+}
+
+std::string sample_packet_text(const PipelineParameters& parameters) {
+  const PacketLayout& layout = parameters.radio;
+  Commands commands;
+  commands.stop = false;
+  const float half = kSampleTurn_radps * static_cast<float>(parameters.control.drive.wheel_base_m) / 2;
+  for (const Receiver& receiver : layout.receivers) {
+    RobotCommand command;
+    command.id = receiver.id;
+    command.wheels = {kSampleSpeed_mps - half, kSampleSpeed_mps + half};
+    commands.robots.push_back(command);
+  }
+  PacketLayout without_framing = layout;
+  without_framing.framing = Framing::kNone;
+  OutgoingPackets framed, plain;
+  if (!encode(layout, commands, {}, framed).ok() || !encode(without_framing, commands, {}, plain).ok() ||
+      framed.empty()) {
+    return "";
+  }
+  const Packet& packet = framed[0].packet;
+  std::string text = "radio: " + std::string(layout.one_each ? "a packet for each robot" : "a packet for all robots") +
+                     ", " + std::to_string(packet.size()) + " bytes; at " + number_text(kSampleSpeed_mps) +
+                     " m/s and " + number_text(kSampleTurn_radps) + " rad/s" +
+                     (layout.one_each ? ", for robot " + std::to_string(layout.receivers[0].id) : "") + ":\n";
+  if (layout.framing != Framing::kNone) {
+    text += "  on the line: " + hexadecimal({packet.data(), packet.size()}) + "\n";
+  }
+  return text + packet_text(layout, {plain[0].packet.data(), plain[0].packet.size()});
+}
+
+std::string radio_warnings(const Configuration& configuration) {
+  const hal::RadioSettings& port = configuration.board.radio;
+  const PacketLayout& layout = configuration.pipeline.radio;
+  const RadioEntry& radio = configuration.team.radio;
+  if (port.backend == hal::RadioBackend::kNone) return "";
+  std::string text;
+  const std::string& file = configuration.team_where.file();
+  const bool is_touchline = radio.format == "touchline";
+  if (!is_touchline && radio.time_out_s <= 0.0) {
+    text += "robots of the format \"" + radio.format +
+            "\" are not known to stop by themselves when packets are missing: they drive on if the radio or this "
+            "computer fails; if yours stop, set radio.time_out_s in " +
+            file + "\n";
+  }
+  if (is_touchline && configuration.team.team_number == 0) {
+    text +=
+        "packets have no team number: robots obey every Touchline on their channel; to prevent it, set team_number "
+        "in " +
+        file + " and in the robots (docs/radio.md)\n";
+  }
+  const std::size_t robots = layout.receivers.size();
+  const std::size_t bytes = largest_packet(layout, robots) * (layout.one_each ? robots : 1);
+  const double line_s = seconds(hal::byte_time(port)) * static_cast<double>(bytes);
+  const double rate_hz = configuration.board.camera.rate_hz;
+  if (rate_hz > 0.0 && line_s > 1.0 / rate_hz) {
+    text += "a frame's packets of up to " + std::to_string(bytes) + " bytes take " +
+            number_text(std::round(line_s * 1e4) / 10) + " ms at radio.baud = " + std::to_string(port.baud) +
+            ", longer than a frame of " + number_text(std::round(1e4 / rate_hz) / 10) +
+            " ms: robots get a command in some frames only\n";
+  }
+  if (!radio.note.empty()) text += radio.note + "\n";
+  return text;
+}
+
+Result<std::string> radio_formats_text(const std::string& name) {
+  std::vector<std::string_view> names{"touchline"};
+  for (const RadioPreset& preset : radio_presets()) {
+    if (preset.name == name) return std::string(preset.toml);
+    names.push_back(preset.name);
+  }
+  if (name == "touchline")
+    return std::string("# docs/radio.md describes it; it is the default.\n[radio]\nformat = \"touchline\"\n");
+  if (!name.empty()) {
+    return failure(ErrorCode::kNotFound, "no robots are known as \"%s\"%s", name.c_str(),
+                   suggestion(name, names, "formats").c_str());
+  }
+  std::string text = "radio.format of the team file can be:\n";
+  const auto add = [&text](std::string_view format, const std::string& about) {
+    text.append("  ").append(format).append(std::string(format.size() < 16 ? 16 - format.size() : 1, ' '));
+    text.append(about).append("\n");
+  };
+  add("touchline", "Touchline's own packet, with a checksum and a sequence number (docs/radio.md)");
+  for (const RadioPreset& preset : radio_presets()) {
+    RadioEntry entry;
+    read_radio_preset(preset.name, entry);
+    add(preset.name, entry.about);
+  }
+  add("own", "the fields of [[radio.field]] in the team file; begin with `touchline radio FORMAT` of similar robots");
+  return text;
+}
+
+}  // namespace touchline::config

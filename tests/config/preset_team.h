@@ -1,0 +1,26 @@
+#pragma once
+
+#include <string>
+
+#include "firmware/config/radio_presets.h"
+#include "firmware/config/team_file.h"
+
+namespace touchline::config {
+
+/// A team of as many robots as the packets of a preset have places for, at most eleven, with addresses from 10 on.
+inline TeamFile team_of(const std::string& format) {
+  TeamFile team;
+  read_radio_preset(format, team.radio);
+  team.radio.format = format;
+  const bool has_places = team.radio.robots > 0 && team.radio.packet_for == PacketFor::kAll;
+  const int robots = has_places ? team.radio.robots : static_cast<int>(kMaxRobotsPerTeam);
+  for (int i = 0; i < robots; ++i) {
+    RobotEntry robot;
+    robot.id = team.radio.first_id + i;
+    robot.address = std::to_string(10 + i);
+    team.own.robot.push_back(robot);
+  }
+  return team;
+}
+
+}  // namespace touchline::config

@@ -1,0 +1,1 @@
+#include "tools/robot/examples/esp32_dongle/esp32_dongle.ino"

@@ -34,9 +34,9 @@ constexpr std::uint32_t kTablesPerFrame = 2;
 // and for kSpareLevels more on each side. The other tables follow over time.
 constexpr int kUrgentShift_levels = 3, kSpareLevels = 4;
 
-// Whether the robot has been seen with this id for some time, agrees with its track, and shows its id now. An inferred
-// id (from the other robots' ids, or from pixels in no box) teaches nothing: the adaptation would confirm its own
-// mistakes.
+// Returns whether the robot has been seen with this id for some time, agrees with its track, and shows its id now. The
+// adaptation must not learn from an inferred id (from the other robots' ids, or from pixels in no box), because it
+// would confirm its own mistakes.
 bool is_certain(const RobotSighting& robot, const Tracks& tracks) {
   if (robot.id == kUnknownId || !robot.has_heading || robot.confidence < kCertainSighting) return false;
   if (std::none_of(robot.patches.begin(), robot.patches.end(),
@@ -71,7 +71,7 @@ std::array<float, 3> effect_of_tint(const std::array<std::uint8_t, 3>& yuv, Colo
   return rgb_to_yuv(rgb, space);
 }
 
-// Largest distance between corresponding sides of the boxes.
+// Returns the largest distance between corresponding sides of the boxes.
 int largest_shift(const ColorBoxes& a, const ColorBoxes& b) {
   int most = 0;
   for (std::size_t i = 0; i < a.size(); ++i) {

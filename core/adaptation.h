@@ -18,7 +18,7 @@ namespace touchline {
 enum class AdaptationMode : std::uint8_t {
   kOff,     // as calibrated; adapted values are reset
   kFollow,  // light map and color boxes follow the light
-  kFrozen   // they keep their current values
+  kFrozen   // light map and color boxes keep their current values
 };
 inline constexpr std::array<Choice<AdaptationMode>, 3> kAdaptationModes{
     {{"off", AdaptationMode::kOff}, {"follow", AdaptationMode::kFollow}, {"frozen", AdaptationMode::kFrozen}}};
@@ -28,9 +28,9 @@ struct AdaptationParameters {
   double time_constant_s = 10.0;
   double max_light = 2.0;
   double max_shift = 10.0;
-  // Not a key of the venue file's section. The matcher uses them, too.
+  // Not a key of the venue file's section; the matcher uses it, too.
   TypicalColors typical;
-  LightReference reference;  // light.reference; columns 0: none
+  LightReference reference;  // key light.reference; no reference if its number of columns is 0
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
@@ -54,8 +54,8 @@ struct AdaptationParameters {
 /// boxes.) What remains is learned slowly, and only from certain sightings: a ball that agrees with its track, and the
 /// patches of robots whose id is certain in this frame (confidence 0.9, shown by their own patches) and over time
 /// (confidence 0.998 of the track). A change that is common to all patches in a neighborhood corrects the light map. A
-/// remaining change of a single color moves its boxes, four times more slowly. Both are bounded. The object is large
-/// (fixed memory); do not put it on the stack.
+/// change of a single color that is left moves this color's boxes, four times more slowly. Both are bounded. The object
+/// is large (fixed memory); do not put it on the stack.
 class Adaptation {
  public:
   /// kOutOfRange: as LightChange and BoxShift. kInconsistent: as FieldLight.
@@ -68,10 +68,10 @@ class Adaptation {
   /// Measures the light of a frame and updates the scanner's tables before it scans the frame: tiles, and in YUV after
   /// a step of the tint up to 384 tables (1 ms). A frame that the scanner does not accept has no effect.
   void measure(const Frame& frame, RegionScanner& scanner);
-  /// Light that measure() found, for the same scanner; unknown unless it follows the light. Valid until the next call
-  /// of a function that is not const.
+  /// Returns the light that measure() found, for the same scanner; unknown unless the adaptation follows the light.
+  /// Valid until the next call of a function that is not const.
   [[nodiscard]] ExpectedGain expected_gain(const RegionScanner& scanner) const;
-  /// FieldLight::recognized() of the last measured frame; negative unless it follows the light.
+  /// Returns FieldLight::recognized() of the last measured frame; negative unless the adaptation follows the light.
   [[nodiscard]] float recognized_field() const {
     return mode_ == AdaptationMode::kFollow ? field_.recognized() : -1.0f;
   }
@@ -84,7 +84,8 @@ class Adaptation {
     std::array<float, 3> mean{};
     std::array<bool, 3> saturated{};
   };
-  // Mean of the 3 x 3 pixels around the point. False at the picture's edge, or if the pixels are not uniform.
+  // Finds the mean of the 3 x 3 pixels around the point. Returns false at the picture's edge, or if the pixels are not
+  // uniform.
   static bool sample_at(const Frame& frame, const PixelPoint& center, Sample& out);
   void learn(const Shading& shading, StepTrace& trace, float step);
   bool learn_patch(const Shading& shading, const Frame& frame, const PatchSighting& patch, float step);
@@ -103,7 +104,7 @@ class Adaptation {
   BoxShift shift_;
   Instant last_{};
   ColorBoxes target_;     // boxes of the scanner, after all tables are rebuilt
-  bool changed_ = false;  // since the boxes were last compared
+  bool changed_ = false;  // whether boxes have changed since they were last compared
   std::uint16_t next_row_ = 0, rows_due_ = 0;
   std::uint32_t next_table_ = 0;
 };

@@ -17,8 +17,8 @@ inline constexpr std::array kColorSpaces{ColorSpace::kRgb, ColorSpace::kYuv, Col
 
 constexpr bool is_yuv(ColorSpace space) { return space != ColorSpace::kRgb; }
 
-/// Value of black in a channel, about which light scales the values: 0 for R, G and B, 16 (limited range) or 0 for
-/// luma, 128 for chroma.
+/// Returns the value of black in a channel; light scales the distance of values from it: 0 for R, G and B, 16 (limited
+/// range) or 0 for luma, 128 for chroma.
 constexpr std::uint8_t black_value(ColorSpace space, std::size_t channel) {
   if (space == ColorSpace::kRgb) return 0;
   if (channel > 0) return 128;
@@ -30,7 +30,8 @@ struct YuvToRgb {
   static constexpr int kOne = 1024;
   int luma, red_v, green_u, green_v, blue_u;
 
-  /// R, G, B in the unit 1 / kOne, not limited to 0..255. `y`, `u`, `v`: differences from black. T: int or float.
+  /// Returns R, G, B in the unit 1 / kOne, not limited to 0..255. `y`, `u`, `v`: differences from black. T: int or
+  /// float.
   template <class T>
   [[nodiscard]] constexpr std::array<T, 3> of(T y, T u, T v) const {
     const T bright = static_cast<T>(luma) * y;
@@ -38,12 +39,12 @@ struct YuvToRgb {
             bright + static_cast<T>(blue_u) * u};
   }
 };
-/// `space` must be YUV.
+/// Returns the conversion; `space` must be YUV.
 constexpr YuvToRgb yuv_to_rgb(ColorSpace space) {
   return space == ColorSpace::kYuv ? YuvToRgb{1192, 1634, 401, 832, 2066} : YuvToRgb{1024, 1436, 352, 731, 1815};
 }
 
-/// Y, U, V as differences from black, of R, G, B from 0 to 255 (ITU-R BT.601). `space` must be YUV.
+/// Returns Y, U, V as differences from black, for R, G, B from 0 to 255 (ITU-R BT.601). `space` must be YUV.
 constexpr std::array<float, 3> rgb_to_yuv(const std::array<float, 3>& rgb, ColorSpace space) {
   const bool is_limited = space == ColorSpace::kYuv;
   const float of_luma = is_limited ? 219.0f / 255.0f : 1.0f, of_chroma = is_limited ? 224.0f / 255.0f : 1.0f;
@@ -51,7 +52,7 @@ constexpr std::array<float, 3> rgb_to_yuv(const std::array<float, 3>& rgb, Color
   return {of_luma * luma, of_chroma * (rgb[2] - luma) / 1.772f, of_chroma * (rgb[0] - luma) / 1.402f};
 }
 
-/// The channels of R, G, B from 0 to 255, not rounded and not limited.
+/// Returns the channels for R, G, B from 0 to 255, not rounded and not limited.
 constexpr std::array<float, 3> from_rgb(const std::array<float, 3>& rgb, ColorSpace space) {
   if (space == ColorSpace::kRgb) return rgb;
   std::array<float, 3> value = rgb_to_yuv(rgb, space);

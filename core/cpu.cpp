@@ -18,7 +18,7 @@ bool has_feature(std::string_view name) {
                               {"bmi", __builtin_cpu_supports("bmi") != 0},
                               {"popcnt", __builtin_cpu_supports("popcnt") != 0}};
 #elif defined(__aarch64__)
-  const Feature features[] = {{"neon", true}};  // every 64-bit ARM processor has it
+  const Feature features[] = {{"neon", true}};  // every 64-bit ARM processor has NEON
 #else
   const Feature features[] = {{"", true}};
 #endif
@@ -32,7 +32,7 @@ bool has_features(std::string_view list) {
   while (!list.empty()) {
     const std::size_t comma = list.find(',');
     const bool is_last = comma == std::string_view::npos;
-    // Not substr(), which can throw.
+    // (substr() is avoided, because it can throw.)
     if (!has_feature({list.data(), is_last ? list.size() : comma})) return false;
     list.remove_prefix(is_last ? list.size() : comma + 1);
   }

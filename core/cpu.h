@@ -5,8 +5,8 @@
 
 #include "core/parameter.h"
 
-// The instruction sets for which there are kernels, and whether this processor has them. All sets give the same
-// results.
+// Lists the instruction sets for which there are kernels, and tells whether this processor has them. All sets give the
+// same results.
 
 // Processor features that the functions of a set are compiled for, in the syntax of [[gnu::target]]. cpu_supports()
 // checks this list.
@@ -21,7 +21,7 @@
 // One pass over a row. Not inlined: with merged passes, the compiler has too few registers for the state of all loops.
 #define TOUCHLINE_AVX2_PASS [[gnu::target(TOUCHLINE_AVX2_TARGET), gnu::noinline]] static
 
-// Expands to its argument on the processor family, else to nothing.
+// Each of these macros expands to its argument on its own processor family, and to nothing on others.
 #define TOUCHLINE_ON_ANY(...) __VA_ARGS__
 #if defined(__x86_64__)
 #define TOUCHLINE_ON_X86(...) __VA_ARGS__
@@ -61,7 +61,7 @@ inline constexpr std::array kKernelChoices{Choice<KernelChoice>{"fastest", Kerne
 #undef TOUCHLINE_SET
 };
 
-/// False if this processor lacks a feature of the set.
+/// Returns false if this processor lacks a feature of the set.
 [[nodiscard]] bool cpu_supports(KernelChoice set);
 
 /// Replaces kFastest by the fastest set that this processor has, and leaves other sets as they are.

@@ -8,7 +8,7 @@
 namespace touchline {
 namespace {
 
-// Every robot has a column of its own that means "no id".
+// The additional columns, one per robot, mean "no id".
 constexpr std::size_t kMaxColumns = 2 * kMaxRobotsPerTeam;
 // Cost of a pair that is not allowed. It exceeds any sum of real costs, but is small enough for the precision of float.
 constexpr float kForbidden = 1e5f;
@@ -79,7 +79,8 @@ class Assignment {
   std::array<std::size_t, kMaxColumns + 1> row_of_{}, before_{};
   std::array<bool, kMaxColumns + 1> visited_{};
   std::array<std::size_t, kMaxRobotsPerTeam> column_of_{};
-  std::array<std::array<float, kMaxRobotsPerTeam + 1>, kMaxRobotsPerTeam + 1> way_{};  // length, from row to row
+  // Length of the shortest path from row to row.
+  std::array<std::array<float, kMaxRobotsPerTeam + 1>, kMaxRobotsPerTeam + 1> way_{};
 };
 
 // Returns the best id of a robot, regardless of other robots, and its margin over the second-best id.

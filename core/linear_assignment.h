@@ -31,7 +31,7 @@ void solve_assignment(std::size_t rows, std::size_t columns, const Cost& cost, c
     std::fill(work.visited.begin(), work.visited.end(), false);
     work.row_of[0] = row;
     std::size_t column = 0;
-    while (work.row_of[column] != 0) {  // finds the shortest augmenting path
+    while (work.row_of[column] != 0) {  // find the shortest augmenting path
       work.visited[column] = true;
       const std::size_t i = work.row_of[column];
       Real delta = std::numeric_limits<Real>::max();

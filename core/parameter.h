@@ -13,7 +13,7 @@ struct Range {
   double high = std::numeric_limits<double>::max();
 };
 
-/// True for finite numbers above zero.
+/// Returns true for finite numbers above zero.
 template <class Float>
 [[nodiscard]] bool is_positive(Float value) {
   return std::isfinite(value) && value > Float{0};
@@ -28,7 +28,7 @@ struct Choice {
 
 /// The part of the program that applies a new value of a key when the files are reloaded while robots play (SIGHUP).
 enum class Reload : std::uint8_t {
-  kInherit,     // like the enclosing section; at the top level: kRestart
+  kInherit,     // the value of the enclosing section; at the top level kRestart
   kRestart,     // no part can apply the value: the program must be restarted
   kNoEffect,    // no part uses the value: names, and paths of files whose content is compared anyway
   kCamera,      // the open camera, by Camera::adjust()
@@ -39,9 +39,9 @@ enum class Reload : std::uint8_t {
 
 /// The declaration of one key of a configuration file.
 struct Key {
-  std::string_view name = {};  // with the unit as suffix (_m, _s, _px, _mps, _radps, _hz), like the member
-  Range range = {};            // of a number, or of each number of a list
-  std::string_view unit = {};  // of a number; empty: no unit
+  std::string_view name = {};  // name with the unit as suffix (_m, _s, _px, _mps, _radps, _hz), like the member
+  Range range = {};            // range of a number, or of each number of a list
+  std::string_view unit = {};  // unit of a number; empty: none
   Reload reload = Reload::kInherit;
   std::string_view help = {};  // description in one line for the author of the file
 };

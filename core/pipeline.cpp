@@ -5,7 +5,7 @@
 namespace touchline {
 namespace {
 
-// No league has higher robots. The bound keeps markers below the camera.
+// Robots of all leagues are lower than this. The limit keeps markers below the camera.
 constexpr float kMaxMarkerHeight = 0.5f;
 
 // Measures the time between construction and destruction as the time of a stage.
@@ -95,7 +95,7 @@ const StepTrace& Pipeline::step(const Frame& frame) {
     const StageTimer t = timer(Stage::kMarker);
     matcher_.match(&frame, adaptation_.expected_gain(scanner_), tracker_.expected_ball(frame.capture_time), trace_.runs,
                    trace_.regions, trace_.sightings);
-    // A frame that the scan rejected has no regions and no sightings.
+    // If the scan rejected the frame, there are no regions and no sightings.
     patch_center_fit_.refine(frame, trace_.sightings);
     ball_center_fit_.refine(frame, trace_.sightings);
   }

@@ -31,7 +31,7 @@ struct PipelineParameters {
 struct TeamAssignment {
   bool colors_exchanged = false;    // each team has the team color of the other one
   bool sides_exchanged = false;     // the own team defends the half with positive x
-  std::array<float, 2> height_m{};  // of the markers, by Team; 0: as configured
+  std::array<float, 2> height_m{};  // height of the markers, by Team; 0: as configured
 
   friend bool operator==(const TeamAssignment&, const TeamAssignment&) = default;
 };
@@ -54,7 +54,7 @@ class Pipeline {
   /// robots' commands as unknown.
   void set_observing(bool observing) { observing_ = observing; }
 
-  /// Limits of the checks whose results are in StepTrace::picture.
+  /// Sets the limits of the checks whose results are in StepTrace::picture.
   void set_picture_check(const PictureCheckSettings& settings) { picture_check_.set(settings); }
   /// Trusts the picture again, because a person has started the robots (PictureCheck::acknowledge()).
   void acknowledge_picture() { picture_check_.acknowledge(); }
@@ -89,8 +89,8 @@ class Pipeline {
   /// Sets the commands of other programs, as Controller::set_external.
   void set_external(const ExternalCommands& commands, Instant now) { controller_.set_external(commands, now); }
   /// Changes team colors, sides and marker heights between two frames. New team colors reset tracks and game. Positions
-  /// remain in the venue's coordinates. kOutOfRange: a height. kInconsistent: the colors cannot be exchanged, because a
-  /// team has no color, or its color has another meaning. After an error nothing has changed.
+  /// remain in the venue's coordinates. kOutOfRange: a height is not allowed. kInconsistent: the colors cannot be
+  /// exchanged, because a team has no color, or its color has another meaning. After an error nothing has changed.
   Status assign_teams(const TeamAssignment& assignment);
 
   /// Creates packets that stop all robots, for times without a frame. They act after the action delay, counted from
@@ -122,7 +122,7 @@ class Pipeline {
   BallCenterFit ball_center_fit_;
   Tracker tracker_;
   Controller controller_;
-  TeamMarkings teams_;  // as configured
+  TeamMarkings teams_;  // markers as configured
   TeamAssignment assignment_;
   Adaptation adaptation_;
   RobotMonitor monitor_;

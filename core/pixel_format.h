@@ -37,7 +37,7 @@ constexpr std::size_t kMaxPlanes = 3;
 /// of the plane.
 struct ChannelLayout {
   std::uint8_t plane = 0, offset = 0, step = 1;
-  std::uint8_t shift_u = 0, shift_v = 0;  // log2 of how many pixels share a sample
+  std::uint8_t shift_u = 0, shift_v = 0;  // log2 of the number of pixels that share a sample, in each direction
 
   [[nodiscard]] constexpr std::size_t byte(std::size_t u) const { return offset + (u >> shift_u) * step; }
 };
@@ -99,11 +99,11 @@ static_assert(std::all_of(kPixelFormatTable.begin(), kPixelFormatTable.end(),
 
 constexpr ColorSpace color_space(PixelFormat format) { return info_of(format).space; }
 
-/// Whether pixel pairs (2k, 2k + 1) of a row share a chroma sample.
+/// Returns whether pixel pairs (2k, 2k + 1) of a row share a chroma sample.
 constexpr bool shares_chroma(PixelFormat format) { return info_of(format).channel[1].shift_u > 0; }
 
-/// Bytes of a row of the plane; 0: the format has no such plane. With shared chroma, a row of odd width contains the
-/// complete chroma of its last, incomplete pair.
+/// Returns the bytes of a row of the plane; 0 if the format has no such plane. With shared chroma, a row of odd width
+/// contains the complete chroma of its last, incomplete pair.
 constexpr std::size_t row_bytes(PixelFormat format, std::size_t plane, std::size_t width_px) {
   std::size_t bytes = 0;
   for (const ChannelLayout& channel : info_of(format).channel) {
@@ -113,25 +113,26 @@ constexpr std::size_t row_bytes(PixelFormat format, std::size_t plane, std::size
   return bytes;
 }
 
-/// Row of the plane that contains the samples of picture row v.
+/// Returns the row of the plane that contains the samples of picture row v.
 constexpr std::size_t plane_row(PixelFormat format, std::size_t plane, std::size_t v) {
   return plane == 0 ? v : v >> info_of(format).channel[plane].shift_v;
 }
 
-/// Number of rows of a plane, which the format must have.
+/// Returns the number of rows of a plane, which the format must have.
 constexpr std::size_t plane_rows(PixelFormat format, std::size_t plane, std::size_t height_px) {
   return plane_row(format, plane, height_px - 1) + 1;
 }
 
-/// Bytes from the first to the last pixel of a plane: the last row needs no padding. 0: the format has no such plane.
+/// Returns the bytes from the first to the last pixel of a plane; the last row needs no padding. 0 if the format has no
+/// such plane.
 constexpr std::size_t plane_bytes(PixelFormat format, std::size_t plane, std::size_t width_px, std::size_t height_px,
                                   std::size_t stride_bytes) {
   const std::size_t row = row_bytes(format, plane, width_px);
   return row == 0 ? 0 : (plane_rows(format, plane, height_px) - 1) * stride_bytes + row;
 }
 
-/// Stride of a plane if the driver reports only the stride of the first plane: the ratio of the strides is that of the
-/// rows' bytes (V4L2, struct v4l2_pix_format).
+/// Returns the stride of a plane, computed from the stride of the first plane, for drivers that report only the first
+/// one. Strides have the same ratio as the bytes of a row in the two planes (V4L2, struct v4l2_pix_format).
 constexpr std::uint32_t plane_stride(PixelFormat format, std::size_t plane, std::uint32_t first_stride_bytes) {
   if (plane == 0) return first_stride_bytes;
   const ChannelLayout& chroma = info_of(format).channel[plane];
@@ -145,7 +146,7 @@ struct PictureLayout {
   std::size_t bytes = 0;
 };
 
-/// `stride_bytes`: of each plane that the format has, at least row_bytes().
+/// `stride_bytes`: stride of each plane that the format has, at least row_bytes().
 constexpr PictureLayout picture_layout(PixelFormat format, std::size_t height_px,
                                        const std::array<std::uint32_t, kMaxPlanes>& stride_bytes) {
   PictureLayout layout;
@@ -157,7 +158,7 @@ constexpr PictureLayout picture_layout(PixelFormat format, std::size_t height_px
   return layout;
 }
 
-/// Rows without padding, or padded to a multiple of `alignment_bytes`.
+/// As above; rows have no padding, or are padded to a multiple of `alignment_bytes`.
 constexpr PictureLayout picture_layout(PixelFormat format, std::size_t width_px, std::size_t height_px,
                                        std::size_t alignment_bytes = 1) {
   std::array<std::uint32_t, kMaxPlanes> stride_bytes{};

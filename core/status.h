@@ -16,7 +16,7 @@ enum class ErrorCode : std::uint8_t {
   kNotFound,      // no such device, file or port
   kPermission,    // the operating system denies access
   kDeviceBusy,    // another process uses the device
-  kDisconnected,  // the device went away
+  kDisconnected,  // the device has disappeared
   kIo,            // any other failure of the device
   kOutOfRange,    // a value outside its documented range
   kInconsistent,  // values that contradict each other
@@ -24,10 +24,10 @@ enum class ErrorCode : std::uint8_t {
   kStopped,       // stop was requested
 };
 
-/// A short lower-case English phrase ("device disconnected").
+/// Returns a short lower-case English phrase ("device disconnected").
 const char* describe(ErrorCode code) noexcept;
 
-/// Success or an error code. One byte; never throws.
+/// Success or an error code. It occupies one byte, and never throws.
 class [[nodiscard]] Status {
  public:
   constexpr Status() = default;

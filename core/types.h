@@ -23,7 +23,7 @@ constexpr std::size_t kMaxColorBoxes = 32;
 constexpr std::size_t kMaxColors = 32;
 // Limit of core/region/run_limiter.h for the largest frame.
 constexpr std::size_t kMaxRuns = 8 * kMaxFrameHeight;
-// A real field has 200; the factor of twenty is for clutter and noise.
+// A real field has 200; twenty times as many allow for clutter and noise.
 constexpr std::size_t kMaxRegions = 4096;
 // The largest teams of any league have 11 robots (SSL division A).
 constexpr std::size_t kMaxRobotsPerTeam = 11;
@@ -84,12 +84,12 @@ inline RowPixels row_pixels(const Frame& frame, std::size_t v) {
       {plane(0, 0), plane(1, info.channel[1].shift_v), info.planes > 2 ? plane(2, info.channel[2].shift_v) : nullptr}};
 }
 
-/// Bytes from the first to the last pixel of a plane; 0: the format has no such plane.
+/// Returns the bytes from the first to the last pixel of a plane; 0 if the format has no such plane.
 inline std::size_t plane_bytes(const Frame& frame, std::size_t plane) {
   return plane_bytes(frame.format, plane, frame.width_px, frame.height_px, frame.stride_bytes[plane]);
 }
 
-/// R, G, B or Y, U, V of pixel (u, v), which lies in the frame.
+/// Returns R, G, B or Y, U, V of pixel (u, v), which must lie in the frame.
 inline std::array<std::uint8_t, 3> pixel_at(const Frame& frame, std::size_t u, std::size_t v) {
   std::array<std::uint8_t, 3> value;
   // gcc 12 unrolls no loops at -O2.
@@ -131,7 +131,7 @@ struct Region {
   ColorId color = kBackground;
   bool is_cut = false;  // an overload dropped runs that touch it: the region may be a part of a larger one
 };
-/// In raster order of their first pixel.
+/// Regions in raster order of their first pixel.
 using Regions = FixedVector<Region, kMaxRegions>;
 
 // --- region -> marker -----------------------------------------------------------------------------------------------
@@ -150,25 +150,25 @@ struct PatchSighting {
 };
 
 // Confidence: the probability that a sighting or a track is right, 0 to 1. With 0.9, nine in ten are right.
-// - Robot with an id: this robot of this team is at this place.
-// - Robot without an id: a robot of this team is at this place, whichever it is.
-// - Ball: the ball is at this place.
+// - Robot with an id: this robot of this team is at this position.
+// - Robot without an id: some robot of this team is at this position.
+// - Ball: the ball is at this position.
 
-/// Why a robot of a known team has no id.
+/// Reason why a robot of a known team has no id.
 enum class IdDoubt : std::uint8_t {
   kNone,              // the robot has an id, or its team has no known robots
-  kNoIdentification,  // only its team patch is seen
-  kSeveralPoses,      // its patches fit more than one pose
-  kSeveralIds,        // two robots of its team are nearly as likely
-  kUnknownColors,     // no robot of its team has these colors
-  kInaccuratePlaces,  // its patches are not where a marker has them
-  kOtherOutline,      // its team patch seems to be a part of another surface
-  kOverload,          // an overload cut a part off its patches, and pixels do not show their outlines
+  kNoIdentification,  // only the robot's team patch is seen
+  kSeveralPoses,      // the patches fit more than one pose
+  kSeveralIds,        // two robots of the team are nearly as likely
+  kUnknownColors,     // no robot of the team has these colors
+  kInaccuratePlaces,  // the positions of the patches do not fit a marker
+  kOtherOutline,      // the team patch seems to be a part of another surface
+  kOverload,          // an overload removed a part of the patches, and pixels do not show their outlines
 };
-/// A short lower-case English phrase ("two ids are possible"); "" for kNone.
+/// Returns a short lower-case English phrase ("two ids are possible"); "" for kNone.
 const char* describe(IdDoubt doubt) noexcept;
 
-/// One robot as seen in a single frame.
+/// A robot as seen in a single frame.
 struct RobotSighting {
   Team team = Team::kOwn;
   RobotId id = kUnknownId;  // an unknown id is better than a wrong one
@@ -176,7 +176,8 @@ struct RobotSighting {
   bool has_heading = false;
   Pose pose;
   float residual_m = 0.0f;  // RMS distance of the patches from their positions in the layout
-  PoseCovariance noise;     // of the pose's errors, as this picture tells; without a heading only xx and yy
+  // Covariance of the pose's errors according to this picture; without a heading only xx and yy are valid.
+  PoseCovariance noise;
   // Share of these variances that is a bias from the pixel grid, colors and shape. The bias stays constant while the
   // robot stands, and decorrelates when the robot moves by `lasts_m`. The rest is noise, which differs from picture to
   // picture.
@@ -191,14 +192,14 @@ struct BallSighting {
   FieldPoint position;
   PixelPoint center;
   std::uint32_t area_px = 0;
-  float sigma_m = 0.0f;                        // standard deviation of each coordinate, as far as this picture tells
+  float sigma_m = 0.0f;                        // standard deviation of each coordinate according to this picture
   float confidence = 0.0f;                     // see Confidence
   float lasting_share = 0.0f, lasts_m = 0.0f;  // bias, as in RobotSighting
 };
 
-/// Why a region was used for a sighting, or why not.
+/// Whether and why a region was used for a sighting or not.
 enum class Verdict : std::uint8_t {
-  kNotExamined,  // neither a patch nor the ball has its color
+  kNotExamined,  // the region's color belongs neither to a patch nor to the ball
   kTeamPatch,
   kIdentification,
   kBall,
@@ -209,17 +210,17 @@ enum class Verdict : std::uint8_t {
   kOutsideField,
   kTooClose,      // eq. (1): a larger region of the same color is too close
   kNoPartner,     // eq. (2): no region at the right distance
-  kPartnerTaken,  // its partner belongs to a better hypothesis
+  kPartnerTaken,  // the patch that would fit belongs to a better hypothesis
   kSurplus,       // beyond the maximum number of robots or balls
 };
 const char* describe(Verdict verdict) noexcept;
-/// Whether a region of a patch's or the ball's color was not used.
+/// Returns whether a region of a patch's or the ball's color was not used.
 bool is_refusal(Verdict verdict) noexcept;
 
 struct Sightings {
   BallSighting ball;
   FixedVector<RobotSighting, kMaxRobots> robots;
-  FixedVector<Verdict, kMaxRegions> verdicts;  // one per region
+  FixedVector<Verdict, kMaxRegions> verdicts;  // one verdict per region
   bool cut_short = false;                      // the search reached its bound before it tried all hypotheses
 };
 
@@ -238,7 +239,7 @@ struct RobotTrack {
   // Standard deviations of x (m), y (m), theta (rad) at capture time. If the heading was never seen, theta is the
   // direction of motion with a deviation of 1.81 (uniform distribution), and position is the team patch's.
   std::array<float, 3> sigma{};
-  float xy_covariance_m2 = 0.0f;  // of x and y
+  float xy_covariance_m2 = 0.0f;  // covariance of x and y
   // Squared Mahalanobis distance of this frame's sighting from its prediction (chi-square with 3 degrees of freedom);
   // -1 if no sighting with a heading was fused.
   float innovation2 = -1.0f;
@@ -248,15 +249,15 @@ struct RobotTrack {
 
 struct BallTrack {
   TrackState state = TrackState::kLost;
-  FieldPoint position, velocity;  // m and m/s at capture time
+  FieldPoint position, velocity;  // at capture time
   FieldPoint position_at_action, velocity_at_action;
   float sigma_m = 0.0f;
-  float innovation2 = -1.0f;  // as for robots, with 2 degrees of freedom
+  float innovation2 = -1.0f;  // squared innovation as in RobotTrack, with 2 degrees of freedom
   Instant last_seen{};
   float confidence = 0.0f;  // see Confidence
 };
 
-/// Where the track expects the ball in the next frame.
+/// Position at which the track expects the ball in the next frame.
 struct ExpectedBall {
   bool known = false;
   FieldPoint position;
@@ -266,7 +267,8 @@ struct ExpectedBall {
 struct Tracks {
   Instant capture_time{}, action_time{};
   BallTrack ball;
-  FixedVector<RobotTrack, kMaxRobots> robots;  // in states kNew, kSeen and kCoasting; lost robots are not listed
+  // Robots in states kNew, kSeen and kCoasting; lost robots are not listed.
+  FixedVector<RobotTrack, kMaxRobots> robots;
 };
 
 // --- track -> control -> radio --------------------------------------------------------------------------------------
@@ -286,7 +288,7 @@ enum class PlayRole : std::uint8_t { kNone, kGoalkeeper, kAttacker, kSupporter }
 
 struct RobotCommand {
   RobotId id = kUnknownId;
-  Twist twist;  // after all limits; input of the tracking filter
+  Twist twist;  // velocities after all limits; input of the tracking filter
   WheelSpeeds wheels;
   CommandSource source = CommandSource::kPlay;
   PlayRole role = PlayRole::kNone;
@@ -320,7 +322,7 @@ struct RobotTelemetry {
   RobotId id = kUnknownId;
   std::uint8_t sequence = 0;
   float battery_v = 0.0f;                   // 0: not measured
-  std::int8_t link_percent = kLinkUnknown;  // percentage of our packets that it received recently
+  std::int8_t link_percent = kLinkUnknown;  // percentage of our packets that the robot received recently
 };
 
 /// Telemetry state of one robot.
@@ -360,19 +362,20 @@ struct PictureTrace {
   bool contradicts = false;  // the own robots move otherwise than commanded, or everything is elsewhere at once (jumps)
   bool jumps = false;
   bool stands = false;                // all commanded robots have stood for a second: a warning
-  float repeated_share = 0.0f;        // part of the picture that was delivered before, for longer than is usual
+  float repeated_share = 0.0f;        // share of the picture that was delivered before, for longer than usual
   float repeated_s = 0.0f;            // age of the repeated part
-  float field_share = -1.0f;          // part of the field that is recognizable; negative: not measured
-  std::uint32_t overload_frames = 0;  // in a row
-  std::uint8_t commanded = 0, standing = 0, contradicting = 0;  // own robots; the latter two of the commanded ones
+  float field_share = -1.0f;          // share of the field that is recognizable; negative: not measured
+  std::uint32_t overload_frames = 0;  // number of consecutive frames with an overload
+  // Numbers of own robots: commanded to move, and of these standing and contradicting.
+  std::uint8_t commanded = 0, standing = 0, contradicting = 0;
 
-  /// True if robots must not be driven by this picture.
+  /// Returns true if robots must not be driven by this picture.
   [[nodiscard]] bool is_unusable() const { return repeats || overloads || hides_field; }
 };
 
 /// All results of one frame. Recorder, console, latency report and tests read only this structure.
 struct StepTrace {
-  Frame frame;  // its pixels are invalid after the frame is released
+  Frame frame;  // the frame's pixels are invalid after its release
   Runs runs;
   Regions regions;
   Sightings sightings;
@@ -381,8 +384,8 @@ struct StepTrace {
   OutgoingPackets packets;
   LightTrace light;
   PictureTrace picture;
-  RobotReports reports;  // telemetry of all robots until now
-  Status status;         // of the scan: kUnsupported (no sightings), kFull (see overload)
+  RobotReports reports;  // telemetry of all robots received so far
+  Status status;         // status of the scan: kUnsupported (no sightings), kFull (see overload)
   std::array<Duration, kStageCount> stage_time{};
   bool overload = false;  // a capacity was reached; the counters tell which
   std::uint32_t runs_dropped = 0, regions_dropped = 0;

@@ -12,8 +12,8 @@ namespace hal::mock {
 class Arena;
 }
 
-/// Lets the console move robots and ball of a simulated field, as a person does on a real one. When another session
-/// begins with a new arena, robots and ball keep their places. Any thread may call it.
+/// Lets the console move robots and ball of a simulated field, as a person does on a real one. If another session
+/// begins with a new arena, robots and ball keep their positions. Any thread may call it.
 class ArenaObjects {
  public:
   /// Makes this arena the field. If it has as many robots as the last arena, robots and ball are put where they were.

@@ -12,7 +12,7 @@ class BoardOutputs {
  public:
   explicit BoardOutputs(LoopDevices& devices) : devices_(devices) {}
 
-  /// Error: that of the GPIO chip.
+  /// Errors: those of the GPIO chip.
   Result<void> set_strobe(bool high);
   /// Blinks once a second, or five times a second if `alarm`; if `steady`, the light stays on. Errors are those of the
   /// chip.

@@ -26,10 +26,10 @@ struct CommandLine {
   Pace pace = Pace::kDefault;
   bool headless = false;
   bool dump = false;
-  bool prints_login_link = false;      // console --link
-  std::string drawing;                 // check --draw
-  std::vector<std::string> key_words;  // keys WORD...
-  std::string page_to_update;          // keys --update, faults --update
+  bool prints_login_link = false;      // console --link was given
+  std::string drawing;                 // file of check --draw
+  std::vector<std::string> key_words;  // words of keys WORD...
+  std::string page_to_update;          // page of keys --update, faults --update
   InitOptions init;
   LinkOptions link;
   std::string radio_format;  // radio NAME

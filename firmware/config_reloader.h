@@ -40,8 +40,9 @@ class ConfigReloader {
   /// errors in the files. After an error nothing changes. Returns when the loop has taken the settings or `cancelled`
   /// is set.
   std::vector<std::string> reload(const std::atomic<bool>& cancelled);
-  /// Sets the controls of the camera if `next` differs from the configuration in use only in them. False: `next` needs
-  /// a restart, because it differs in other keys or not at all, or because the camera refuses the controls.
+  /// Sets the controls of the camera if `next` differs from the configuration in use only in them. Returns false if
+  /// `next` needs a restart, because it differs in other keys or not at all, or because the camera refuses the
+  /// controls.
   bool adjust_camera_only(const config::Configuration& next);
   /// The configuration in use.
   [[nodiscard]] const config::Configuration& running() const { return *running_; }

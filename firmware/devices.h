@@ -49,7 +49,7 @@ class Devices {
   [[nodiscard]] std::string summary() const;
 
  private:
-  std::unique_ptr<hal::mock::Arena> arena_;   // first: the devices refer to it
+  std::unique_ptr<hal::mock::Arena> arena_;   // declared first, because the devices refer to it
   std::unique_ptr<hal::Clock> slowed_clock_;  // the clock that `clock_` slows or pauses
   std::unique_ptr<hal::Clock> clock_;
   std::unique_ptr<hal::Camera> camera_;

@@ -16,10 +16,10 @@
 
 namespace touchline {
 
-/// Tells which files are in use.
+/// Which files are in use.
 enum class SetupMode : std::uint8_t {
   kCalibrated,    // the saved files
-  kDraft,         // the draft of a guided setup: robots stand unless the console permits them to move
+  kDraft,         // the draft of a guided setup: robots stand unless the console permits motion
   kUncalibrated,  // saved files or a draft without calibration: robots stand
 };
 
@@ -83,8 +83,8 @@ class ExternalInput {
   std::array<Instant, kMaxRobotsPerTeam> machine_received_{};  // times of reception of commands_, in the same order
   FixedVector<RobotId, kMaxRobotsPerTeam> expired_;
   RefereeState referee_;
-  TeamAssignment assignment_;  // the assignment that was requested last
-  bool is_assigned_ = true;    // false: the pipeline refused it
+  TeamAssignment assignment_;  // assignment that was requested last
+  bool is_assigned_ = true;    // false: the pipeline rejected it
   ExternalCounts counts_;
 };
 

@@ -13,7 +13,7 @@ namespace touchline {
 
 /// Settings, prepared and checked in advance, that the loop uses from its next frame on.
 struct LiveSettings {
-  ScanTables* tables = nullptr;      // null: unchanged. The loop replaces the pointer by its previous tables
+  ScanTables* tables = nullptr;      // null: unchanged. The loop stores the address of its previous tables here
   Adaptation adaptation;             // belongs to the tables
   bool keep_adaptation_mode = true;  // a signal may have changed the mode
   ControlParameters control;

@@ -10,8 +10,8 @@ namespace {
 
 using namespace std::chrono_literals;
 
-// Number of stop packets at the end. If 3 % of the packets are lost, as users report, all five are lost once in 40
-// million cases.
+// Number of stop packets at the end. If 3 % of the packets are lost, as users report, all five stop packets are lost
+// once in 40 million cases.
 constexpr int kFinalStops = 5;
 constexpr Duration kFinalStopPause = 20ms;
 // Time to wait until the last packets are sent. A packet of 63 bytes takes 0.53 s at 1200 baud, the slowest rate of a

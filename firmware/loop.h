@@ -28,23 +28,23 @@ namespace touchline {
 
 /// Reads the score from a simulation that counts goals. Called on the loop's thread.
 struct ScoreSource {
-  Score (*read)(const void* context) = nullptr;  // null: there is none
+  Score (*read)(const void* context) = nullptr;  // null: no score is counted
   const void* context = nullptr;
 };
 
 struct LoopSettings {
   config::FaultSettings faults;
-  Duration radio_delay{};      // from the last byte that was sent until the wheels react
+  Duration radio_delay{};      // time from the last byte sent until the wheels react
   Duration radio_byte_time{};  // duration of a byte on the radio's line; zero without a line
   Duration status_interval = std::chrono::seconds(1);
   std::uint64_t frames = 0;                        // ends after this number of frames; 0: no limit
   Duration duration{};                             // ends after this time; 0: no limit
   const AdaptationRequests* adaptation = nullptr;  // requests to freeze or reset the adaptation; null: none
   bool telemetry = true;                           // receive telemetry from the robots
-  bool start_button = false;                       // robots are stopped until it is pressed
-  bool emergency_stop = true;                      // the board has one; robots are stopped while it cannot be read
-  HeldStops held{};                                // stops of the previous session or run that last until a start
-  const std::atomic<bool>* restart = nullptr;      // ends the loop with kRestart when it is set; null: never
+  bool start_button = false;   // the board has a start button; robots are stopped until it is pressed
+  bool emergency_stop = true;  // the board has an emergency stop; robots are stopped while it cannot be read
+  HeldStops held{};            // stops of the previous session or run that persist until a start
+  const std::atomic<bool>* restart = nullptr;  // ends the loop with kRestart when true; null: never
   // Devices that may be absent at the start. If one of them cannot be opened, the loop starts nevertheless, and robots
   // stand until it is open. When an awaited camera opens, the loop ends with kRestart, because the users of its
   // pictures have to learn their format.
@@ -52,14 +52,14 @@ struct LoopSettings {
   std::uint64_t first_number = 0;     // number of the first frame's snapshot
   LiveUpdate* live_update = nullptr;  // new settings while the loop runs; null: none
   ExternalInputSettings external;
-  SnapshotRing* snapshots = nullptr;    // gets a snapshot of every frame; null: nobody reads them
-  PictureExchange* pictures = nullptr;  // gets a picture when it asks for one; null: nobody asks
+  SnapshotRing* snapshots = nullptr;    // gets a snapshot of every frame; null: no snapshots are made
+  PictureExchange* pictures = nullptr;  // requests single pictures; null: no pictures are requested
   ScoreSource score;                    // used if no referee tells the score
 };
 
 /// Times of one frame.
 struct StepTiming {
-  Instant received{}, sent{};  // on the loop's clock
+  Instant received{}, sent{};  // times on the loop's clock
   Duration processing{};       // from `received` to `sent`, always on the machine's clock
   Duration latency{};          // from capture to `sent`; in simulated time, the part up to `received` is simulated
 };

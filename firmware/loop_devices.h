@@ -31,7 +31,7 @@ class LoopDevices {
   LoopDevices(const LoopDevices&) = delete;
   LoopDevices& operator=(const LoopDevices&) = delete;
 
-  using OpenResults = std::array<Result<void>, kDeviceCount>;  // by Device
+  using OpenResults = std::array<Result<void>, kDeviceCount>;  // result by Device
 
   /// Opens radio, GPIO and camera, in this order, and starts the camera. A device of `awaited` that cannot be opened
   /// counts as lost from now on, and the result says why; poll() tries again. If any other device cannot be opened,

@@ -22,7 +22,7 @@ namespace touchline {
 enum class Device : std::uint8_t { kCamera, kRadio, kGpio };
 inline constexpr std::array kDevices{Device::kCamera, Device::kRadio, Device::kGpio};
 inline constexpr std::size_t kDeviceCount = kDevices.size();
-using DeviceFlags = std::array<bool, kDeviceCount>;  // by Device
+using DeviceFlags = std::array<bool, kDeviceCount>;  // flag by Device
 const char* describe(Device device) noexcept;
 
 struct SeenRobot {
@@ -36,7 +36,7 @@ struct SeenRobot {
 struct RobotStatus {
   RobotId id = kUnknownId;
   float battery_v = 0.0f;                   // 0: not measured
-  std::int8_t link_percent = kLinkUnknown;  // percentage of our packets that it received recently
+  std::int8_t link_percent = kLinkUnknown;  // percentage of our packets that the robot received recently
   double age_s = 0.0;
   bool battery_low = false;
 };
@@ -65,7 +65,7 @@ struct StatusReport {
   bool ball_seen = false;
   FieldPoint ball;
   Duration p50{}, p99{}, max{};  // capture to send, over the interval
-  std::uint64_t packets = 0;     // since the start, like all counts below
+  std::uint64_t packets = 0;     // counted since the start, like all counts below
   std::uint64_t packets_dropped = 0, packets_refused = 0, stop_packets = 0, frames_lost = 0, future_stamps = 0,
                 overloads = 0, faults = 0;
   std::optional<Score> score;          // nullopt: neither a referee nor an arena tells it
@@ -74,8 +74,8 @@ struct StatusReport {
   std::uint32_t halt = kHaltNone;
   std::uint32_t stop_number = 0;  // ExternalInput::stop_number()
   AdaptationMode adaptation = AdaptationMode::kFollow;
-  std::array<ReasonText, kDeviceCount> lost;  // by Device: why it cannot be used; "": it is open
-  PictureTrace picture{};                     // of the last frame
+  std::array<ReasonText, kDeviceCount> lost;  // by Device: reason why it cannot be used; "": it is open
+  PictureTrace picture{};                     // picture check of the last frame
   float brightness = 1.0f;                    // brightness of the light relative to the calibration
   FixedVector<SeenRobot, kMaxRobots> robots;
   FixedVector<RobotStatus, kMaxRobotsPerTeam> robot_status;
@@ -97,7 +97,7 @@ struct HaltReport {
   double elapsed_s = 0.0;
   std::uint32_t halt = kHaltNone, before = kHaltNone;
   std::uint32_t stop_number = 0;
-  PictureTrace picture{};  // of the last frame
+  PictureTrace picture{};  // picture check of the last frame
 };
 
 /// Warns that all robots have begun to stand although they are commanded to move.

@@ -7,7 +7,7 @@
 
 namespace touchline {
 
-/// Backend "none": drops packets. Used to try a camera without robots.
+/// Backend "none": drops packets. It serves to try a camera without robots.
 class NullRadio final : public hal::Radio {
  public:
   [[nodiscard]] const std::string& description() const override { return description_; }

@@ -17,8 +17,8 @@ class PacedClock final : public hal::Clock {
   void sleep_until(Instant instant) override {
     const Instant machine_now = hal::MonotonicClock::read();
     if (!offset_) offset_ = machine_now - simulated_.now();
-    // Largest lag behind real time that is made up. After a longer one, for example after the computer was suspended,
-    // simulated time does not catch up.
+    // Largest lag behind real time that is caught up. A longer lag, for example after the computer was suspended, is
+    // kept.
     constexpr Duration kLargestLag = std::chrono::milliseconds(500);
     if (const Duration lag = machine_now - (instant + *offset_); lag > kLargestLag) *offset_ += lag;
     hal::MonotonicClock::wait_for(instant + *offset_);

@@ -16,7 +16,7 @@ class Pipeline;
 /// Findings of the pipeline in a picture, for other threads than the loop's. Takes 1 MB, so do not put it on the stack.
 struct PictureFindings {
   Regions regions;
-  FixedVector<Verdict, kMaxRegions> verdicts;  // one per region
+  FixedVector<Verdict, kMaxRegions> verdicts;  // one verdict per region
   PixelClassifier classifier;
 };
 
@@ -25,7 +25,7 @@ struct PictureFindings {
 /// arrival of a picture until it asks for the next one.
 class PictureExchange {
  public:
-  /// Allocates the memory. For the asking thread, before the first request(). `bytes` is the size of the largest
+  /// Allocates the memory. The asking thread calls it before the first request(). `bytes` is the size of the largest
   /// picture without padding of rows.
   void allocate(std::size_t bytes) { memory_.assign(bytes, 0); }
   /// Does the same as allocate() while no loop runs; an open request is forgotten.
@@ -33,29 +33,30 @@ class PictureExchange {
     state_.store(State::kIdle, std::memory_order_release);
     if (bytes > memory_.size()) allocate(bytes);
   }
-  /// For the asking thread: asks for the next picture, and gives the last one back. `with_findings` asks for its
-  /// regions and classes as well.
+  /// The asking thread requests the next picture, and gives the last one back. `with_findings` requests its regions and
+  /// classes as well.
   void request(bool with_findings = false) noexcept {
     wants_findings_ = with_findings;
     has_findings_ = false;
     state_.store(State::kWanted, std::memory_order_release);
   }
-  /// For the asking thread: whether a picture has arrived since request().
+  /// Tells the asking thread whether a picture has arrived since request().
   [[nodiscard]] bool has_arrived() const noexcept { return state_.load(std::memory_order_acquire) == State::kArrived; }
-  /// The picture. Valid after has_arrived() until request(). A width of 0 means that the picture was larger than the
-  /// memory.
+  /// Returns the picture. Valid after has_arrived() until request(). A width of 0 means that the picture was larger
+  /// than the memory.
   [[nodiscard]] const Frame& frame() const noexcept { return frame_; }
-  /// The findings, valid as long as frame(); null if they were not asked for or the pipeline rejected the frame.
+  /// Returns the findings, valid as long as frame(); null if they were not requested or the pipeline rejected the
+  /// frame.
   [[nodiscard]] const PictureFindings* findings() const noexcept { return has_findings_ ? findings_.get() : nullptr; }
   /// Returns Snapshot::number of the frame.
   [[nodiscard]] std::uint64_t number() const noexcept { return number_; }
 
-  /// For the loop: whether a picture is asked for.
+  /// Tells the loop whether a picture is requested.
   [[nodiscard]] bool is_wanted() const noexcept { return state_.load(std::memory_order_acquire) == State::kWanted; }
-  /// For the loop, if is_wanted(), before Pipeline::adapt() and put(): copies the findings of the last step (about 0.5
-  /// MB) if they were asked for.
+  /// Copies the findings of the last step (about 0.5 MB) if they were requested. The loop calls it if is_wanted(),
+  /// before Pipeline::adapt() and put().
   void put_findings(const Pipeline& pipeline, const StepTrace& trace) noexcept;
-  /// For the loop, if is_wanted(): copies the picture. 640 x 480 pixels of 3 bytes take about 0.1 ms.
+  /// Copies the picture. The loop calls it if is_wanted(). 640 x 480 pixels of 3 bytes take about 0.1 ms.
   void put(const Frame& frame, std::uint64_t number) noexcept;
 
  private:
@@ -66,7 +67,7 @@ class PictureExchange {
   std::unique_ptr<PictureFindings> findings_ = std::make_unique<PictureFindings>();
   Frame frame_;
   std::uint64_t number_ = 0;
-  bool wants_findings_ = false, has_findings_ = false;  // passed on with state_
+  bool wants_findings_ = false, has_findings_ = false;  // passed to the other thread together with state_
   std::atomic<State> state_{State::kIdle};
 };
 

@@ -101,7 +101,7 @@ void ReportPrinter::print_map(const StatusReport& status) {
   text += line;
   // Moves the cursor up to draw over the last map.
   const std::string up = map_lines_ > 0 ? "\x1b[" + std::to_string(map_lines_) + "A" : std::string();
-  output_.print(up + "\x1b[?7l" + text + "\x1b[K\n\x1b[?7h");  // line wrapping is off meanwhile
+  output_.print(up + "\x1b[?7l" + text + "\x1b[K\n\x1b[?7h");  // line wrapping is off while the map is printed
   map_lines_ = static_cast<int>(std::count(text.begin(), text.end(), '\n')) + 1;
 }
 

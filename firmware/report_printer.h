@@ -17,11 +17,11 @@ struct ReportPrinterSettings {
   Expectation expected;
   bool status_lines = true;                  // false: only faults, halts and low batteries
   int map_columns = 0;                       // width of the field map; 0: none
-  bool map_colors = false;                   // hal::shows_color()
-  const ServiceNotifier* service = nullptr;  // gets the status as well; null: none
+  bool map_colors = false;                   // as hal::shows_color() says
+  const ServiceNotifier* service = nullptr;  // also gets the status; null: none
   std::function<std::string()> network;      // end of the status line; called on the printer's thread
-  // Gets every line but the status, with its level (info, warning or error), on the printer's thread. Empty: not
-  // called.
+  // Gets every line but the status, with its level (info, warning or error), on the printer's thread. Empty if it is
+  // not called.
   std::function<void(const char* level, const std::string& line)> on_event;
   std::function<void(const StatusReport&)> on_status;  // gets each status
   std::function<void(const HaltReport&)> on_halt;      // gets each halt that has begun, changed or ended
@@ -35,7 +35,7 @@ class ReportPrinter {
   ReportPrinter(ReportRing& ring, const ReportPrinterSettings& settings, hal::TextOutput& output);
   /// Prints the remaining reports.
   ~ReportPrinter();
-  /// Prints a line, given without its end, to standard error. Callable from any thread but the loop's, because it
+  /// Prints a line, given without its end, to standard error. Any thread except the loop's may call it, because it
   /// locks.
   void print_line(const std::string& line);
   ReportPrinter(const ReportPrinter&) = delete;
@@ -56,7 +56,7 @@ class ReportPrinter {
   int map_lines_ = 0;  // lines of the map above the cursor
   Report report_;
   std::mutex lines_mutex_;
-  std::string lines_;  // waiting to be printed
+  std::string lines_;  // lines that wait to be printed
   std::atomic<bool> end_{false};
   std::thread thread_;
 };

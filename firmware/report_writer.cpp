@@ -42,7 +42,7 @@ void ReportWriter::report_status_if_due(const LoopStatistics& statistics, std::u
                                         AdaptationMode adaptation, Instant now) {
   if (now < next_status_) return;
   next_status_ += interval_;
-  if (next_status_ <= now) next_status_ = now + interval_;  // the loop was delayed
+  if (next_status_ <= now) next_status_ = now + interval_;  // the loop was delayed, so some intervals are skipped
 
   StatusReport& status = report_.status;
   status = {};

@@ -34,7 +34,7 @@ class ReportWriter {
   /// Removes the device from the lost devices of the status.
   void end_loss(Device device) { lost_[static_cast<std::size_t>(device)].set({}); }
 
-  /// The last fault, without reports of reopened devices.
+  /// Returns the last fault, without reports of reopened devices.
   [[nodiscard]] const FaultReport& last_fault() const { return last_fault_; }
 
  private:
@@ -44,18 +44,19 @@ class ReportWriter {
   const Duration interval_;
   Instant begin_{}, next_status_{}, last_status_{};
   std::uint64_t good_frames_reported_ = 0;
-  LatencyHistogram latency_;                                                      // since the last status
-  std::array<std::array<bool, kErrorCodeCount>, kDeviceCount> fault_reported_{};  // since the last status
+  LatencyHistogram latency_;  // latencies since the last status
+  // Faults reported since the last status.
+  std::array<std::array<bool, kErrorCodeCount>, kDeviceCount> fault_reported_{};
   bool continue_without_reported_ = false;
   std::array<ReasonText, kDeviceCount> lost_{};
   std::array<ErrorCode, kDeviceCount> lost_code_{};
   std::uint32_t halt_reported_ = kHaltNoFrames;
   std::uint32_t stop_number_reported_ = 0;
   std::optional<Instant> standing_reported_;
-  std::array<bool, 128> battery_reported_{};  // by id
+  std::array<bool, 128> battery_reported_{};  // flag by robot id
   const StepTrace* last_trace_ = nullptr;
   FaultReport last_fault_;
-  Report report_;  // built here and copied into the ring: too large for the stack
+  Report report_;  // built here and copied into the ring, because it is too large for the stack
 };
 
 }  // namespace touchline

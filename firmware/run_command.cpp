@@ -89,9 +89,9 @@ struct RunContext {
   const std::atomic<std::uint32_t>& reload_requests;
   const std::atomic<bool>& stop;
   std::vector<std::string>& refused;        // real-time settings that the system refuses
-  std::shared_ptr<hal::TextOutput> output;  // shared with the console's thread for files, as `next` is
+  std::shared_ptr<hal::TextOutput> output;  // shared with the console's file thread, as `next` is
 
-  // Shared with the console's thread for files, which outlives the run if the disk blocks it.
+  // Shared with the console's file thread, which outlives the run if the disk blocks it.
   std::shared_ptr<SessionSwitch> next = std::make_shared<SessionSwitch>();
   std::shared_ptr<SharedReloader> reloader = std::make_shared<SharedReloader>();
   LinePrinter lines{};
@@ -130,7 +130,7 @@ Result<std::unique_ptr<Session>> load_session(const SessionOptions& saved, const
   return session;
 }
 
-/// Returns a function that loads files. It owns all that it uses, because the console's thread for files calls it.
+/// Returns a function that loads files. It owns everything that it uses, because the console's file thread calls it.
 console::UseFiles use_files(const SessionOptions& saved, const RunContext& run) {
   return [saved, next = run.next, reloader = run.reloader,
           output = run.output](const config::FilePaths& draft) -> Result<console::FilesUse> {
@@ -158,7 +158,8 @@ ReportPrinterSettings reporting_of(const Session& session, RunContext& run) {
   ReportPrinterSettings reporting;
   reporting.expected = session.expectation();
   reporting.service = &*run.service;
-  // The service manager shows the last status; its journal should contain events only.
+  // The status is not printed, because the service manager shows the last one, and its journal should contain only
+  // events.
   reporting.status_lines = !run.service->is_enabled();
   reporting.map_columns = !run.command_line.headless && ::isatty(STDOUT_FILENO) != 0 ? kMapColumns : 0;
   reporting.map_colors = hal::shows_color(STDOUT_FILENO);
@@ -207,7 +208,7 @@ LoopEnd run_session(Session& session, RunContext& run, const std::string& error)
       run.refused.insert(run.refused.end(), refused.begin(), refused.end());
       print_start(session, run.connections, run.console, run.refused, *run.output);
     }
-    // Nobody could choose a device that is missing.
+    // Without the page, nobody could choose a device that is missing.
     const bool waits_in_vain = run.serves_console && run.console.port() == 0 && !session.has_all_devices();
     end = waits_in_vain ? LoopEnd::kFault : touchline::run(session.loop(), *run.service, run.stop);
     normal.restore();
@@ -234,22 +235,23 @@ DeviceFlags awaited_devices(const Session& session, const RunContext& run) {
 Result<std::unique_ptr<Session>> begin_next(std::unique_ptr<Session> former, RunContext& run, std::string& error) {
   std::unique_ptr<Session> next = run.next->take();
   const bool was_chosen = next != nullptr;
-  if (!was_chosen) {  // an awaited camera is there: the files as they were read count, whoever edits them now
+  if (!was_chosen) {  // an awaited camera has appeared: use the files as they were read, even if somebody edits them
+                      // now
     next = std::make_unique<Session>();
     TOUCHLINE_TRY(next->load_again(*former));
   }
-  // A device that a person has just chosen has to be there, unless the former one was not there either.
+  // A device that a person has just chosen must be present, unless the former one was absent, too.
   DeviceFlags awaited = awaited_devices(*next, run);
   for (const Device device : kDevices) {
     const bool must_be_there = was_chosen && next->is_draft() && former->loop().is_open(device);
     awaited[static_cast<std::size_t>(device)] &= !must_be_there;
   }
   next->await(awaited);
-  // Robots that were to stand until somebody acts stand in the next session too.
+  // If robots were stopped until somebody acts, they stay stopped in the next session.
   const HeldStops held = former->loop().held();
   const std::uint64_t number = former->next_number();
-  former.reset();  // its devices are needed
-  // The next loop counts the requests from the beginning.
+  former.reset();  // the next session needs its devices
+  // The next loop counts requests from 0.
   run.adaptation.freeze = run.adaptation.reset = 0;
   const auto open = [&](Session& session) {
     session.hold(held);
@@ -271,7 +273,7 @@ Result<std::unique_ptr<Session>> begin_next(std::unique_ptr<Session> former, Run
 bool wants_console(const CommandLine& command_line) {
   if (command_line.console.is_requested) return true;
   const auto files = std::make_unique<config::Configuration>();
-  static_cast<void>(config::load(command_line.session.files, *files));  // the session reports what is wrong
+  static_cast<void>(config::load(command_line.session.files, *files));  // the session reports errors of the files
   return files->board.console.enabled;
 }
 
@@ -281,7 +283,7 @@ int run_command(const CommandLine& command_line) {
   // From here on, all output goes through this object, so that a blocked terminal holds up no thread that stops robots.
   const auto shared_output = std::make_shared<hal::TextOutput>();
   hal::TextOutput& output = *shared_output;
-  // Not its destructor: a thread that a disk blocks may keep it.
+  // The destructor of the output does not do this, because a thread that a disk blocks may still hold it.
   const FinishAtEnd finish_at_end{output};
   Result<std::unique_ptr<Session>> loaded = load_session(command_line.session, {}, wants_console(command_line), output);
   Result<network::NetworkPlan> plan =
@@ -311,7 +313,7 @@ int run_command(const CommandLine& command_line) {
   std::vector<std::string> refused = lock_memory(board.realtime);
   crash_stop::install_handlers();
   const std::atomic<bool>& stop = handle_stop_signals();
-  hal::set_interruption(&stop);  // of a recording that comes through a FIFO
+  hal::set_interruption(&stop);  // for a recording that arrives through a FIFO
   AdaptationRequests& adaptation = handle_adaptation_signals();
   const std::atomic<std::uint32_t>& reload_requests = handle_reload_signal();
   const RunMarker marker = RunMarker::of_service();

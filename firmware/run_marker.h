@@ -7,8 +7,8 @@
 namespace touchline {
 
 /// A file that exists while the program drives robots. If it exists when the program starts, the previous run ended
-/// unexpectedly: by a crash, a signal, the watchdog, a lost device. The service manager has then restarted the program
-/// automatically, and robots must not move before a person starts them.
+/// unexpectedly: by a crash, a signal, the watchdog or a lost device. The service manager has then restarted the
+/// program automatically, and robots must not move before a person starts them.
 ///
 /// The folder is $RUNTIME_DIRECTORY, which systemd keeps across restarts and empties when the service is stopped and at
 /// a reboot. Without it (started by a person, not by a service manager) there is no marker.
@@ -25,7 +25,7 @@ class RunMarker {
   void remove() const;
 
  private:
-  std::string path_;  // empty: none
+  std::string path_;  // empty: there is no marker
 };
 
 }  // namespace touchline

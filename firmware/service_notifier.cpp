@@ -19,7 +19,7 @@ constexpr Microseconds kLongestNotifyPeriod = std::chrono::milliseconds(50);
 // Pings sent per watchdog time; three may be late before the watchdog acts.
 constexpr std::uint64_t kPingsPerWatchdogTime = 4;
 
-/// The file that shows that good frames have come; "": none.
+/// Returns the file that shows that good frames have arrived; "": none.
 std::string frames_file() {
   const char* const folder = std::getenv("RUNTIME_DIRECTORY");
   return folder != nullptr ? std::string(folder) + "/frames" : std::string();
@@ -29,7 +29,7 @@ std::string frames_file() {
 
 ServiceNotifier::ServiceNotifier(const LoopHeartbeat& heartbeat)
     : heartbeat_(&heartbeat), enabled_(std::getenv("NOTIFY_SOCKET") != nullptr) {
-  if (enabled_) thread_ = std::thread([this] { work(); });  // calls nothing that throws
+  if (enabled_) thread_ = std::thread([this] { work(); });  // work() calls nothing that throws
 }
 
 void ServiceNotifier::end() {

@@ -12,8 +12,8 @@ namespace touchline {
 
 /// Notifies systemd (sd_notify): READY=1 after the first good frame or when the page answers, WATCHDOG=1 only while the
 /// loop iterates, STATUS= as text, STOPPING=1 at the end. The file `frames` in $RUNTIME_DIRECTORY shows that good
-/// frames have come. It has its own thread, so that blocked output does not look like a hanging loop and the loop makes
-/// no system calls for it. Does nothing without a service manager ($NOTIFY_SOCKET).
+/// frames have arrived. It has its own thread, so that blocked output does not look like a hanging loop and the loop
+/// makes no system calls for it. Does nothing without a service manager ($NOTIFY_SOCKET).
 class ServiceNotifier {
  public:
   /// `heartbeat` must outlive the notifier, or the next call of watch().
@@ -22,11 +22,11 @@ class ServiceNotifier {
   ServiceNotifier(const ServiceNotifier&) = delete;
   ServiceNotifier& operator=(const ServiceNotifier&) = delete;
 
-  /// Whether there is a service manager to notify.
+  /// Returns whether there is a service manager to notify.
   [[nodiscard]] bool is_enabled() const { return enabled_; }
   /// Call it when the console's page answers. The service then counts as started, whatever the devices do.
   void set_ready() { is_page_ready_.store(true, std::memory_order_release); }
-  /// Sends one line; `line` has no line end. Callable from any thread but the loop's, because it may block.
+  /// Sends one line; `line` has no line end. Any thread except the loop's may call it, because it may block.
   void status(const std::string& line) const;
   /// Watches another loop from now on; null: one is being started, which may take kLongestStart.
   void watch(const LoopHeartbeat* heartbeat);

@@ -31,7 +31,7 @@ Result<void> Session::load_again(const Session& former) {
 
 Result<void> Session::configure_pipeline() {
   if (const Status s = pipeline_->configure(configuration_->pipeline, stage_clock_); !s.ok()) {
-    // The checks of the files have passed, so only the error code of the stage is known.
+    // The checks of the files have passed, so only the stage's error code is known.
     return failure(s.code(), "%s and %s cannot be used together: %s", configuration_->venue_where.file().c_str(),
                    configuration_->team_where.file().c_str(), describe(s.code()));
   }

@@ -25,14 +25,14 @@ struct SessionOptions {
   ArenaTime arena_time = ArenaTime::kFast;
 };
 
-/// A GPIO that stands between its user and another GPIO.
+/// A GPIO that passes its calls on to another GPIO.
 class GpioProxy : public hal::Gpio {
  public:
-  /// `gpio` and `clock`, which stamps its edges, outlive this object's use.
+  /// `gpio` and `clock`, which stamps its edges, must outlive this object's use.
   virtual void attach(hal::Gpio& gpio, hal::Clock& clock) = 0;
 };
 
-/// Everything that one run needs, created in this order: configuration, pipeline, devices. Used by touchline and
+/// Everything that a run needs, created in this order: configuration, pipeline, devices. Used by touchline and
 /// touchline-latency.
 class Session {
  public:
@@ -43,17 +43,18 @@ class Session {
   Result<void> load_uncalibrated(const SessionOptions& options);
   /// Uses the files of `former` as they were read, without reading them again. Touches no device. Errors as load().
   Result<void> load_again(const Session& former);
-  /// After load(): a draft is in use, see SetupMode. Call it before open().
+  /// Declares that a draft is in use (SetupMode); call it after load() and before open().
   void set_draft() {
     is_draft_ = true;
     if (setup_ == SetupMode::kCalibrated) setup_ = SetupMode::kDraft;
   }
   [[nodiscard]] bool is_calibrated() const { return setup_ != SetupMode::kUncalibrated; }
-  /// Devices that may be absent at open(), see LoopSettings::awaited; call it before open().
+  /// Sets the devices that may be absent at open(), see LoopSettings::awaited; call it before open().
   void await(const DeviceFlags& devices) { awaited_ = devices; }
-  /// Ends the loop with LoopEnd::kRestart when it is set; call it before open().
+  /// Sets a flag that ends the loop with LoopEnd::kRestart; call it before open().
   void set_restart(const std::atomic<bool>* restart) { restart_ = restart; }
-  /// The number of the first snapshot, so that the numbers of a run go on in its next session; call it before open().
+  /// Sets the number of the first snapshot, so that the numbers of a run continue in its next session; call it before
+  /// open().
   void set_first_number(std::uint64_t number) { first_number_ = number; }
   [[nodiscard]] std::uint64_t next_number() const { return first_number_ + loop_->statistics().frames; }
   [[nodiscard]] bool is_draft() const { return is_draft_; }
@@ -62,32 +63,32 @@ class Session {
     options_.frames = frames;
     options_.duration = duration;
   }
-  /// Requests to the adaptation while the loop runs; call it before open().
+  /// Sets the requests to the adaptation while the loop runs; call it before open().
   void set_adaptation_requests(const AdaptationRequests& requests) { adaptation_ = &requests; }
-  /// Why robots wait for a start from the beginning; call it before open().
+  /// Sets the reasons for which robots wait for a start from the beginning; call it before open().
   void hold(const HeldStops& held) { held_ = held; }
-  /// Commands of other programs and messages of a referee; call it before open().
+  /// Sets the commands of other programs and the messages of a referee; call it before open().
   void set_external_input(const ExternalInputSettings& settings) { external_ = settings; }
-  /// How the time of a simulation passes; call it before open().
+  /// Sets how the time of a simulation passes; call it before open().
   void set_arena_time(ArenaTime time) { options_.arena_time = time; }
   /// Replaces the clock that measures the stages; call it before load().
   void set_stage_clock(Pipeline::StageClock clock) { stage_clock_ = clock; }
   /// Puts a device between the loop and the board's GPIO; it must outlive the loop. Call it before open().
   void set_gpio_proxy(GpioProxy& proxy) { gpio_proxy_ = &proxy; }
-  /// Puts an LED into an arena's picture; call it after load() and before open().
+  /// Adds an LED to an arena's picture; call it after load() and before open().
   void set_arena_led(const hal::mock::ArenaLed& led) { configuration_->board.arena.led = led; }
   /// Sets the ring that gets a snapshot of every frame; null: none. Call it before open().
   void set_snapshots(SnapshotRing* snapshots) { snapshots_ = snapshots; }
-  /// Input of the console, and the pictures that it asks for; call it before open().
+  /// Sets the input of the console, and the exchange for the pictures that it requests; call it before open().
   void set_console(ConsoleLink* link, PictureExchange* pictures) {
     console_ = link;
     pictures_ = pictures;
   }
-  /// Who moves the objects of an arena; call it before open().
+  /// Sets the object that moves robots and ball of an arena; call it before open().
   void set_arena_objects(std::shared_ptr<ArenaObjects> objects) { arena_objects_ = std::move(objects); }
-  /// Passes new settings to the running loop (firmware/config_reloader.h).
+  /// Returns the LiveUpdate that passes new settings to the running loop (firmware/config_reloader.h).
   [[nodiscard]] LiveUpdate& live_update() { return live_update_; }
-  /// Builds and opens the devices, after load().
+  /// Creates and opens the devices; call it after load().
   Result<void> open(LoopObserver observer);
 
   [[nodiscard]] const config::FilePaths& files() const { return options_.files; }
@@ -96,7 +97,7 @@ class Session {
   [[nodiscard]] std::shared_ptr<const config::Configuration> shared_configuration() const { return configuration_; }
   [[nodiscard]] const SessionOptions& options() const { return options_; }
   [[nodiscard]] Devices& devices() { return devices_; }
-  /// Whether open() could open all of them.
+  /// Returns whether open() could open all devices.
   [[nodiscard]] bool has_all_devices() const {
     return std::all_of(kDevices.begin(), kDevices.end(), [this](Device device) { return loop_->is_open(device); });
   }
@@ -127,7 +128,7 @@ class Session {
   DeviceFlags awaited_{};
   SetupMode setup_ = SetupMode::kCalibrated;
   LiveUpdate live_update_;
-  // On the heap because they take megabytes.
+  // On the heap, because they take megabytes.
   std::shared_ptr<config::Configuration> configuration_ = std::make_shared<config::Configuration>();
   std::unique_ptr<Pipeline> pipeline_ = std::make_unique<Pipeline>();
   std::unique_ptr<ReportRing> reports_ = std::make_unique<ReportRing>();

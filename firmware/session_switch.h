@@ -12,18 +12,19 @@
 
 namespace touchline {
 
-/// Passes a session that was loaded on another thread to the loop's thread, which ends the current session for it.
+/// Passes a session that was loaded on another thread to the loop's thread, which ends the current session in favor of
+/// it.
 class SessionSwitch {
  public:
-  /// For the loading thread. Replaces a session that was not taken.
+  /// The loading thread offers a session. It replaces an offered session that was not taken.
   void offer(std::unique_ptr<Session> next) {
     const std::scoped_lock lock(mutex_);
     next_ = std::move(next);
     is_waiting_.store(true, std::memory_order_release);
   }
-  /// For the loop, as LoopSettings::restart.
+  /// Returns the flag for LoopSettings::restart.
   [[nodiscard]] const std::atomic<bool>& is_waiting() const { return is_waiting_; }
-  /// After the loop has ended.
+  /// Returns the offered session; call it after the loop has ended.
   std::unique_ptr<Session> take() {
     const std::scoped_lock lock(mutex_);
     is_waiting_.store(false, std::memory_order_relaxed);
@@ -40,7 +41,7 @@ class SessionSwitch {
 /// next printer, because the console's thread must not wait for a terminal.
 class LinePrinter {
  public:
-  /// Null: there is none at the moment.
+  /// Sets the printer; null: there is none at the moment.
   void set(ReportPrinter* printer) {
     const std::scoped_lock lock(mutex_);
     printer_ = printer;
@@ -60,7 +61,7 @@ class LinePrinter {
   std::mutex mutex_;
   ReportPrinter* printer_ = nullptr;
   std::vector<std::string> waiting_;
-  // Enough for the lines about clients that connect and leave while devices are opened.
+  // Enough for lines about clients that connect and leave while devices are opened.
   static constexpr std::size_t kMaxWaiting = 100;
 };
 

@@ -6,8 +6,8 @@
 #include "core/time.h"
 #include "firmware/adaptation_requests.h"
 
-// What the process does on signals. Each function installs its handlers and returns what they set; call each one once,
-// before any thread is started.
+// Handles the signals of the process. Each function installs its handlers and returns the variable that they set; call
+// each one once, before any thread is started.
 namespace touchline {
 
 struct AdaptationRequests;

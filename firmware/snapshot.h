@@ -13,13 +13,13 @@ namespace touchline {
 /// Results of one frame for other threads than the loop's: its StepTrace without pixels, runs and regions. Fixed size,
 /// so that it passes through a SnapshotRing.
 struct Snapshot {
-  std::uint64_t number = 0;          // of processed frames: 0, 1, 2, ... without gaps, also across sessions
+  std::uint64_t number = 0;          // number of the processed frame, counted from 0, without gaps even across sessions
   std::uint32_t frame_sequence = 0;  // number from the driver; gaps are lost frames
   std::uint16_t width_px = 0, height_px = 0;
   // Times on the loop's clock. `captured` is the middle of the exposure; at `sent` the radio accepted the packet.
   Instant captured{}, received{}, sent{};
   Instant machine_sent{};  // CLOCK_MONOTONIC at `sent`; differs from it in simulated time
-  Duration latency{};      // from capture to `sent`, with the time that the machine took (StepTiming::latency)
+  Duration latency{};      // from capture to `sent`, including the processing time of the machine (StepTiming::latency)
   std::array<Duration, kStageCount> stage_time{};
   BallSighting ball;
   FixedVector<RobotSighting, kMaxRobots> robots;
@@ -28,16 +28,16 @@ struct Snapshot {
   LightTrace light;
   PictureTrace picture;
   RobotReports reports;
-  Status status;                   // of the scan: kUnsupported (no sightings), kFull (see overload)
+  Status status;                   // status of the scan: kUnsupported (no sightings), kFull (see overload)
   bool overload = false;           // a capacity was reached
-  std::uint32_t halt = kHaltNone;  // bits of Halt, after the frame
+  std::uint32_t halt = kHaltNone;  // bits of Halt after the frame
   std::uint32_t stop_number = 0;   // ExternalInput::stop_number()
   bool is_held = false;            // StopRules::is_held()
-  RefereeState referee;            // in effect
+  RefereeState referee;            // referee state in effect
 };
 static_assert(std::is_trivially_copyable_v<Snapshot>, "SnapshotRing copies it word by word");
 
-/// Copies what the pipeline found. The other members are the caller's.
+/// Copies the results of the pipeline. The caller sets the other members.
 void copy_trace(const StepTrace& trace, Snapshot& out);
 
 }  // namespace touchline

@@ -19,7 +19,7 @@ void SnapshotRing::write(const Snapshot& snapshot) noexcept {
   const std::uint64_t index = written_.load(std::memory_order_relaxed);
   Slot& slot = slots_[index % kSlots];
   slot.version.store(2 * index + 1, std::memory_order_relaxed);
-  // A reader that sees one of the new words also sees the odd version.
+  // The fence ensures that a reader that sees one of the new words also sees the odd version.
   std::atomic_thread_fence(std::memory_order_release);
   const auto* bytes = reinterpret_cast<const unsigned char*>(&snapshot);
   for (std::size_t i = 0; i < kWords; ++i) {

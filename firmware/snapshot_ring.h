@@ -20,10 +20,11 @@ class SnapshotRing {
   // Number of snapshots kept: one second at 60 frames a second, half a second at 120.
   static constexpr std::size_t kSlots = 64;
 
-  /// For one thread, the loop's. Copies 5.8 KB, which takes 0.3 us (tests/firmware/snapshot_ring_test.cpp), and makes
-  /// one system call that does not block if a reader waits. Never allocates.
+  /// Writes a snapshot; only one thread, the loop's, may call it. Copies 5.8 KB, which takes 0.3 us
+  /// (tests/firmware/snapshot_ring_test.cpp), and makes one system call that does not block if a reader waits. Never
+  /// allocates.
   void write(const Snapshot& snapshot) noexcept;
-  /// Number of snapshots that were written.
+  /// Returns the number of snapshots that were written.
   [[nodiscard]] std::uint64_t written() const noexcept { return written_.load(std::memory_order_acquire); }
   /// Ends the waits of all readers, for example to end their threads.
   void wake_readers() noexcept;
@@ -39,14 +40,14 @@ class SnapshotRing {
     std::array<std::atomic<std::uint64_t>, kWords> words{};
   };
 
-  /// Copies snapshot `index`; false if it is being overwritten.
+  /// Copies snapshot `index`; returns false if it is being overwritten.
   [[nodiscard]] bool copy(std::uint64_t index, Snapshot& out) const noexcept;
   void wait(std::uint64_t index, Duration time_limit) noexcept;
 
   std::array<Slot, kSlots> slots_{};
   alignas(kCacheLine) std::atomic<std::uint64_t> written_{0};
-  std::atomic<std::uint32_t> wake_count_{0};  // what readers wait on: a futex has 32 bits
-  std::atomic<std::uint32_t> waiting_{0};     // readers in wait()
+  std::atomic<std::uint32_t> wake_count_{0};  // value on which readers wait; it has 32 bits because it is a futex
+  std::atomic<std::uint32_t> waiting_{0};     // number of readers in wait()
 };
 
 /// A reader of a SnapshotRing, for one thread. It begins with the first snapshot that is written after its creation.
@@ -55,12 +56,12 @@ class SnapshotReader {
   /// `ring` must outlive the reader.
   explicit SnapshotReader(SnapshotRing& ring) : ring_(ring), next_(ring.written()) {}
 
-  /// Copies the oldest snapshot that was not read and is still there. False: there is no new one; `out` has an
-  /// unspecified value.
+  /// Copies the oldest snapshot that was not read and is still kept. Returns false if there is no new one; then `out`
+  /// has an unspecified value.
   [[nodiscard]] bool read(Snapshot& out) noexcept;
   /// Waits until there is a snapshot to read, the time has passed, or wake_readers() was called.
   void wait(Duration time_limit) noexcept { ring_.wait(next_, time_limit); }
-  /// Number of snapshots that were overwritten before they were read.
+  /// Returns the number of snapshots that were overwritten before they were read.
   [[nodiscard]] std::uint64_t lost() const noexcept { return lost_; }
 
  private:

@@ -13,7 +13,7 @@ namespace {
 // Robots send telemetry about twice a second.
 constexpr double kStaleRobotStatusS = 2.0;
 
-// Appends formatted text; arguments as for printf.
+// Appends formatted text; the arguments are as for printf.
 [[gnu::format(printf, 2, 3)]] void print(std::string& out, const char* format, ...) {
   std::array<char, 512> buffer{};
   std::va_list arguments;
@@ -59,7 +59,7 @@ std::string halt_reasons(std::uint32_t halt, const PictureTrace& picture) {
   std::string reasons;
   for (const HaltDescription& reason : kHaltDescriptions) {
     if ((halt & reason.bit) == 0) continue;
-    // The end of a setup says why the console holds the robots.
+    // The end of a setup is listed instead, which explains why the console holds the robots.
     if (reason.bit == kHaltConsole && (halt & kHaltSetupEnded) != 0) continue;
     if (!reasons.empty()) reasons += ", ";
     reasons.append(reason.reason).append(figure(reason.bit, picture));
@@ -81,7 +81,7 @@ std::uint64_t bytes_of_damaged_reports(const RobotReports& reports) {
   return damaged * reports.report_bytes;
 }
 
-// Leaves out values that a robot does not measure.
+// Omits values that a robot does not measure.
 void print_robot_status(std::string& out, float battery_v, int link_percent) {
   if (battery_v > 0.0f) print(out, " %.2f V", static_cast<double>(battery_v));
   if (link_percent >= 0) print(out, " %d %%", link_percent);

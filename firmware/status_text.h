@@ -6,7 +6,7 @@
 #include "firmware/loop.h"
 #include "firmware/loop_report.h"
 
-// Reports as text.
+// Formats reports as text.
 namespace touchline {
 
 /// Expected number of robots, and the size of the field.
@@ -15,24 +15,24 @@ struct Expectation {
   FieldParameters field;
 };
 
-/// For example "12 s  60.0 fps  own 5/5  opp 5/5  ball (0.12, -0.30)  score 1:0  playing right  latency p50 1.2 p99 2.3
-/// max 3.1 ms  packets 720", with the score (own : opponent's) if somebody tells it and the direction in which the own
-/// team plays, followed by counts of problems (lost frames, overloads, faults), the robots' telemetry ("robots 0: 7.92
-/// V 98 %"), and the reasons for which robots are halted.
+/// Returns a text such as "12 s  60.0 fps  own 5/5  opp 5/5  ball (0.12, -0.30)  score 1:0  playing right  latency p50
+/// 1.2 p99 2.3 max 3.1 ms  packets 720". The score (own : opponent's) and the direction in which the own team plays
+/// appear if they are known. Counts of problems (lost frames, overloads, faults), the robots' telemetry ("robots 0:
+/// 7.92 V 98 %"), and the reasons for which robots are halted follow.
 std::string status_line(const StatusReport& status, const Expectation& expected);
-/// For example "camera: device disconnected (/dev/video0: ...); robots stopped, reopening it"
+/// Returns a text such as "camera: device disconnected (/dev/video0: ...); robots stopped, reopening it".
 std::string fault_line(const FaultReport& fault);
-/// For example "robot 2: battery is low, 6.92 V"
+/// Returns a text such as "robot 2: battery is low, 6.92 V".
 std::string battery_line(const BatteryReport& battery);
-/// "all robots stand although they are commanded to move: check batteries, radio and picture"
+/// Returns "all robots stand although they are commanded to move: check batteries, radio and picture".
 std::string standing_line(const StandingReport& standing);
-/// "robots halted: emergency stop" or "robots may move".
+/// Returns "robots halted: emergency stop" or "robots may move".
 std::string halt_line(const HaltReport& halt);
 /// Draws the field with `columns` characters per row and the number of rows that its shape needs: own robots as the
 /// last digit of their id with their heading, opponents as x, the ball as o, unknown ids as ?. `color`: with ANSI
 /// colors.
 std::string field_map(const StatusReport& status, const FieldParameters& field, int columns, bool color);
-/// Summary of a run, several lines.
+/// Returns the summary of a run in several lines.
 std::string summary(const LoopStatistics& statistics, LoopEnd end);
 
 }  // namespace touchline

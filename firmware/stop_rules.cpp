@@ -27,7 +27,7 @@ void StopRules::apply_inputs(const std::optional<hal::GpioInputs>& inputs, Insta
     emergency_ = false;
   }
   hold(kHaltEmergency, is_pulled && !settings_.resume_after_emergency);
-  // A press while the switch is pulled has no effect.
+  // While the switch is pulled, pressing the button has no effect.
   if (inputs && inputs->start_pressed && !is_pulled) start();
 }
 
@@ -71,7 +71,7 @@ void StopRules::set(std::uint32_t reason, bool holds) {
 }
 
 void StopRules::start() {
-  // The next frame tells whether the picture is still wrong.
+  // The next frame shows whether the picture is still wrong.
   causes_ &= ~kPictureHalts;
   held_ &= causes_;
   was_started_ = true;

@@ -45,10 +45,10 @@ constexpr std::uint32_t kPictureHalts = kHaltRepeats | kHaltOverload | kHaltFiel
 /// Describes a reason to a person. Robots get stop packets while any reason holds.
 struct HaltDescription {
   Halt bit;
-  std::string_view word;     // in messages of the console
-  std::string_view reason;   // in the status line and the event log
-  std::string_view robots;   // what they do until they stop
-  std::string_view ends_by;  // what ends it
+  std::string_view word;     // word in messages of the console
+  std::string_view reason;   // text in the status line and the event log
+  std::string_view robots;   // what the robots do until they stop
+  std::string_view ends_by;  // what ends the reason
 };
 /// Descriptions in the order in which the status line lists the reasons.
 inline constexpr std::array kHaltDescriptions{
@@ -89,7 +89,7 @@ inline constexpr std::array kHaltDescriptions{
                     "a start (the start button, or Start of the page), or a restart of the service"},
 };
 
-// Every bit is described, each once.
+// Every bit is described exactly once.
 static_assert([] {
   std::uint32_t described = kHaltNone;
   for (const HaltDescription& halt : kHaltDescriptions) {
@@ -102,22 +102,22 @@ static_assert([] {
 /// Reasons that hold until a start. A session passes them to the next one.
 struct HeldStops {
   std::uint32_t reasons = kHaltNone;  // bits of Halt
-  std::uint32_t number = 0;           // see StopRules::held_number()
+  std::uint32_t number = 0;           // as in StopRules::held_number()
   bool is_started = false;            // the board has a start button, and it was pressed
 };
 
 struct StopRuleSettings {
   Duration stop_after{};                // robots stop when the last good frame is older than this
   Duration radio_outage{};              // after a longer outage a start is needed
-  bool resume_after_emergency = false;  // on release of the emergency stop; else a start is needed
+  bool resume_after_emergency = false;  // resume when the emergency stop is released; otherwise a start is needed
   bool has_emergency_stop = true;
   bool has_start_button = false;
-  HeldStops held{};  // of the previous session; kHaltCrash: the previous run ended unexpectedly
+  HeldStops held{};  // stops of the previous session; kHaltCrash: the previous run ended unexpectedly
 };
 
 /// Decides when robots must stand still: no fresh frame, emergency stop, start button, crash of the previous run,
-/// radio, referee, console. No I/O and no clock: time and inputs are arguments, so the same calls give the same
-/// answers.
+/// radio, referee, console. The class uses no I/O and no clock: time and inputs are arguments, so the same calls give
+/// the same results.
 ///
 /// Robots may move only while halt() is kHaltNone. A reason lasts as long as its cause, or it is held until a start:
 /// the start button, or Start of the console's driver. Both call start().
@@ -132,21 +132,21 @@ class StopRules {
   /// Changes the limits. New limits do not release robots that are held now.
   void set_limits(Duration stop_after, Duration radio_outage, bool resume_after_emergency);
 
-  /// Applies the input lines as read at `now`. nullopt: they cannot be read, which counts as a pulled emergency stop if
-  /// there is one.
+  /// Applies the input lines as read at `now`. nullopt means that they cannot be read, which counts as a pulled
+  /// emergency stop if there is one.
   void apply_inputs(const std::optional<hal::GpioInputs>& inputs, Instant now);
   /// `reasons`: the bits of kExternalHalts that hold.
   void apply_external(std::uint32_t reasons);
-  /// `away`: time for which the radio has been lost; nullopt: it is open.
+  /// `away`: time since the radio was lost; nullopt: it is open.
   void apply_radio(std::optional<Duration> away);
-  /// `reason` holds from the first call with `cause` true until a start while `cause` is false.
+  /// Holds `reason` from the first call with `cause` true until a start while `cause` is false.
   void hold(Halt reason, bool cause);
-  /// Starts the robots for a person: ends the held reasons whose cause is gone.
+  /// Starts the robots for a person: ends the held reasons whose cause no longer exists.
   void start();
-  /// Whether somebody has started the robots since the last call.
+  /// Returns whether somebody has started the robots since the last call.
   [[nodiscard]] bool take_start() { return std::exchange(was_started_, false); }
-  /// `picture` is that of the last frame. Two reasons hold until a start, because they cannot be checked while robots
-  /// stand: motion that contradicts the commands, and an older picture that went on in a part.
+  /// Applies the check of the last frame's picture. Two reasons hold until a start, because they cannot be checked
+  /// while robots stand: motion that contradicts the commands, and an older picture that went on in a part.
   void apply_picture(const PictureTrace& picture);
   /// Call it before a frame is processed: commands computed from an old frame must not drive robots.
   void check_frame(Instant capture_time, Instant now) { set(kHaltNoFrames, is_stale(capture_time, now)); }
@@ -156,21 +156,21 @@ class StopRules {
   /// Checks the age of the last good frame.
   void check_last_frame(Instant now) { set(kHaltNoFrames, !last_good_ || is_stale(*last_good_, now)); }
 
-  /// Bits of Halt.
+  /// Returns the bits of Halt.
   [[nodiscard]] std::uint32_t halt() const;
   [[nodiscard]] bool may_move() const { return halt() == kHaltNone; }
-  /// Whether only the start (button or restart) is missing.
+  /// Returns whether only the start (button or restart) is missing.
   [[nodiscard]] bool only_waits_for_start() const {
     return !is_started() && (halt() & ~(kHaltStart | kHaltCrash)) == 0;
   }
-  /// Whether the start button was pressed, or there is none.
+  /// Returns whether the start button was pressed, or there is none.
   [[nodiscard]] bool is_started() const { return (held_ & kHaltStart) == 0; }
   /// Returns a number that changes when a reason begins to hold robots until a start, and when the cause of the reason
   /// comes back or ends. A start of the console that names another number came too late and has no effect.
   [[nodiscard]] std::uint32_t held_number() const { return held_number_; }
-  /// Whether a start is needed.
+  /// Returns whether a start is needed.
   [[nodiscard]] bool is_held() const { return held_ != kHaltNone; }
-  /// For the next session. An emergency that is not over is among the reasons.
+  /// Returns the stops that the next session takes over. An emergency stop that has not ended is one of them.
   [[nodiscard]] HeldStops held() const;
 
  private:
@@ -181,14 +181,14 @@ class StopRules {
 
   StopRuleSettings settings_;
   std::uint32_t lasting_ = kHaltNoFrames;  // reasons that hold as long as their causes
-  std::uint32_t held_;                     // until a start
+  std::uint32_t held_;                     // reasons that hold until a start
   std::uint32_t causes_ = kHaltNone;       // causes of held reasons that are present
   std::uint32_t held_number_;
-  std::optional<Instant> last_good_;  // capture time; none: there has been no good frame
-  bool emergency_ = false;            // pulled, or released a moment ago
+  std::optional<Instant> last_good_;  // capture time of the last good frame; nullopt: there was none
+  bool emergency_ = false;            // the switch is pulled, or was released a moment ago
   bool is_readable_ = true;
   Instant emergency_seen_{};
-  bool was_started_ = false;  // see take_start()
+  bool was_started_ = false;  // for take_start()
 };
 
 }  // namespace touchline

@@ -19,7 +19,7 @@ class Camera;
 struct CameraSettings;
 
 /// File descriptors of the memory (dma-buf) of a picture, with which another device (encoder, display) reads it without
-/// a copy. One per memory plane; -1: none. Planar formats may lie in one memory plane.
+/// a copy. There is one per memory plane; -1: none. Planar formats may lie in one memory plane.
 using DmaBufs = std::array<int, kMaxPlanes>;
 inline constexpr DmaBufs kNoDmaBufs{-1, -1, -1};
 
@@ -40,8 +40,8 @@ class FrameLease {
   ~FrameLease();
 
   [[nodiscard]] const Frame& frame() const { return frame_; }
-  /// Owned by the camera and open until its close(). To keep the descriptors longer, duplicate them. They are for
-  /// reading only. The picture does not change during the lifetime of the lease.
+  /// The camera owns them; they stay open until its close(). To keep the descriptors longer, duplicate them. They are
+  /// for reading only. The picture does not change during the lifetime of the lease.
   [[nodiscard]] const DmaBufs& dma_bufs() const { return dma_bufs_; }
 
  private:
@@ -62,7 +62,7 @@ struct CameraInfo {
   PixelFormat format = PixelFormat::kRgb24;
   std::uint16_t width_px = 0, height_px = 0;
   double rate_hz = 0.0;  // 0: the input has no frame rate
-  // One line: device, format, and the values of its controls; empty if the camera has no settings.
+  // One line: device, format, and the values of the controls; empty if the camera has no settings.
   std::string description{};
   // The device, and the values that differ from the settings; empty if all values are as set.
   std::string negotiated{};
@@ -91,7 +91,7 @@ class Camera {
   void stop() { do_stop(); }
   void close() { do_close(); }
 
-  /// Valid after open().
+  /// Returns the camera's format and settings; valid after open().
   [[nodiscard]] virtual const CameraInfo& info() const = 0;
 
  private:

@@ -5,8 +5,8 @@
 namespace touchline::hal {
 namespace {
 
-// Longest time that a contact bounces: usually some milliseconds. An input that keeps changing for longer has a loose
-// wire.
+// Longest time that a contact may bounce; usually it bounces for some milliseconds. An input that keeps changing for
+// longer has a loose wire.
 constexpr Duration kMaxBounce = std::chrono::milliseconds(50);
 
 }  // namespace
@@ -16,7 +16,7 @@ void Debouncer::begin(Duration time, bool active, Instant now) {
   time_ = time;
   stable_ = raw_ = was_active_ = active;
   since_ = now - time;
-  bouncing_since_ = now;  // there may have been an edge just before
+  bouncing_since_ = now;  // there may have been an edge just before this time
 }
 
 void Debouncer::settle(Instant until) {

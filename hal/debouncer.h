@@ -10,18 +10,18 @@ class Debouncer {
  public:
   /// State of the input since the last poll().
   struct State {
-    bool active = false;                    // at any time since the last poll()
-    bool activated = false;                 // changed to active
-    bool bouncing = false;                  // keeps changing for longer than a contact bounces
-    Duration settles_in = Duration::max();  // until a new level is accepted; max(): no new level
+    bool active = false;                    // active at any time since the last poll()
+    bool activated = false;                 // the input has changed to active
+    bool bouncing = false;                  // the input has been changing for longer than a contact bounces
+    Duration settles_in = Duration::max();  // time until a new level is accepted; max(): there is no new level
   };
 
-  /// `active`: the level at the start. `time`: the debounce time; 0 if the kernel debounces: every level is accepted
-  /// immediately.
+  /// `active`: the level at the beginning. `time`: the debounce time; 0 if the kernel debounces: every level is
+  /// accepted immediately.
   void begin(Duration time, bool active, Instant now);
-  /// To be called in the order of time. An edge to the current level means that the edge before it was lost.
+  /// Call it in the order of time. An edge to the current level means that the edge before it was lost.
   void edge(bool active, Instant at);
-  /// Like edge(), for an input of which only the level is known.
+  /// As edge(), for an input of which only the level is known.
   void level(bool active, Instant now) {
     if (active != raw_) edge(active, now);
   }
@@ -32,8 +32,8 @@ class Debouncer {
 
   Duration time_{};
   bool stable_ = false, raw_ = false;
-  Instant since_{};           // start of the raw level
-  Instant bouncing_since_{};  // valid while the raw level is not accepted yet
+  Instant since_{};           // time at which the raw level began
+  Instant bouncing_since_{};  // raw level, valid while it is not accepted yet
   bool was_active_ = false, activated_ = false;
 };
 

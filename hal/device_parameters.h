@@ -17,7 +17,8 @@ inline constexpr std::array<Choice<CameraBackend>, 4> kCameraBackends{{{"mock", 
                                                                        {"libcamera", CameraBackend::kLibcamera},
                                                                        {"replay", CameraBackend::kReplay}}};
 
-/// The format in which a camera sends pictures: a pixel format of core/pixel_format.h, or JPEG, which is decoded.
+/// The format in which a camera sends pictures: a pixel format of core/pixel_format.h, or JPEG, which is decoded on
+/// arrival.
 enum class CameraFormat : std::uint8_t {
 #define TOUCHLINE_FORMAT(name) name,
   TOUCHLINE_PIXEL_FORMATS(TOUCHLINE_FORMAT)
@@ -35,8 +36,8 @@ inline constexpr auto kCameraFormats = [] {
   return choices;
 }();
 
-/// The format of the camera's frames. It must be known before the first JPEG arrives: 4:2:2 of full range keeps all
-/// samples of the JPEGs that cameras send (4:2:2 and 4:2:0).
+/// Format of the frames after JPEGs were decoded. It must be known before the first JPEG arrives: 4:2:2 of full range
+/// keeps all samples of the JPEGs that cameras send (4:2:2 and 4:2:0).
 constexpr PixelFormat pixel_format(CameraFormat format) {
   return format == CameraFormat::kMjpg ? PixelFormat::kYuvj422p : static_cast<PixelFormat>(format);
 }

@@ -15,7 +15,7 @@ namespace touchline {
 /// errors) use the heap; if there is no memory left, the message is cut off. Never throws.
 class ErrorText {
  public:
-  // Bytes stored in the object. A message of the loop is one line: a sentence with a device's path below
+  // Number of bytes stored in the object. A message of the loop is one line: a sentence with a device's path below
   // /dev/v4l/by-path (about 90 bytes), which may occur twice.
   static constexpr std::size_t kInlineCapacity = 383;
 
@@ -32,9 +32,9 @@ class ErrorText {
   ~ErrorText() = default;
 
   void clear() noexcept { truncate(0); }
-  /// Replaces the text; arguments as for printf.
+  /// Replaces the text; the arguments are as for printf.
   void set(const char* format, ...) noexcept __attribute__((format(printf, 2, 3)));
-  /// Appends to the text; arguments as for printf.
+  /// Appends to the text; the arguments are as for printf.
   void append_format(const char* format, ...) noexcept __attribute__((format(printf, 2, 3)));
   void append_format_list(const char* format, std::va_list arguments) noexcept __attribute__((format(printf, 2, 0)));
   void append(std::string_view text) noexcept;
@@ -47,7 +47,7 @@ class ErrorText {
   [[nodiscard]] std::size_t size() const noexcept { return size_; }
   [[nodiscard]] const char* c_str() const noexcept { return heap_ != nullptr ? heap_.get() : inline_.data(); }
   [[nodiscard]] std::string_view view() const noexcept { return {c_str(), size_}; }
-  /// A copy on the heap.
+  /// Returns a copy on the heap.
   [[nodiscard]] std::string str() const { return std::string(view()); }
   /// Returns the separator for the next element of a list: "; " if there is text already, else "".
   [[nodiscard]] const char* separator() const noexcept { return empty() ? "" : "; "; }
@@ -60,11 +60,11 @@ class ErrorText {
 
  private:
   [[nodiscard]] char* data() noexcept { return heap_ != nullptr ? heap_.get() : inline_.data(); }
-  /// Makes room for `size` bytes; false if there is no memory.
+  /// Makes room for `size` bytes; returns false if there is no memory.
   bool reserve(std::size_t size) noexcept;
 
-  std::size_t size_ = 0, capacity_ = kInlineCapacity;  // without the terminating zero
-  std::unique_ptr<char[]> heap_;                       // in use if not null
+  std::size_t size_ = 0, capacity_ = kInlineCapacity;  // number of bytes without the terminating zero
+  std::unique_ptr<char[]> heap_;                       // used instead of the inline bytes if not null
   std::array<char, kInlineCapacity + 1> inline_;
 };
 

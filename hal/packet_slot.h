@@ -20,9 +20,9 @@ class ByteLine {
   ByteLine(const ByteLine&) = delete;
   ByteLine& operator=(const ByteLine&) = delete;
   virtual ~ByteLine() = default;
-  /// Number of bytes that the driver has accepted and not sent yet.
+  /// Returns the number of bytes that the driver has accepted and not sent yet.
   virtual Result<std::size_t> unsent_bytes() = 0;
-  /// Accepts as many bytes as fit, from the first one on; returns their number, which may be 0.
+  /// Accepts as many bytes as fit, beginning with the first; returns their number, which may be 0.
   virtual Result<std::size_t> write(std::span<const std::byte> bytes) = 0;
 };
 

@@ -12,8 +12,8 @@
 namespace touchline::hal {
 
 struct RadioCounters {
-  std::uint64_t packets = 0, bytes = 0;  // accepted by send()
-  std::uint64_t dropped = 0;             // accepted, but replaced by a newer packet
+  std::uint64_t packets = 0, bytes = 0;  // packets accepted by send()
+  std::uint64_t dropped = 0;             // packets accepted, but replaced by a newer one
   std::uint64_t refused = 0;             // failed calls of send()
   std::uint64_t received_bytes = 0;
 };
@@ -52,8 +52,8 @@ class Radio {
     if (!sent.ok()) ++counters_.dropped;
     return sent;
   }
-  /// Sends a waiting packet if the line is free; to be called in each iteration of the loop. Returns the time until the
-  /// next call is useful; Duration::max(): no packet waits.
+  /// Sends a waiting packet if the line is free; call it in each iteration of the loop. Returns the time after which
+  /// the next call is useful; Duration::max(): no packet waits.
   Result<Duration> serve() { return do_serve(); }
   /// Copies bytes received from the robots to `into`; returns their number, 0 if there are none.
   Result<std::size_t> receive(std::span<std::byte> into) {
@@ -68,7 +68,7 @@ class Radio {
   /// it cannot.
   virtual void add_routes(std::size_t /*receiver*/, RadioRoutes& /*out*/) const {}
   [[nodiscard]] const RadioCounters& counters() const { return counters_; }
-  /// Valid after open(): one line with the port and its settings; empty if there are none.
+  /// Returns one line with the port and its settings; empty if there are none. Valid after open().
   [[nodiscard]] virtual const std::string& description() const { return no_description_; }
 
  private:

@@ -17,9 +17,9 @@ struct Error {
   ErrorText text;
 };
 
-/// Makes an Error. Arguments after the code as for printf.
+/// Makes an Error. The arguments after the code are as for printf.
 [[nodiscard]] Error failure(ErrorCode code, const char* format, ...) noexcept __attribute__((format(printf, 2, 3)));
-/// Puts `context` in front of the message: prefixed("venue.toml", error) -> "venue.toml: ...".
+/// Puts `context` in front of the message: prefixed("venue.toml", error) gives "venue.toml: ...".
 [[nodiscard]] Error prefixed(std::string_view context, Error error) noexcept;
 
 /// A value, or an Error that explains why there is none. Allocates nothing by itself.
@@ -30,16 +30,16 @@ class [[nodiscard]] Result {
   Result(Error error) : error_(std::move(error)) {}  // NOLINT(google-explicit-constructor)
 
   [[nodiscard]] bool ok() const { return value_.has_value(); }
-  /// Only if ok().
+  /// Returns the value; only valid if ok().
   [[nodiscard]] const T& value() const& { return *value_; }
   [[nodiscard]] T& value() & { return *value_; }
   [[nodiscard]] T&& value() && { return *std::move(value_); }
-  /// Only if not ok().
+  /// Returns the error; only valid if not ok().
   [[nodiscard]] const Error& error() const& { return *error_; }
   [[nodiscard]] Error&& error() && { return *std::move(error_); }
-  /// kOk if ok().
+  /// Returns the error code; kOk if ok().
   [[nodiscard]] ErrorCode code() const { return ok() ? ErrorCode::kOk : error().code; }
-  /// A copy of the message; "" if ok(). Long messages allocate: the real-time loop reads error().text instead.
+  /// Returns a copy of the message; "" if ok(). Long messages allocate: the real-time loop reads error().text instead.
   [[nodiscard]] std::string text() const { return ok() ? std::string() : error().text.str(); }
 
  private:
@@ -57,7 +57,7 @@ class [[nodiscard]] Result<void> {
   Result(Error error) : error_(std::move(error)) {}  // NOLINT(google-explicit-constructor)
 
   [[nodiscard]] bool ok() const { return !error_.has_value(); }
-  /// Only if not ok().
+  /// Returns the error; only valid if not ok().
   [[nodiscard]] const Error& error() const& { return *error_; }
   [[nodiscard]] Error&& error() && { return *std::move(error_); }
   [[nodiscard]] ErrorCode code() const { return ok() ? ErrorCode::kOk : error_->code; }
@@ -77,8 +77,8 @@ class [[nodiscard]] Result<void> {
     }                                                                   \
   } while (false)
 
-/// Does the same as TOUCHLINE_TRY, but on success assigns the value to `target`: TOUCHLINE_TRY_ASSIGN(const Settings
-/// settings, read(file));
+/// As TOUCHLINE_TRY, but on success assigns the value to `target`: TOUCHLINE_TRY_ASSIGN(const Settings settings,
+/// read(file));
 #define TOUCHLINE_TRY_ASSIGN(target, expression) \
   TOUCHLINE_TRY_ASSIGN_AS(TOUCHLINE_JOINED(touchline_result_, __LINE__), target, expression)
 // NOLINTBEGIN(bugprone-macro-parentheses): `result` and `target` are declared here.

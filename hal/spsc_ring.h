@@ -7,14 +7,14 @@
 
 namespace touchline {
 
-/// A lock-free queue from one thread to another. Never blocks, allocates or calls the kernel. `N` is a power of two.
-/// Values that do not fit are dropped and counted.
+/// A lock-free queue from one thread to another. No call blocks, allocates or calls the kernel. `N` must be a power of
+/// two. Values that do not fit are dropped and counted.
 template <class T, std::size_t N>
 class SpscRing {
   static_assert((N & (N - 1)) == 0);
 
  public:
-  /// For the producing thread. False: the ring is full, the value is dropped.
+  /// Adds a value; only the producing thread may call it. Returns false if the ring is full; the value is then dropped.
   bool push(const T& value) {
     const std::size_t tail = tail_.load(std::memory_order_relaxed);
     if (tail - head_.load(std::memory_order_acquire) == N) {
@@ -26,7 +26,7 @@ class SpscRing {
     return true;
   }
 
-  /// For the consuming thread. False: the ring is empty.
+  /// Takes the oldest value; only the consuming thread may call it. Returns false if the ring is empty.
   bool pop(T& value) {
     const std::size_t head = head_.load(std::memory_order_relaxed);
     if (head == tail_.load(std::memory_order_acquire)) return false;
@@ -35,11 +35,11 @@ class SpscRing {
     return true;
   }
 
-  /// For any thread.
+  /// Any thread may call it.
   [[nodiscard]] std::uint64_t dropped() const { return dropped_.load(std::memory_order_relaxed); }
 
  private:
-  // On separate cache lines, so that the two threads do not share one.
+  // On separate cache lines, so that the two threads do not contend for one.
   static constexpr std::size_t kCacheLine = 64;
   alignas(kCacheLine) std::atomic<std::size_t> head_{0};
   alignas(kCacheLine) std::atomic<std::size_t> tail_{0};

@@ -13,7 +13,7 @@ namespace touchline::testing {
 
 struct CommandOutput {
   int code = -1;     // -1: a signal ended the command
-  std::string text;  // its standard output
+  std::string text;  // standard output of the command
 };
 
 /// Runs a shell command. With "2>&1" in the command, the text includes standard error.
@@ -30,7 +30,7 @@ inline CommandOutput run_command(const std::string& command) {
   return output;
 }
 
-/// The standard output of a shell command; empty if it failed.
+/// Returns the standard output of a shell command; empty if it failed.
 inline std::string output_of(const std::string& command) {
   CommandOutput output = run_command(command);
   return output.code == 0 ? std::move(output.text) : std::string();

@@ -21,7 +21,7 @@
     ASSERT_TRUE(touchline_result.ok()) << touchline_result.text(); \
   } while (false)
 
-/// Also gives `target` the value: ASSERT_OK_AND_ASSIGN(const hal::Picture picture, hal::read_picture(path));
+/// Also assigns the value to `target`: ASSERT_OK_AND_ASSIGN(const hal::Picture picture, hal::read_picture(path));
 #define ASSERT_OK_AND_ASSIGN(target, expression) \
   ASSERT_OK_AND_ASSIGN_AS(TOUCHLINE_JOINED(touchline_result_, __LINE__), target, expression)
 // NOLINTBEGIN(bugprone-macro-parentheses): `result` and `target` are declared here.

@@ -5,10 +5,10 @@
 namespace touchline {
 namespace {
 
-// Weight of a channel's values as background.
+// Prior of a channel's background values.
 struct Expectation {
-  std::uint8_t anchor;  // always in the box
-  int extent;           // distance from the anchor at which the weight is least; 0: equal weights
+  std::uint8_t anchor;  // value that is always in the box
+  int extent;           // distance from the anchor at which the weight is least; 0: all weights are equal
 
   [[nodiscard]] std::uint32_t weight(std::uint32_t value) const {
     const int off = static_cast<int>(value) - anchor;
@@ -24,7 +24,7 @@ using Expectations = std::array<Expectation, 3>;
 
 Expectations expected_of(ColorSpace space, const TypicalBackground& background) {
   constexpr int kMaxChroma = 64;
-  constexpr int kUnevenness = 32;  // levels by which light and noise change a floor
+  constexpr int kUnevenness = 32;  // levels by which light and noise change the values of a floor
   Expectations expected{};
   for (std::size_t c = 0; c < 3; ++c) {
     const bool is_chroma = is_yuv(space) && c > 0;
@@ -35,7 +35,7 @@ Expectations expected_of(ColorSpace space, const TypicalBackground& background) 
 }
 
 Expectations expected_of_pale(ColorSpace space, const TypicalBackground& background) {
-  constexpr int kUnevenness = 16;  // of chroma, by light and noise
+  constexpr int kUnevenness = 16;  // levels by which light and noise change the chroma of a floor
   Expectations expected{};
   for (std::size_t c = 0; c < 3; ++c) {
     expected[c] = {background ? (*background)[c] : black_value(space, c), c == 0 ? 0 : kUnevenness};
@@ -53,7 +53,7 @@ bool overlap(const ColorBox& box, std::size_t channel, ValueRange range) {
   return box.low[channel] <= range.high && box.high[channel] >= range.low;
 }
 
-// Finds the widest range around the anchor that overlaps no box. The weight is 0 if there is none.
+// Finds the widest range around the anchor that overlaps no box. The weight is 0 if there is no such range.
 Candidate widest(const ColorBoxes& boxes, const Expectation& expected, std::size_t channel) {
   const std::uint8_t anchor = expected.anchor;
   ValueRange range = {0, 255};
@@ -108,7 +108,8 @@ BackgroundBox best_box(const ColorBoxes& boxes, const Expectations& expected) {
   std::uint64_t most = 0;
   for_each_range(boxes, expected[0], 0, [&](const Candidate& first, const ColorBoxes& met_first) {
     for_each_range(met_first, expected[1], 1, [&](const Candidate& second, const ColorBoxes& met_second) {
-      const Candidate third = widest(met_second, expected[2], 2);  // follows from the other two
+      // The best range of the third channel follows from the other two.
+      const Candidate third = widest(met_second, expected[2], 2);
       const std::uint64_t weight = first.weight * second.weight * third.weight;
       if (weight <= most) return;
       most = weight;
@@ -146,7 +147,7 @@ static std::uint32_t first_value(std::uint32_t end, Condition holds) {
 }
 
 ValueRange before_correction(ValueRange corrected_range, std::uint8_t level, std::uint8_t black) {
-  // Both conditions are monotonic in the value.
+  // Both conditions below are monotonic in the value, as first_value() requires.
   const auto reaches_low = [&](std::uint32_t value) {
     return corrected(static_cast<std::uint8_t>(value), level, black) >= corrected_range.low;
   };

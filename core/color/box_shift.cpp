@@ -10,7 +10,7 @@ int levels_between(const ColorBox& a, const ColorBox& b, std::size_t channel) {
   return std::max(int{a.low[channel]} - b.high[channel], int{b.low[channel]} - a.high[channel]) - 1;
 }
 
-// Returns the channel in which two boxes are farthest apart. Disjoint boxes do not overlap in it.
+// Returns the channel in which two boxes are farthest apart. In this channel, disjoint boxes do not overlap.
 std::size_t separating_channel(const ColorBox& a, const ColorBox& b) {
   std::size_t best = 0;
   for (std::size_t channel = 1; channel < 3; ++channel) {
@@ -63,7 +63,7 @@ void BoxShift::observe(ColorId color, const std::array<float, 3>& deviation, flo
 
 ColorBoxes BoxShift::moved() const {
   HeldColors held{};
-  // Each attempt holds at least one more color, so the loop ends.
+  // Each attempt holds at least one more color in place, so the loop ends.
   for (std::size_t tries = 0; tries <= kMaxColors; ++tries) {
     ColorBoxes moved = moved_except(held);
     if (separate_all(moved, held)) return moved;
@@ -71,7 +71,7 @@ ColorBoxes BoxShift::moved() const {
   return boxes_;
 }
 
-// The boxes moved by whole levels, except those of the held colors.
+// Returns the boxes moved by whole levels, except those of the held colors.
 ColorBoxes BoxShift::moved_except(const HeldColors& held) const {
   ColorBoxes moved = boxes_;
   for (ColorBox& box : moved) {
@@ -96,7 +96,8 @@ ColorBoxes BoxShift::moved_except(const HeldColors& held) const {
   return moved;
 }
 
-// Ends overlapping boxes of two colors halfway. False if one would become empty; then both colors are marked as held.
+// Makes overlapping boxes of two colors end halfway through their overlap. Returns false if one box would become empty,
+// and then marks both colors as held.
 bool BoxShift::separate_all(ColorBoxes& moved, HeldColors& held) const {
   for (std::size_t a = 0; a < boxes_.size(); ++a) {
     for (std::size_t b = a + 1; b < boxes_.size(); ++b) {

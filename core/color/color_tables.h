@@ -27,21 +27,21 @@ bool overlapping_boxes(const ColorBoxes& boxes, std::size_t& first, std::size_t&
 /// 3.2). Every kernel implements this definition.
 ///
 /// Each light level has its own tables, with the masks of the corrected values. Shading correction therefore costs
-/// another pointer, but no arithmetic. A saturated value (full scale) is only a lower bound of the light: where the
-/// correction reduces values, it has the classes of all values from its corrected value upwards.
+/// another pointer, but no arithmetic. A saturated value (full scale) is only a lower bound of the light. Where the
+/// correction reduces values, it therefore has the classes of all values from its corrected value upwards.
 class ColorTables {
  public:
   using Table = std::array<std::uint32_t, 256>;
-  /// Indexed by the lowest bit of a mask; the last entry, of the mask 0, is the background.
+  /// Index: the lowest bit of a mask. The last entry stands for the mask 0, the background.
   using ColorOfBit = std::array<ColorId, kMaxColorBoxes + 1>;
 
-  /// Builds all tables. `space` determines the value of black, about which light scales a channel. Errors: those of
-  /// check(); nothing is changed then.
+  /// Builds all tables. `space` determines the value of black; light scales a channel's distance from black. Errors: as
+  /// check(); the tables are unchanged then.
   Status build(const ColorBoxes& boxes, ColorSpace space);
 
   /// Rebuilds the table of one channel and light level for boxes that were moved in this channel. Number and colors of
-  /// the boxes must be as in build(). Tables that are only partly rebuilt still describe boxes, because a class is a
-  /// product of three intervals.
+  /// the boxes must be as in build(). Partly rebuilt tables still describe boxes, because a class is a product of three
+  /// intervals.
   void rebuild(const ColorBoxes& boxes, std::size_t channel, std::uint8_t level);
 
   /// Returns the classes of a pixel as bits. `level`: light level of each channel, as in Shading.

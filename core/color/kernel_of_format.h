@@ -9,7 +9,7 @@
 
 namespace touchline {
 
-/// Extends a kernel for whole pixel pairs to any span: the portable kernel classifies single pixels at the ends.
+/// Extends a kernel for whole pixel pairs to any span: the portable kernel classifies the single pixels at the ends.
 template <PixelFormat kFormat, SpanKernel kKernel>
 OccupiedWords classify_any_span(const SpanTables& tables, const RowPixels& row, std::uint32_t begin, std::uint32_t end,
                                 ColorId* colors) {
@@ -26,16 +26,16 @@ OccupiedWords classify_any_span(const SpanTables& tables, const RowPixels& row, 
   return begin < end ? occupied | kKernel(tables, row, begin, end, colors) : occupied;
 }
 
-/// Decides whether a further rejection test pays off. `left` has one bit for each candidate among `count` blocks. It
-/// does not pay off for few candidates, which are classified in less time, or if most blocks are candidates, because
-/// most of them contain colors then.
+/// Decides whether a further rejection test saves time. `left` has one bit for each candidate among `count` blocks. A
+/// further test saves no time if there are few candidates, because these are classified faster than tested, or if most
+/// blocks are candidates, because most of these contain colors.
 [[gnu::always_inline]] inline bool is_second_pass_worthwhile(std::uint64_t left, std::uint32_t count) {
   const auto number = static_cast<std::uint32_t>(std::popcount(left));
   return count < 8 * number && 2 * number <= count;
 }
 
-/// The kernel of a family for the format. `Family::kKernel<format>` takes spans that are not empty and, where pixel
-/// pairs share chroma, consist of whole pairs.
+/// Finds the kernel of a family for the format. `Family::kKernel<format>` takes non-empty spans; where pixel pairs
+/// share chroma, they consist of whole pairs.
 template <class Family, bool kTakesAnySpan = false>
 SpanKernel kernel_of_format(PixelFormat format) {
   static constexpr auto kKernels = []<std::size_t... kIndex>(std::index_sequence<kIndex...>) {

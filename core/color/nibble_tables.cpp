@@ -5,7 +5,7 @@
 namespace touchline {
 namespace {
 
-// Adds one class, whose values are all those from `first` to `last`.
+// Adds a class that contains the values from `first` to `last`.
 void add_class(std::size_t bit, std::size_t first, std::size_t last, ChannelNibbles& nibbles) {
   const std::size_t group = bit / kClassesOfGroup;
   const auto set = [bit](std::uint8_t& byte, bool is) {

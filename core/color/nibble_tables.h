@@ -9,7 +9,7 @@
 
 namespace touchline {
 
-// A byte shuffle looks up a byte for each of many pixels. Therefore classes are processed in groups of eight.
+// A byte shuffle looks up one byte per pixel for many pixels at once, so classes are processed in groups of eight bits.
 constexpr std::size_t kClassesOfGroup = 8, kClassGroups = kMaxColorBoxes / kClassesOfGroup;
 
 /// Class bits of one group by nibble, and a lookup for each group.
@@ -17,19 +17,19 @@ using NibbleLookup = std::array<std::uint8_t, 16>;
 using GroupLookups = std::array<NibbleLookup, kClassGroups>;
 static_assert(kClassGroups % 2 == 0);
 
-/// The classes of a channel's value, by its two nibbles: value = 16 * high + low. The values of a class are an
-/// interval. The class contains a value if its bit is set in
+/// Tables for the classes of a channel's value by its two nibbles: value = 16 * high + low. The values of a class are
+/// an interval. The class contains a value if its bit is set in
 ///   within[high] & (above_first[high] | from_first[low]) & (below_last[high] | to_last[low]).
 struct alignas(32) ChannelNibbles {
-  GroupLookups within{};       // high nibble within the high nibbles of the interval's ends
-  GroupLookups above_first{};  // high nibble above the first value's
-  GroupLookups from_first{};   // low nibble not below the first value's
-  GroupLookups below_last{};   // high nibble below the last value's
-  GroupLookups to_last{};      // low nibble not above the last value's
+  GroupLookups within{};       // the value's high nibble is between the high nibbles of the interval's ends
+  GroupLookups above_first{};  // the value's high nibble is above that of the first value
+  GroupLookups from_first{};   // the value's low nibble is not below that of the first value
+  GroupLookups below_last{};   // the value's high nibble is below that of the last value
+  GroupLookups to_last{};      // the value's low nibble is not above that of the last value
 };
 
-/// The color of the lowest of eight class bits, by the two nibbles of these bits: the entry in `low`, or the entry in
-/// `high` if the one in `low` is background.
+/// Tables for the color of the lowest of eight class bits, by the two nibbles of these bits: it is the entry in `low`,
+/// or the entry in `high` if the entry in `low` is background.
 struct alignas(32) ColorNibbles {
   GroupLookups low{}, high{};
 };

@@ -4,8 +4,8 @@
 
 namespace touchline {
 
-// Largest shift of a near box in levels. With much larger shifts, boxes on both sides of gray can leave no room between
-// them.
+// Largest shift, in levels, at which a box counts as near its calibration. With much larger shifts, boxes on both sides
+// of gray can leave no gap for the background.
 static constexpr std::uint8_t kNearShift = 4;
 
 Status RowClassifier::configure(PixelFormat format, std::uint16_t width_px, std::uint16_t height_px,

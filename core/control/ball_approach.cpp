@@ -10,7 +10,7 @@
 namespace touchline {
 namespace {
 
-// Drives along the line through the ball, forward or backward, whichever end is nearer to its direction.
+// Drives along the line through the ball, with the front or the back ahead, whichever points more along the line.
 Twist follow_line(const Pose& robot, const PushPlan& plan, double speed, const MotionParameters& gains) {
   const double line = bearing(plan.direction);
   const bool backward = std::abs(wrap_angle(line - heading(robot))) > 0.5 * std::numbers::pi;
@@ -41,8 +41,8 @@ PushPlan plan_push(Vector2 ball, const FieldParameters& field, const PlayParamet
   const bool at_own_end = ball.x < -end + play.wall_m && std::abs(ball.y) > mouth;
   const bool at_far_end = ball.x > end - play.wall_m && std::abs(ball.y) > mouth;
   plan.in_corner = at_side && (at_own_end || at_far_end);
-  if (at_side) d = {1.0, 0.0};                            // along the side
-  if (at_own_end) d = {0.0, std::copysign(1.0, ball.y)};  // along the end, away from the own goal
+  if (at_side) d = {1.0, 0.0};                            // along the side wall
+  if (at_own_end) d = {0.0, std::copysign(1.0, ball.y)};  // along the end wall, away from the own goal
   // Along the end wall into the goal, with some pressure against the wall, so the ball does not roll past the goal.
   if (at_far_end && !at_side) d = {0.3, -std::copysign(1.0, ball.y)};
   const double length = norm(d);
@@ -86,7 +86,7 @@ Approach go_to_ball(const Pose& robot, const Twist& twist, const PushPlan& plan,
     return approach;
   }
 
-  // Bearing of the robot as seen from the ball, and angle from there to the place behind the ball.
+  // Bearing of the robot as seen from the ball, and the angle from this bearing to the place behind the ball.
   const double now = bearing(from_ball);
   const double around = wrap_angle(bearing(plan.behind - plan.ball) - now);
   // Angle at which a straight line from the robot touches the circle around the ball, plus a margin so that the robot

@@ -12,7 +12,7 @@ struct PushPlan {
   Vector2 ball;
   Vector2 direction;       // unit vector of the push
   Vector2 behind;          // where the robot starts the push
-  bool in_corner = false;  // no robot fits behind the ball; only a spinning robot moves it out
+  bool in_corner = false;  // no robot fits behind the ball; only a spinning robot moves the ball out
 };
 
 /// Plans a push straight to the goal, or along the wall if no robot fits between ball and wall.

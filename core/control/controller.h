@@ -17,17 +17,16 @@ class Controller {
   /// Changes limits, gains and rules during a game without resetting it. Errors as configure(); nothing changes then.
   Status set_parameters(const ControlParameters& parameters) { return apply(parameters, play_.field()); }
   void reset();
-  /// Sets the commands of other programs. Robots with such a command leave the built-in play, which goes on with the
-  /// others, until a command releases them. A command older than external.max_age_s stops its robot. `now`: the time of
-  /// the next decide(), on the clock of ExternalCommand::received.
+  /// Sets the commands of other programs. A robot with such a command leaves the built-in play until a command releases
+  /// it; the play goes on with the other robots. A command older than external.max_age_s stops its robot. `now`: the
+  /// time of the next decide(), on the clock of ExternalCommand::received.
   void set_external(const ExternalCommands& commands, Instant now) { external_.set(commands, now); }
-  /// Whether the own team defends the half with positive x. Then the play attacks towards negative x.
+  /// Sets whether the own team defends the half with positive x. Then the play attacks towards negative x.
   void set_turned(bool turned);
-  /// Writes one command for each own robot that is tracked with an id, in the order of the tracks. `measured`: in the
-  /// venue's coordinates. The command of a new
-  /// robot, or of one that was not seen for longer than max_coast_s, is zero. A lost robot is not listed, which has the
-  /// same effect (docs/radio.md). If `halted`, all commands are zero, and the robots start from rest afterwards. The
-  /// same input gives the same bits.
+  /// Writes one command for each own robot that is tracked with an id, in the order of the tracks. `measured` is in the
+  /// venue's coordinates. The command of a new robot, or of one that was not seen for longer than max_coast_s, is zero.
+  /// A lost robot is not listed, which has the same effect (docs/radio.md). If `halted`, all commands are zero, and the
+  /// robots start from rest afterwards. The same input gives the same bits.
   void decide(const Tracks& measured, bool halted, Commands& out);
 
   [[nodiscard]] const Roles& roles() const { return play_.roles(); }
@@ -43,7 +42,7 @@ class Controller {
   RobotState* state_of(RobotId id);
   void remove_absent();
   [[nodiscard]] bool is_usable(const RobotTrack& robot, Instant now) const;
-  // The robots of the built-in play.
+  // Returns the robots of the built-in play.
   [[nodiscard]] Players players_of(const Tracks& tracks) const;
   [[nodiscard]] Twist external_twist(const ExternalCommand& command, const RobotTrack& robot,
                                      const Tracks& tracks) const;

@@ -5,7 +5,7 @@
 
 namespace touchline {
 
-/// What another program asks one of our robots to do. The limits of the drive apply to it.
+/// Command of another program to one of our robots. The limits of the drive apply to it.
 struct ExternalCommand {
   enum class Kind : std::uint8_t {
     kRelease,  // the built-in play drives the robot again
@@ -15,10 +15,10 @@ struct ExternalCommand {
   };
   RobotId id = kUnknownId;
   Kind kind = Kind::kTwist;
-  Twist twist;               // of kTwist
-  WheelSpeeds wheels;        // of kWheels
-  Pose target;               // of kPose, in the venue's coordinates
-  bool has_heading = false;  // of kPose: the robot turns to the target's heading
+  Twist twist;               // for kTwist
+  WheelSpeeds wheels;        // for kWheels
+  Pose target;               // for kPose, in the venue's coordinates
+  bool has_heading = false;  // for kPose: the robot turns to the target's heading
   Instant received{};        // the command is ignored when it becomes too old
 };
 

@@ -8,7 +8,7 @@
 
 namespace touchline {
 
-/// The commands of other programs, and whether they are recent enough.
+/// Holds the commands of other programs and decides whether they are recent enough.
 class ExternalControl {
  public:
   /// `now`: the time of the next decision, on the clock of ExternalCommand::received.
@@ -16,7 +16,7 @@ class ExternalControl {
     commands_ = commands;
     now_ = now;
   }
-  /// Null if the built-in play drives this robot.
+  /// Returns the robot's command, or null if the built-in play drives the robot.
   [[nodiscard]] const ExternalCommand* command_of(RobotId id) const;
   [[nodiscard]] bool is_expired(const ExternalCommand& command, const ExternalParameters& parameters) const;
 
@@ -25,8 +25,8 @@ class ExternalControl {
   Instant now_{};
 };
 
-/// The velocities that the command asks for, without limits. To a pose, the robot drives around the other robots in
-/// `tracks`, but not around the ball. The command, the robot and the tracks have the same coordinates.
+/// Returns the velocities that the command asks for, without limits. To a pose, the robot drives around the other
+/// robots in `tracks`, but not around the ball. The command, the robot and the tracks have the same coordinates.
 Twist twist_of(const ExternalCommand& command, const Player& robot, const Tracks& tracks,
                const ControlParameters& parameters, const FieldParameters& field);
 

@@ -9,12 +9,12 @@ namespace touchline {
 // Positions of the ball and of all other robots.
 using Obstacles = FixedVector<Vector2, kMaxRobots>;
 
-/// All robots of `tracks` except the own robot `id`.
+/// Lists the positions of all robots of `tracks` except the own robot `id`.
 void obstacles_for(RobotId id, const Tracks& tracks, Obstacles& out);
 
-/// Next waypoint on the way to `target`: the target itself if the straight way is free, else a point beside the nearest
-/// blocking obstacle, on the shorter side and inside the field. An obstacle at the target does not block, because the
-/// robot is meant to go there. `clearance_m`: required distance from an obstacle's center to the way.
+/// Returns the next waypoint on the way to `target`: the target itself if the straight way is free, else a point beside
+/// the nearest blocking obstacle, on the shorter side and inside the field. An obstacle at the target does not block,
+/// because the robot is meant to go there. `clearance_m`: required distance from an obstacle's center to the way.
 Vector2 detour(Vector2 from, Vector2 target, const Obstacles& obstacles, double clearance_m,
                const FieldParameters& field);
 

@@ -62,7 +62,7 @@ Twist Play::guard(const Player& player, const BallTrack& ball) const {
     if (std::abs(y) > mouth) vy = 0.0;
     y = std::clamp(y, -mouth, mouth);
   }
-  // Its heading is along the line, so it can drive in both directions without turning.
+  // The goalkeeper's heading is along the goal line, so it can drive in both directions without turning.
   const bool down = wrap_angle(heading(player.pose)) < 0.0;
   const double across = down ? -0.5 * std::numbers::pi : 0.5 * std::numbers::pi;
   const Pose target{to_field_point({line, y}), wrap_to_float(across)};
@@ -77,7 +77,7 @@ Twist Play::guard(const Player& player, const BallTrack& ball) const {
 
 // Plans for the predicted position of the ball at the time when the robot reaches it.
 PushPlan Play::plan_ahead(const BallTrack& ball, double time_s) const {
-  constexpr double kMaxTime = 0.8;  // later, the ball has probably hit a robot or a wall
+  constexpr double kMaxTime = 0.8;  // After this time, the ball has probably hit a robot or a wall.
   const Vector2 b =
       to_vector(ball.position_at_action) + std::min(time_s, kMaxTime) * to_vector(ball.velocity_at_action);
   const double x = 0.5 * static_cast<double>(field_.length_m), y = 0.5 * static_cast<double>(field_.width_m);
@@ -93,8 +93,8 @@ Twist Play::attack(const Player& player, const BallTrack& ball, const Obstacles&
   const double free = std::max(0.0, way - 1.5 * play.robot_radius_m);
   Approach approach = approach_to(free / play.push_speed_mps);
   if (approach.phase == ApproachPhase::kPush || approach.phase == ApproachPhase::kSpin) return approach.twist;
-  // On the way to the place behind the ball, a law that uses the current position would lag behind a moving ball by
-  // about this time. Longer lead times scored less in simulation, because the ball hits another robot before.
+  // On the way to the place behind the ball, a law that uses the ball's current position would lag behind a moving ball
+  // by about this time. Longer lead times scored less in simulation, because the ball often hits another robot first.
   constexpr double kLeadTime = 0.2;
   approach = approach_to(kLeadTime);
   const Vector2 next = detour(position(player.pose), approach.target, obstacles, play.clearance_m, field_);

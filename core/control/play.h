@@ -12,7 +12,7 @@ namespace touchline {
 /// supporters behind and beside it. Without a ball, the goalkeeper guards the middle and the others stand still.
 class Play {
  public:
-  /// Keeps the current roles.
+  /// Sets the parameters; roles stay as they are.
   void configure(const ControlParameters& parameters, const FieldParameters& field);
   void reset() { roles_.reset(); }
 

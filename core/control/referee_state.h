@@ -12,21 +12,21 @@ enum class GamePhase : std::uint8_t { kNoReferee, kHalt, kStop, kPrepare, kRunni
 
 constexpr bool may_move_in(GamePhase phase) { return phase == GamePhase::kNoReferee || phase == GamePhase::kRunning; }
 
-/// Goals.
+/// Goals of both teams.
 struct Score {
   std::uint32_t own = 0, opponent = 0;
 
   friend bool operator==(const Score&, const Score&) = default;
 };
 
-/// The last message of a referee.
+/// State from the last message of a referee.
 struct RefereeState {
   GamePhase phase = GamePhase::kNoReferee;
-  // nullopt: the referee does not say; the former value remains.
+  // nullopt: the referee does not say, and the former value remains.
   std::optional<bool> own_is_yellow, own_on_positive_half;
-  // Height of the robots' markers above the floor; 0: as the team file says.
+  // Height of the robots' markers above the floor; 0: use the height in the team file.
   float own_height_m = 0.0f, opponent_height_m = 0.0f;
-  // Whether the referee repeats its messages. Then silence stops the robots.
+  // Whether the referee repeats its messages, so that silence must stop the robots.
   bool repeats = false;
   Instant received{};
   std::optional<Score> score;  // nullopt: the referee does not say

@@ -101,7 +101,7 @@ void Roles::choose_attacker(const Players& players, const PushPlan& plan, const 
   double best = std::numeric_limits<double>::max();
   for (const Player& player : players) {
     if (player.id == goalkeeper_) continue;
-    // Distance to the place behind the ball. A robot in front of the ball has to drive around it.
+    // Use the distance to the place behind the ball as the cost. A robot in front of the ball has to drive around it.
     const Vector2 from_ball = position(player.pose) - plan.ball;
     double cost = distance(position(player.pose), plan.behind);
     if (dot(from_ball, plan.direction) > 0.0) cost += play.behind_ball_m;

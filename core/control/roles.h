@@ -15,8 +15,8 @@ struct Player {
 using Players = FixedVector<Player, kMaxRobotsPerTeam>;
 
 using Places = FixedVector<Vector2, kMaxRobotsPerTeam>;
-/// Places of the supporters, the most important first: behind the attacker on the inner side, between ball and own
-/// goal, then distributed over the field. The distance between two places is large enough for robots to pass.
+/// Computes the places of the supporters, the most important first: behind the attacker on the inner side, between ball
+/// and own goal, then distributed over the field. The distance between two places is large enough for robots to pass.
 void supporter_places(const PushPlan& plan, const FieldParameters& field, const PlayParameters& play, std::size_t count,
                       Places& out);
 
@@ -25,12 +25,12 @@ void supporter_places(const PushPlan& plan, const FieldParameters& field, const 
 class Roles {
  public:
   void reset();
-  /// `plan` is null without a ball; there is no attacker and no supporter then.
+  /// `plan` is null if there is no ball; then there is no attacker and no supporter.
   void assign(const Players& players, const PushPlan* plan, const FieldParameters& field, const PlayParameters& play);
 
   [[nodiscard]] RobotId goalkeeper() const { return goalkeeper_; }
   [[nodiscard]] RobotId attacker() const { return attacker_; }
-  /// Null if this robot has no place.
+  /// Returns null if this robot has no place.
   [[nodiscard]] const Vector2* place_of(RobotId id) const;
   [[nodiscard]] PlayRole role_of(RobotId id) const;
 
@@ -41,8 +41,8 @@ class Roles {
 
   RobotId goalkeeper_ = kUnknownId, attacker_ = kUnknownId;
   Places places_;
-  std::array<RobotId, kMaxRobotsPerTeam> holder_{};  // by place
-  std::size_t held_ = 0;                             // number of places in the last frame
+  std::array<RobotId, kMaxRobotsPerTeam> holder_{};  // robot of each place
+  std::size_t held_ = 0;                             // number of places with a robot in the last frame
 };
 
 }  // namespace touchline

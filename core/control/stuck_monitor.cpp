@@ -7,9 +7,10 @@
 namespace touchline {
 namespace {
 
-// Well above the noise of a robot at rest, and well below the motion of a free robot within stuck_after_s.
+// These thresholds are well above the noise of a robot at rest, and well below the motion of a free robot within
+// stuck_after_s.
 constexpr double kMoved = 0.015, kTurned = 0.3;
-// Smaller commands do not count as an attempt to move.
+// Commands below these speeds do not count as an attempt to move.
 constexpr double kSlow = 0.1, kSlowTurn = 1.0;
 constexpr double kEscapeTurn = 4.0;
 

@@ -10,7 +10,7 @@ namespace touchline {
 /// and drives it backward for a while.
 class StuckMonitor {
  public:
-  /// Call once per frame with the desired velocities. Returns them, or those of the escape.
+  /// Call once per frame with the desired velocities. Returns the desired velocities, or the velocities of the escape.
   Twist watch(const Pose& robot, const Twist& wanted, Instant now, const PlayParameters& play);
   [[nodiscard]] bool escaping() const { return escaping_; }
 
@@ -21,7 +21,7 @@ class StuckMonitor {
   Pose anchor_;  // pose at the last detected motion
   Instant since_{};
   double wanted_ = 0.0;  // last desired speed, with sign
-  double turn_ = 1.0;    // alternates, so the robot does not run into the same jam again
+  double turn_ = 1.0;    // turning direction; alternates, so the robot does not run into the same jam again
 };
 
 }  // namespace touchline

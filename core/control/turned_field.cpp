@@ -21,7 +21,7 @@ void turn(const Tracks& tracks, Tracks& out) {
   for (FieldPoint* const value : {&ball.position, &ball.velocity, &ball.position_at_action, &ball.velocity_at_action}) {
     *value = turned(*value);
   }
-  // The velocities of a robot are along its heading.
+  // Velocities are relative to the robot's heading, so they do not change.
   for (RobotTrack& robot : out.robots) {
     robot.pose = turned(robot.pose);
     robot.pose_at_action = turned(robot.pose_at_action);

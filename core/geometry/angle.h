@@ -15,7 +15,8 @@ Float wrap_angle(Float angle_rad) {
   return wrapped > -kPi ? wrapped : kPi;
 }
 
-/// Wraps an angle to (-pi, pi] and rounds it to float, without leaving this interval: pi as float is above pi.
+/// Wraps an angle to (-pi, pi] and rounds it to float. The result stays in this interval, although pi rounded to float
+/// exceeds pi.
 inline float wrap_to_float(double angle_rad) {
   constexpr float kPi = std::numbers::pi_v<float>;
   const auto wrapped = static_cast<float>(wrap_angle(angle_rad));

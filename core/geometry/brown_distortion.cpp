@@ -37,7 +37,7 @@ BrownDistortion::BrownDistortion(double k1, double k2, double k3, double p1, dou
   }
   radius_at_limit_ = polynomial(limit_, k1, k2, k3);
   slope_at_limit_ = std::max(kMinSlope, polynomial_slope(limit_, k1, k2, k3));
-  // Pictures end well below a radius of 1. Beyond it the last guess is used.
+  // Ideal radii in a picture are well below 1. Beyond 1, the last guess of the table is used.
   const double largest_square = std::min(radius_at_limit_ * radius_at_limit_, 1.0);
   guesses_per_square_ = static_cast<double>(kGuesses) / largest_square;
   for (std::size_t i = 0; i <= kGuesses; ++i) {
@@ -78,7 +78,8 @@ double BrownDistortion::radial_slope(double r) const {
 
 double BrownDistortion::ideal_radius(double distorted, double guess) const {
   if (distorted >= radius_at_limit_) return limit_ + (distorted - radius_at_limit_) / slope_at_limit_;
-  // Newton's method inside a bracket. It always converges because the radial part is strictly increasing.
+  // Newton's method, kept inside an interval that contains the solution. It always converges because the radial part is
+  // strictly increasing.
   double low = 0.0, high = limit_;
   double r = std::clamp(guess, low, high);
   for (int i = 0; i < 50; ++i) {
@@ -116,8 +117,8 @@ BrownDistortion::Point BrownDistortion::distort(Point ideal) const {
   return {scale * ideal[0] + t[0], scale * ideal[1] + t[1]};
 }
 
-// Newton's method in both coordinates, from a guess with an error of a few thousandths. False if it leaves the circle
-// of the limit or does not converge.
+// Solves for both coordinates with Newton's method, from a guess with an error of a few thousandths. Returns false if
+// an iterate leaves the circle of the limit or the iteration does not converge.
 bool BrownDistortion::undistort_by_newton(Point distorted, Point& ideal) const {
   // Convergence is quadratic: the error after a step is about the square of the step.
   constexpr double kConverged = 3e-6 * 3e-6;
@@ -150,7 +151,7 @@ bool BrownDistortion::undistort_by_newton(Point distorted, Point& ideal) const {
 BrownDistortion::Point BrownDistortion::undistort(Point distorted) const {
   Point ideal = distorted;
   if (undistort_by_newton(distorted, ideal)) return ideal;
-  // Otherwise iterate on the tangential part, which is small and smooth, and solve the radial part exactly in each
+  // Fallback: iterate on the tangential part, which is small and smooth, and solve the radial part exactly in each
   // iteration. The error shrinks by a factor of about 4 |p| r / slope.
   double r = std::hypot(ideal[0], ideal[1]);
   for (int i = 0; i < 60; ++i) {

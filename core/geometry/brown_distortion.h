@@ -15,21 +15,22 @@ class BrownDistortion {
  public:
   using Point = std::array<double, 2>;
 
-  // An equidistant fish-eye lens has this slope at 72 degrees from its axis. No field is seen that obliquely.
+  // An equidistant fish-eye lens reaches this slope at 72 degrees from its axis. No field is seen at such an angle.
   static constexpr double kMinSlope = 0.1;
-  // 84 degrees from the axis, where a pinhole model is meaningless for any lens.
+  // This radius is 84 degrees from the axis, where a pinhole model is meaningless for any lens.
   static constexpr double kMaxRadius = 10.0;
 
   BrownDistortion() = default;
   BrownDistortion(double k1, double k2, double k3, double p1, double p2);
 
-  /// Ideal -> distorted.
+  /// Maps ideal coordinates to distorted ones.
   [[nodiscard]] Point distort(Point ideal) const;
-  /// Distorted -> ideal, to 1e-10 within the limit.
+  /// Maps distorted coordinates to ideal ones, with an error below 1e-10 within the limit.
   [[nodiscard]] Point undistort(Point distorted) const;
-  /// Ideal radius beyond which the tangent replaces the polynomial.
+  /// Returns the ideal radius beyond which the tangent replaces the polynomial.
   [[nodiscard]] double limit() const { return limit_; }
-  /// Determinant of the Jacobian of distort(): the factor by which it scales a small area. 0 beyond the limit.
+  /// Returns the determinant of the Jacobian of distort(), the factor by which it scales a small area. 0 beyond the
+  /// limit.
   [[nodiscard]] double stretch(Point ideal) const;
 
  private:
@@ -40,7 +41,7 @@ class BrownDistortion {
   // Number of intervals in the table of initial guesses, equally spaced in the squared distorted radius.
   static constexpr std::size_t kGuesses = 32;
 
-  // `square`: squared ideal radius. Inlined, they share most of their terms.
+  // `square`: squared ideal radius. Both functions are inlined, because they share most of their terms.
   [[nodiscard, gnu::always_inline]] inline Point inside(Point ideal, double square) const;
   [[nodiscard, gnu::always_inline]] inline Point tangential_inside(Point ideal, double square) const;
   [[nodiscard, gnu::always_inline]] inline Jacobian jacobian(Point ideal, double square) const;

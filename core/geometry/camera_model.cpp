@@ -7,9 +7,9 @@
 namespace touchline {
 namespace {
 
-// Beyond this r / H, eq. (12) continues along its tangent. R = 10 H is 84 degrees from the axis.
+// Beyond this ratio r / H, eq. (12) continues along its tangent. R = 10 H is 84 degrees from the axis.
 constexpr double kMaxSinhArgument = 3.0;
-// Denominator of eq. (14) at which a pixel is treated as lying on the horizon.
+// At a smaller denominator of eq. (14), a pixel is treated as lying on the horizon.
 constexpr double kMinDenominator = 0.02;
 // Depth in front of the camera, as a fraction of the distance, below which a point is treated as beside the camera.
 constexpr double kMinDepth = 1e-3;
@@ -43,7 +43,7 @@ bool usable(const PaperModelParameters& p) {
          p.position_m[2] > 0;
 }
 
-// Limits values to the range of the interface's floats. Such points are far from field and picture.
+// Limits a value to the range that the interface guarantees. Points at the limit are far from field and picture.
 float bounded(double value) {
   constexpr double kLimit = 1e9;
   return static_cast<float>(std::clamp(value, -kLimit, kLimit));
@@ -193,7 +193,8 @@ PixelPoint CameraModel::to_pixel(FieldPoint point, float height_m) const {
 
 float CameraModel::scale_px_per_m(FieldPoint point, float height_m) const {
   if (kind_ == CameraModelKind::kFull) {
-    // Area of a horizontal plane through a pinhole: proportional to the vertical distance over the cube of the depth.
+    // The area of a horizontal plane through a pinhole is proportional to the vertical distance over the cube of the
+    // depth.
     const Point3 d{static_cast<double>(point.x_m) - position_[0], static_cast<double>(point.y_m) - position_[1],
                    below_camera(height_m) - position_[2]};
     const Point3 c = from_camera(d);
@@ -205,7 +206,8 @@ float CameraModel::scale_px_per_m(FieldPoint point, float height_m) const {
       }
     }
   }
-  // Central differences. With a step of 1 mm their error is the third derivative of the lens model times 1e-6.
+  // The derivatives are central differences. With a step of 1 mm, the error is the third derivative of the lens model
+  // times 1e-6.
   constexpr double kStep = 1e-3;
   const double x = static_cast<double>(point.x_m), y = static_cast<double>(point.y_m), z = below_camera(height_m);
   const Point2 right = project({x + kStep, y, z}), left = project({x - kStep, y, z});

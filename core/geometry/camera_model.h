@@ -16,7 +16,7 @@ struct FullModelParameters {
   float fx_px = 0, fy_px = 0, cx_px = 0, cy_px = 0;
   float k1 = 0, k2 = 0, k3 = 0, p1 = 0, p2 = 0;  // Brown 1971, on normalized coordinates
   std::array<float, 3> rotation_rad{};           // rotation vector, field frame -> camera frame (z forward, y down)
-  std::array<float, 3> position_m{};             // of the camera in the field frame
+  std::array<float, 3> position_m{};             // camera in the field frame
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
@@ -48,7 +48,7 @@ struct PaperModelParameters {
   float focal_px = 0;                 // H of eq. (12)
   float p_per_px = 0, q_per_px = 0;   // eq. (14)
   std::array<float, 6> affine{};      // floor: x_m = a0 x + a1 y + a2, y_m = a3 x + a4 y + a5
-  std::array<float, 3> position_m{};  // of the camera; its height is needed for objects above the floor
+  std::array<float, 3> position_m{};  // camera in the field frame; its height is needed for objects above the floor
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
@@ -118,7 +118,7 @@ class CameraModel {
   Status configure(const CameraParameters& parameters);
 
   [[nodiscard]] Ray ray(PixelPoint pixel) const;
-  /// Intersection of the line of sight with the plane z = height_m, which is below the camera.
+  /// Returns where the line of sight meets the plane z = height_m, which is below the camera.
   [[nodiscard]] FieldPoint to_field(PixelPoint pixel, float height_m) const;
   /// Inverse of to_field() below the horizon, accurate to 1e-3 px (rounding of pixels and field points to float).
   [[nodiscard]] PixelPoint to_pixel(FieldPoint point, float height_m) const;

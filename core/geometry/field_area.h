@@ -9,7 +9,7 @@ namespace touchline {
 struct FieldParameters {
   float length_m = 2.2f, width_m = 1.8f;
   float goal_width_m = 0.4f, goal_depth_m = 0.15f;
-  float margin_m = 0.1f;  // sightings farther outside the border and the goals are rejected
+  float margin_m = 0.1f;  // detections farther outside the border and the goals are rejected
   float line_width_m = 0.01f, center_circle_m = 0.0f;
   float penalty_area_depth_m = 0.0f, penalty_area_width_m = 0.0f;
 
@@ -51,7 +51,8 @@ struct FieldParameters {
   }
 };
 
-/// True if the point is on the field or in a goal, each enlarged by the margin. False if a coordinate is NaN.
+/// Returns true if the point is on the field or in a goal, each enlarged by the margin. Returns false if a coordinate
+/// is NaN.
 bool inside_field(const FieldParameters& field, FieldPoint point);
 
 }  // namespace touchline

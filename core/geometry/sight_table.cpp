@@ -8,7 +8,7 @@ namespace {
 
 using Four [[gnu::vector_size(16)]] = float;
 
-// Weights of the four nodes around a place between the middle two.
+// Returns the interpolation weights of four neighboring nodes, for a position between the middle two.
 Four weights(float part) {
   const float rest = 1.0f - part;
   return Four{-0.5f * part * rest * rest, 1.0f + part * part * (1.5f * part - 2.5f),
@@ -34,7 +34,7 @@ void SightTable::configure(const CameraModel& camera, PixelPoint low, PixelPoint
       grids_[kScaleOfSight][row][column] = camera_m_[2] * camera.scale_px_per_m(camera.to_field(pixel, 0.0f), 0.0f);
     }
   }
-  // The error is largest in the middle of a cell.
+  // Check the error in the middle of each cell, where it is largest.
   is_known_.set();
   for (std::size_t row = 0; row < kCells; ++row) {
     for (std::size_t column = 0; column < kCells; ++column) {

@@ -13,7 +13,7 @@ namespace touchline {
 /// it is the light map plus the change that FieldLight measured. Refers to both and owns neither.
 class ExpectedGain {
  public:
-  /// Unknown everywhere.
+  /// The light is unknown everywhere.
   ExpectedGain() = default;
   ExpectedGain(const Shading& shading, const FieldLight& field) : shading_(&shading), field_(&field) {}
 
@@ -29,7 +29,7 @@ class ExpectedGain {
     std::uint16_t column = 0, row = 0;
   };
   static Tile tile_of(const PixelPoint& at);
-  // Levels of the light map alone.
+  // Returns the levels of the light map alone.
   [[nodiscard]] float map_levels_at(std::size_t channel, const Tile& tile) const;
 
   const Shading* shading_ = nullptr;

@@ -19,19 +19,19 @@ constexpr int kMaxChange = 2 * kStepsPerOctave;
 // too coarse: more than 10 % of a pixel (reference) or of the sum (present frame).
 constexpr std::uint16_t kMinReferenceSum = 40, kMinPresentSum = 10;
 
-// Largest difference between a cell's change and the known change that noise and the floor's texture cause.
+// Largest difference between a cell's change and the known change that noise and the floor's texture explain.
 constexpr int kFit = 6 * kStepsPerLevel;
-// The light has changed if the mean difference exceeds its usual value by kStep, or if the number of cells that agree
-// falls below this share of its usual value. With fewer than kMinCells cells, no change is detected.
+// The light counts as changed if the mean difference exceeds its usual value by kStep, or if the number of cells that
+// agree falls below this share of its usual value. With fewer than kMinCells cells, no change is detected.
 constexpr int kStep = 5 * kStepsPerLevel / 2;
 constexpr std::int32_t kFewer_percent = 75;
 constexpr std::int32_t kMinCells = 20;
-// Fixed point of Agreement: unit of its share of cells, and parts of a step in its deviations.
+// Fixed-point units of Agreement: its share of cells is in 1/kWhole, its deviations in 1/kParts of a step.
 constexpr std::int32_t kWhole = 1024, kParts = 16;
 
 // Largest deviation of a cell's tint from the median tint. Lamps of different colors differ less.
 constexpr int kMaxTint = 10 * kStepsPerLevel;
-// Changes up to this one count as none.
+// Smaller changes count as none.
 constexpr int kNoChange = 3 * kStepsPerLevel / 2;
 
 // Cells on each side of the window's center. A robot covers 2 x 2 cells.
@@ -44,7 +44,8 @@ constexpr std::int32_t kMinWindowWeight = 20;
 constexpr std::size_t kBins = 64;
 constexpr int kStepsPerBin = 2 * kMaxChange / static_cast<int>(kBins);
 
-// Returns log2(value) in steps, for values from 1. Only integers, because libraries differ in the last bit of log2.
+// Returns log2(value) in steps, for values from 1. Uses only integers, because libraries differ in the last bit of
+// log2.
 constexpr std::int16_t log_steps(std::uint32_t value) {
   std::uint64_t x = std::uint64_t{value} << 32u;
   int whole = 0;
@@ -107,7 +108,7 @@ class FieldLight::Window {
       weight_[bin] = static_cast<std::int16_t>(weight_[bin] - sums[0]);
     }
   }
-  // Weight of all cells, including those that do not count.
+  // Returns the weight of all cells, including cells that do not count.
   [[nodiscard]] std::int32_t whole() const { return whole_[0]; }
   [[nodiscard]] std::int32_t around(std::size_t bin) const {
     return weight_[bin - 1] + weight_[bin] + weight_[bin + 1];
@@ -336,8 +337,8 @@ FieldLight::Agreement FieldLight::agreement(std::size_t first_row) const {
   return out;
 }
 
-// Whether the light of these rows has changed. `usual` is the agreement after the last full measurement. A covered or
-// crowded floor disagrees after every measurement, so it causes no further one.
+// Returns whether the light of these rows has changed. `usual` is the agreement after the last full measurement. A
+// covered or crowded floor disagrees after every measurement, so it causes no further one.
 bool FieldLight::differs(const Agreement& now, const Agreement& usual) {
   if (now.cells < kMinCells) return false;
   if (100 * now.fitting < kFewer_percent * usual.fitting) return true;
@@ -394,7 +395,7 @@ std::array<float, 3> FieldLight::at(std::uint16_t tile_column, std::uint16_t til
     for (std::size_t c = 0; c < 3; ++c) out[c] = static_cast<float>(change_[c][cell]) / float{kStepsPerLevel};
     return out;
   }
-  // BT.601 weights.
+  // Weights of BT.601.
   const int luma = 77 * change_[0][cell] + 150 * change_[1][cell] + 29 * change_[2][cell];
   out.fill(static_cast<float>(luma) / (256.0f * kStepsPerLevel));
   return out;

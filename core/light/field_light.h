@@ -24,7 +24,8 @@ namespace touchline {
 class FieldLight {
  public:
   /// Starts without a change. A reference without columns turns the measurement off. kOutOfRange: an empty or too large
-  /// picture. kInconsistent: the reference was made for another picture size. Both errors turn it off, too.
+  /// picture. kInconsistent: the reference was made for another picture size. Either error also turns the measurement
+  /// off.
   Status configure(const LightReference& reference, PixelFormat format, std::uint16_t width_px,
                    std::uint16_t height_px);
   /// Forgets the change.
@@ -50,19 +51,19 @@ class FieldLight {
   [[nodiscard]] float recognized() const { return recognized_; }
   /// Mean change over all cells and channels.
   [[nodiscard]] float mean() const { return mean_; }
-  /// Mean change of R, G and B over all cells, also in YUV.
+  /// Returns the mean change of R, G and B over all cells, also in YUV.
   [[nodiscard]] const std::array<float, 3>& channel_means() const { return channel_means_; }
 
  private:
-  // Fixed point: 1/8 level.
+  // Fixed-point number in units of 1/8 level.
   using Steps = std::int16_t;
   using Plane = std::array<Steps, kMaxReferenceCells>;
   // A row is measured in every eighth frame.
   static constexpr std::size_t kRowStep = 8;
-  // How well the measured cells of some rows agree with the known change.
+  // Agreement of the measured cells of some rows with the known change.
   struct Agreement {
-    std::int32_t cells = 0, fitting = 0;      // number of cells; share that nearly agrees
-    std::array<std::int32_t, 3> deviation{};  // mean of the cells that agree
+    std::int32_t cells = 0, fitting = 0;      // number of cells; share of them that agrees or nearly agrees
+    std::array<std::int32_t, 3> deviation{};  // mean deviation of the cells that agree
 
     void approach(const Agreement& now) {
       fitting += (now.fitting - fitting) / 2;
@@ -84,18 +85,18 @@ class FieldLight {
 
   ReferenceGrid grid_;
   ColorSpace space_ = ColorSpace::kRgb;
-  // The reference: logarithm, usable channels as bits, weight of the cell.
+  // Data of the reference: logarithm of the values, usable channels as bits, weight of each cell.
   std::array<Plane, 3> reference_{};
   std::array<std::uint8_t, kMaxReferenceCells> usable_{}, weight_{};
-  std::size_t base_channel_ = 1;  // the channel with the most usable cells
-  // The present field. Rows that this frame did not measure are from earlier frames.
+  std::size_t base_channel_ = 1;  // channel with the most usable cells
+  // Colors of the field at present. Rows that this frame did not measure are from earlier frames.
   CellColors now_;
   std::array<Plane, 3> ratio_{};
   std::array<std::uint8_t, kMaxReferenceCells> measured_{};  // channels as bits
-  // By cell: bin of the base channel's brightness, estimated from all measured channels, and weighted sums.
+  // For each cell: bin of the base channel's brightness, estimated from all measured channels, and weighted sums.
   std::array<std::uint8_t, kMaxReferenceCells> bin_{};
   std::array<Sums, kMaxReferenceCells> sums_{};
-  std::array<Steps, 3> tint_{};   // median of the cells, relative to the base channel
+  std::array<Steps, 3> tint_{};   // median tint of the cells, relative to the base channel
   std::array<Plane, 3> found_{};  // valid if known_
   std::array<bool, kMaxReferenceCells> known_{};
   std::array<Plane, 3> change_{};
@@ -112,7 +113,7 @@ class FieldLight {
   std::array<float, 3> channel_means_{};
   std::size_t next_ = 0;
   bool started_ = false;
-  std::array<Agreement, kRowStep> usual_{};  // by group of rows; valid if started_
+  std::array<Agreement, kRowStep> usual_{};  // for each group of rows; valid if started_
 };
 
 }  // namespace touchline

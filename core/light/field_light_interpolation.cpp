@@ -1,4 +1,4 @@
-// FieldLight::interpolate(): the change in cells where it is not measured (Gortler et al. 1996, pull-push).
+// FieldLight::interpolate(): finds the change in cells in which it is not measured (Gortler et al. 1996, pull-push).
 #include "core/fixed_vector.h"
 #include "core/light/field_light.h"
 #include "core/light/field_light_steps.h"
@@ -45,7 +45,7 @@ bool FieldLight::interpolate() {
       GridCell& cell = cells[fine.first + i];
       if (cell.known) continue;
       const std::size_t column = i % fine.columns, row = i / fine.columns;
-      // Bilinear: 3/4 of the cell above this one, 1/4 of the neighbor on its side.
+      // Interpolate bilinearly: 3/4 of the cell above this one, 1/4 of the neighbor on its side.
       const auto neighbor = [](std::size_t at, std::size_t count) {
         return at % 2 == 0 ? at / 2 - (at > 0 ? 1u : 0u) : std::min(at / 2 + 1, count - 1);
       };

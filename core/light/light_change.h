@@ -30,11 +30,11 @@ class LightChange {
   /// mean of its neighbors, and by step * kCommon towards the mean of all channels.
   void relax(float step);
 
-  /// Change at a point, in levels; positive: brighter than in the light map.
+  /// Returns the change at a point, in levels; positive: brighter than in the light map.
   [[nodiscard]] float at(std::size_t channel, const PixelPoint& where) const;
-  /// Change of all channels at a point.
+  /// Returns the change of all channels at a point.
   [[nodiscard]] std::array<float, 3> at(const PixelPoint& where) const;
-  /// Mean of all nodes and channels, in levels.
+  /// Returns the mean over all nodes and channels, in levels.
   [[nodiscard]] float mean() const;
 
   static constexpr float kMaxStep_levels = 8.0f;

@@ -5,7 +5,7 @@
 namespace touchline {
 namespace {
 
-// Smallest saturated value of a channel. In YUV of limited range, of luma.
+// Smallest value of a channel that counts as saturated. In YUV of limited range it is the smallest such luma.
 constexpr std::uint8_t kSaturated = 250, kSaturatedLimitedLuma = 231;
 constexpr int kPixels = 4;
 

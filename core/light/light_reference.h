@@ -18,7 +18,7 @@ struct ReferenceGrid {
   std::uint16_t columns = 0, rows = 0;
   std::uint16_t side_px = 0;
 
-  /// Range of the picture's size: 1 to the capacity of a frame.
+  /// Sizes may be from 1 to the capacity of a frame.
   static ReferenceGrid of(std::uint16_t width_px, std::uint16_t height_px);
   [[nodiscard]] std::size_t cells() const { return std::size_t{columns} * rows; }
   [[nodiscard]] std::uint16_t tile_rows() const { return static_cast<std::uint16_t>(side_px / kTileHeight); }
@@ -27,13 +27,13 @@ struct ReferenceGrid {
   }
 };
 
-/// Colors of the field's cells, R, G, B: sums of four pixels at fixed places, hence in units of 1/4 pixel value. 0: the
+/// Colors of the field's cells, R, G, B: sums of four pixels at fixed positions, so the unit is 1/4 pixel value. 0: the
 /// cell is not usable, because it was covered, too dark or saturated.
 struct CellColors {
   std::array<std::array<std::uint16_t, kMaxReferenceCells>, 3> sum{};
 };
 
-/// The field in the light in which the colors were learned. columns 0: none.
+/// The field as it looked in the light in which the colors were learned. columns 0: there is no reference.
 struct LightReference {
   std::uint16_t columns = 0, rows = 0;
   CellColors colors;

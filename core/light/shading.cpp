@@ -7,8 +7,8 @@
 namespace touchline {
 namespace {
 
-// 2^(k / 64) for k = 0..63. Even k are gains, odd k the borders between neighboring levels. The values are constants,
-// because libraries differ in the last bit of exp2 and the tables must be the same on every board.
+// Values of 2^(k / 64) for k = 0..63. Even k are gains, odd k the borders between neighboring levels. The values are
+// constants, because libraries differ in the last bit of exp2 and the tables must be the same on every board.
 constexpr std::array<float, 64> kOctave = {
     1.0f,        1.01088929f, 1.0218972f,  1.03302491f, 1.04427373f, 1.05564523f, 1.06714046f, 1.07876074f,
     1.09050775f, 1.10238254f, 1.1143868f,  1.12652159f, 1.13878858f, 1.15118921f, 1.1637249f,  1.17639697f,
@@ -66,7 +66,7 @@ bool usable(const LightMap& map) {
   const std::size_t cells = std::size_t{map.columns} * map.rows;
   if (cells == 0 || cells > kMaxLightCells) return false;
   for (const auto& plane : map.illumination) {
-    // Written so that NaN fails.
+    // Written so that NaN is rejected.
     const auto good = [](float value) { return value > 0.0f && value <= std::numeric_limits<float>::max(); };
     if (!std::all_of(plane.begin(), plane.begin() + static_cast<std::ptrdiff_t>(cells), good)) return false;
   }

@@ -22,7 +22,7 @@ constexpr std::uint8_t kLightLevels = 128, kNeutralLevel = 64;
 /// Returns the gain of a level, 2^((level - 64) / 32). Range of level: below kLightLevels.
 float gain_of_level(std::uint8_t level);
 
-/// Returns the level whose gain is nearest to `gain` by ratio. Gains outside the range get the first or last level.
+/// Returns the level whose gain is nearest to `gain` by ratio. Gains outside the range get the first or the last level.
 /// Range of gain: above 0.
 std::uint8_t level_of_gain(float gain);
 
@@ -35,8 +35,8 @@ std::uint8_t corrected(std::uint8_t value, std::uint8_t level, std::uint8_t blac
 /// Returns corrected() of every value.
 std::array<std::uint8_t, 256> corrected_values(std::uint8_t level, std::uint8_t black);
 
-/// Eq. (17) as one level per tile: 1 / illumination at the center of the tile. It is interpolated bilinearly between
-/// the cells of the map and constant outside the outermost cell centers.
+/// Gain of eq. (17) as one level per tile: 1 / illumination at the center of the tile. It is interpolated bilinearly
+/// between the cells of the map and constant outside the outermost cell centers.
 class Shading {
  public:
   /// A map without columns turns the correction off. In YUV all three channels have the same level, from the luminance
@@ -46,7 +46,7 @@ class Shading {
   Status build(const LightMap& map, std::uint16_t width_px, std::uint16_t height_px, ColorSpace space);
   void clear() { active_ = false; }
   [[nodiscard]] bool active() const { return active_; }
-  /// Level of channel 0, 1 or 2 in tile (u / kTileWidth, v / kTileHeight). Only valid if active().
+  /// Returns the level of channel 0, 1 or 2 in tile (u / kTileWidth, v / kTileHeight). Only valid if active().
   [[nodiscard]] std::uint8_t level(std::size_t channel, std::uint16_t column, std::uint16_t row) const {
     return level_[channel][row * columns_ + column];
   }

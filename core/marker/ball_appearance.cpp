@@ -15,10 +15,10 @@ namespace {
 
 using Rgb = BallColor::Rgb;
 
-// Radius of the largest disk in samples. The seed is any point of the ball. With this radius, disk and ring fit into
-// the square of samples wherever the seed is.
+// Radius of the largest disk in samples. The seed may be any point of the ball. With this radius, disk and ring fit
+// into the square of samples wherever the seed is.
 constexpr float kMaxRadiusInSamples = 6.0f;
-// The ring leaves out the pixels that ball and floor share (blur, shared chroma).
+// The ring skips the pixels in which ball and floor mix (blur, shared chroma).
 constexpr float kRingGap_px = 1.2f, kRingWidth = 0.35f, kMinRingWidth = 1.5f;
 // Radius around a patch of a robot, relative to the ball's radius, within which the robot's other patches lie.
 constexpr float kSurroundings = 2.4f;
@@ -26,7 +26,7 @@ constexpr float kSurroundings = 2.4f;
 constexpr float kCore = 0.6f;
 // Radius around the disk's center in which the shape is measured.
 constexpr float kShapeSampleRadius = 1.5f;
-// Weight of a pixel of the ball's color in the ring, relative to such a pixel in the disk.
+// Weight of a pixel of the ball's color in the ring, relative to the weight of a pixel of this color in the disk.
 constexpr float kRingWeight = 0.7f;
 // Weight of a visible pixel of another color in the disk of a ball that a robot may hide.
 constexpr float kUnfilledWeight = 0.5f;
@@ -72,8 +72,8 @@ bool look_at_floor(const Frame& frame, int u, int v, float radius_px, Rgb& out) 
   return true;
 }
 
-// Second and fourth angular moments of the pixels of the ball's color around a disk, relative to the largest possible
-// values. The grid is finer than that of the search, because shapes differ by few pixels.
+// Measures the second and fourth angular moments of the pixels of the ball's color around a disk, relative to the
+// largest possible values. The grid is finer than that of the search, because shapes differ by few pixels.
 void measure_shape(const Frame& frame, const BallColor& color, std::span<const TopOutline> tops, int center_u,
                    int center_v, float radius_px, BallAppearance& out) {
   const int step = static_cast<int>(std::ceil(kShapeSampleRadius * radius_px / static_cast<float>(kSampleReach)));
@@ -101,7 +101,7 @@ void measure_shape(const Frame& frame, const BallColor& color, std::span<const T
   const float n = sum_of_lanes(ones);
   if (n == 0.0f) return;
   const float mean_x = sum_of_lanes(sum_x) / n, mean_y = sum_of_lanes(sum_y) / n;
-  // z^2 and z^4 of z = x + i y.
+  // Powers z^2 and z^4 of z = x + i y.
   Four real2{}, imaginary2{}, square2{}, real4{}, imaginary4{}, square4{};
   for_each([&](Four x, Four y, Simd4<std::int32_t> is_shape) {
     const Four dx = is_shape ? x - mean_x : Four{}, dy = is_shape ? y - mean_y : Four{};
@@ -124,7 +124,7 @@ void measure_shape(const Frame& frame, const BallColor& color, std::span<const T
 
 bool look_at_ball(const Frame& frame, PixelPoint seed, float radius_px, const std::array<float, 3>& rgb,
                   std::span<const RobotTop> robots, BallAppearance& out) {
-  // Also false for NaN.
+  // This rejects NaN, too.
   if (!(radius_px >= kMinAppearanceRadius_px && radius_px < 65536.0f)) return false;
   if (!(seed.u_px >= 0.0f && seed.v_px >= 0.0f && seed.u_px < 65536.0f && seed.v_px < 65536.0f)) return false;
   const int seed_u = static_cast<int>(std::lround(seed.u_px)), seed_v = static_cast<int>(std::lround(seed.v_px));
@@ -141,7 +141,7 @@ bool look_at_ball(const Frame& frame, PixelPoint seed, float radius_px, const st
   const SampleRing disk(0.0f, radius), surroundings(inner, outer),
       ring(inner, inner + std::max(kMinRingWidth, kRingWidth * radius));
   const int search = static_cast<int>(radius), dense = search + ring.reach;
-  // Positions at which the center of the disk is tried.
+  // Offsets at which the center of the disk is tried.
   const SampleRing places(0.0f, static_cast<float>(search) + 0.01f);
   FixedVector<TopOutline, kMaxRobots> tops;
   for (const RobotTop& robot : robots) tops.push_back(TopOutline(robot));
@@ -187,7 +187,7 @@ bool look_at_ball(const Frame& frame, PixelPoint seed, float radius_px, const st
   for (int row = -search; row <= search; ++row) add_row(row, places.last[static_cast<std::size_t>(std::abs(row))]);
   const int at_u = static_cast<int>(std::lround(sum_u / equal)), at_v = static_cast<int>(std::lround(sum_v / equal));
   const auto inside = static_cast<float>(ball.count(disk, at_u, at_v));
-  // A lamp's reflection has no color, but the ball's color around it.
+  // The reflection of a lamp has no color, but the ball's color surrounds it.
   const auto with_reflections = static_cast<float>(ball.without_holes(disk, at_u, at_v).count(disk, at_u, at_v));
   const auto shown = static_cast<float>(samples.visible.count(disk, at_u, at_v));
   const auto around = std::max(1.0f, static_cast<float>(samples.visible.count(ring, at_u, at_v)));
@@ -216,7 +216,8 @@ bool look_at_ball(const Frame& frame, PixelPoint seed, float radius_px, const st
                   static_cast<float>(seed_v) + static_cast<float>(step) * sum_v / equal};
   }
   measure_shape(frame, color, {tops.data(), tops.size()}, seed_u + step * at_u, seed_v + step * at_v, radius_px, out);
-  // The core is used because the rim of a ball is darker than the patch on which the typical value was measured.
+  // Only the core is used, because the rim of a ball is darker than the patch from which the typical value was
+  // measured.
   const SampleRing core(0.0f, std::max(1.0f, kCore * radius));
   const SampleRing& middle = ball.count(core, at_u, at_v) > 0 ? core : disk;
   const auto samples_in_middle = static_cast<float>(ball.count(middle, at_u, at_v));

@@ -9,7 +9,7 @@
 
 namespace touchline {
 
-/// What the pixels around a possible ball show. Areas are shares from 0 to 1.
+/// Measurements of the pixels around a possible ball. Areas are shares from 0 to 1.
 struct BallAppearance {
   PixelPoint center;   // center of the ball's pixels in the best disk; center of the disk if the ball is partly hidden
   float radius = 0;    // radius of the disk in pixels, less where pixels share chroma and the outline is less sharp
@@ -30,12 +30,12 @@ constexpr float kWholeBall = 0.9f;
 /// Smallest radius for look_at_ball(), in pixels. In a smaller ball, every pixel is mixed with the surroundings.
 constexpr float kMinAppearanceRadius_px = 1.5f;
 
-/// Fits a disk of the ball's size to the pixels around `seed`, a point of the ball, whatever boxes they fell into. A
+/// Fits a disk of the ball's size to the pixels around `seed`, a point of the ball, independently of the color boxes. A
 /// pixel has the ball's color if its hue is that of `rgb` (R, G, B above black): neither the lamps' reflection on the
 /// ball nor its dark side changes the hue under white light. It must also differ from the floor around the ball. The
 /// work is bounded: at most 33 x 33 samples; on a large ball, only every second, third, ... pixel and row. Every second
-/// sample is read first; the rest only where they show the ball's color. False if the seed is outside of the picture,
-/// the radius is too small, the floor has nearly the ball's color, or hardly any sample has it.
+/// sample is read first; the rest only where they show the ball's color. Returns false if the seed is outside the
+/// picture, the radius is too small, the floor has nearly the ball's color, or hardly any sample has it.
 bool look_at_ball(const Frame& frame, PixelPoint seed, float radius_px, const std::array<float, 3>& rgb,
                   std::span<const RobotTop> robots, BallAppearance& out);
 

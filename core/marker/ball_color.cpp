@@ -9,21 +9,21 @@ namespace {
 
 using Rgb = BallColor::Rgb;
 
-// Largest deviation of the hue: 20 degrees (orange and yellow are 35 degrees apart). Towards the next primary color,
-// the limit reaches 8 degrees beyond the primary, but at most kMaxHueExcess_rad = 25 degrees. A color without a hue has
-// a relative deviation instead.
+// Largest deviation of the hue: 20 degrees (orange and yellow are 35 degrees apart). From the ball's hue towards the
+// next primary color, hues up to 8 degrees beyond the primary are accepted, but at most kMaxHueExcess_rad = 25 degrees.
+// For a color without a hue, the relative deviation is limited instead.
 constexpr float kHueTolerance_rad = 0.35f, kPastPrimary_rad = 0.14f, kMaxHueExcess_rad = 0.44f, kColorTolerance = 0.36f;
 constexpr float kPixelNoise_levels = 5.0f;
-// A pixel of the ball has at least this part of the ball's saturation, and of the difference between floor and ball.
+// A pixel of the ball has at least this share of the ball's saturation, and of the difference between floor and ball.
 constexpr float kMinSaturation = 0.3f, kMinContrast = 0.3f;
 // Smallest usable distance between the colors of ball and floor in levels. Noise dominates smaller distances.
 constexpr float kMinFloorDistance = 15.0f;
-// Relative saturation below which a color has no hue: white, grey, black.
+// Relative saturation below which a color has no hue: white, gray, black.
 constexpr float kNoHue = 0.12f;
 // Saturation of a robot's patch, relative to the ball's saturation.
 constexpr float kColorful = 0.5f;
 
-// Axes of the plane of colors without their white part: towards red, and perpendicular to it.
+// Axes of the plane of colors without their white part: one towards red, one perpendicular to it.
 constexpr Rgb kRed{0.8164966f, -0.4082483f, -0.4082483f}, kGreenToBlue{0.0f, 0.7071068f, -0.7071068f};
 
 float dot(const Rgb& a, const Rgb& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
@@ -53,7 +53,7 @@ BallColor::BallColor(const Rgb& ball, const Rgb& floor) : ball_(ball), floor_(fl
   float saturation = std::sqrt(dot(chroma, chroma)), tolerance = kColorTolerance;
   const bool has_hue = saturation > kNoHue * std::sqrt(dot(ball, ball));
   if (!has_hue) {
-    // Without a hue, the color itself is compared.
+    // If there is no hue, the color itself is compared.
     saturation = std::sqrt(dot(ball, ball));
     for (std::size_t c = 0; c < 3; ++c) axis[c] = ball[c] / saturation;
   } else {

@@ -12,8 +12,8 @@ namespace touchline {
 constexpr int kGroupSize = 8;
 using PixelGroup = std::array<std::array<Simd4<float>, 2>, 3>;
 
-/// Tells the ball's color from others by its hue, which neither the lamps' reflection on the ball nor its dark side
-/// changes under white light, and by its difference from the floor.
+/// Distinguishes the ball's color from others by its hue and by its difference from the floor. Under white light,
+/// neither the lamps' reflection on the ball nor its dark side changes the hue.
 class BallColor {
  public:
   using Rgb = std::array<float, 3>;
@@ -23,9 +23,10 @@ class BallColor {
 
   [[nodiscard]] bool differs_from_floor() const;
 
-  /// Bit i of the result: pixel i has the ball's color.
+  /// Returns a mask; bit i is set if pixel i has the ball's color.
   [[nodiscard]] std::uint32_t is_ball(const PixelGroup& rgb) const;
-  /// Bit i: pixel i has a strong color that differs from that of the floor. The ball's color counts as well.
+  /// Returns a mask; bit i is set if pixel i has a strong color that differs from the floor's. The ball's color counts
+  /// as well.
   [[nodiscard]] std::uint32_t is_colorful(const PixelGroup& rgb) const;
 
  private:

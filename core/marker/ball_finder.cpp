@@ -9,24 +9,26 @@
 namespace touchline {
 namespace {
 
-// --- Regions alone: a ball that a robot half covers is still accepted. If less is visible, the center would be wrong.
+// --- For regions alone: least area ratio, with which a ball that a robot half covers is accepted. If less is visible,
+// the center would be wrong.
 constexpr float kMinBallRatio = 0.35f;
 // A disk fills 0.79 of its bounding box. Partly covered disks and small ones on the pixel grid fill at least half.
 constexpr float kMinFill = 0.45f;
 constexpr float kMaxAspectRatio = 2.6f;
 // Ratio of scores above which two candidates are equally likely.
 constexpr float kClearlyBetter = 0.85f;
-// Probability that a region of the right size and shape is the ball: for the expected area, and for the smallest one.
+// Probability that a region of the right shape is the ball, if it has the expected area, and if it has the smallest
+// accepted area.
 constexpr float kBestRegion = 0.98f, kSmallestRegion = 0.9f;
 
-// --- Pixels: log odds. The log odds of fill, overflow, shape and color were fitted (logistic regression, then rounded)
-// to balls and to painted distractors of other shapes and colors in every second real picture. Prior log odds of a
-// region in the ball's boxes, and of a place where only the track expects the ball.
+// --- For pixels: log odds. The log odds of fill, overflow, shape and color were fitted (logistic regression, then
+// rounded) to balls and to painted distractors of other shapes and colors in every second real picture. Prior log odds
+// of a region in the ball's boxes, and of a place where only the track expects the ball.
 constexpr float kRegionOdds = 0.5f, kExpectedOdds = -1.0f;
 // Log odds of a completely filled disk; the share at which the log odds are 0; their minimum and maximum.
 constexpr float kFilledOdds = 10.0f, kNeutralFilled = 0.6f, kMinFilledOdds = -4.0f, kMaxFilledOdds = 3.5f;
 // Log odds of a ring that is full of the ball's color. Shares below the first limit are normal for a ball; shares above
-// the maximum count no more.
+// the second one have no further effect.
 constexpr float kOverflowOdds = -20.0f, kNeutralOverflow = 0.05f, kMaxOverflow = 0.4f;
 // Log odds of a square; the squareness at which they are 0; their minimum and maximum. Log odds of a bar, and the
 // elongation up to which a ball is possible.
@@ -36,12 +38,12 @@ constexpr float kElongatedOdds = -20.0f, kNeutralElongation = 0.25f;
 constexpr std::array<float, 2> kShapeRadius{2.5f, 5.5f}, kShapeVisible{0.6f, 1.0f};
 // Log odds without a usable shape: most objects of this color and size are the ball.
 constexpr float kUnclearShapeOdds = 0.1f;
-// Log odds of surroundings full of other colors, and the share that a robot beside the ball explains.
+// Log odds of surroundings full of other colors, and the share of such colors that a robot beside the ball explains.
 constexpr float kColorfulOdds = -8.0f, kNeutralColorful = 0.25f;
 // Log odds that this is an undetected robot's patch: base value, and slope per share of other colors.
 constexpr float kPatchOdds = -6.0f, kPatchBesideOdds = 80.0f, kMaxPatchOdds = 2.0f;
-// Smallest visible share of the ball: anywhere, and where the track expects it. A ball that robots pin against a wall
-// may show only a crescent for many seconds.
+// Least visible share of the ball: in general, and at the position where the track expects it. A ball that robots pin
+// against a wall may show only a crescent for many seconds.
 constexpr float kMinVisible = 0.35f, kMinVisibleExpected = 0.15f;
 // Standard deviations of the log color: brightness, and one channel relative to the others.
 constexpr float kBrightnessSigma = 0.5f, kChannelSigma = 0.22f;
@@ -50,7 +52,7 @@ constexpr float kColorNoise_levels = 12.0f, kMinColorOdds = -10.0f;
 constexpr float kColorWeight = 0.9f;
 // A seed whose color is less likely than this shows a reflection or the ball's rim.
 constexpr float kCredibleSeed = -3.0f;
-// Share of the seed's tint that is attributed to the lamp. The rest is attributed to another color of the object.
+// Share of the seed's tint that is attributed to the lamp. The rest is attributed to another paint of the object.
 constexpr float kTintShare = 0.5f;
 // Log odds of a candidate on the top of a robot whose heading is unknown.
 constexpr float kOnRobotOdds = -5.0f;
@@ -83,7 +85,7 @@ std::array<FieldPoint, 2> on_both_planes(PixelPoint center, const BallFinder::Sc
   return {own, other_m != own_m ? camera.to_field(center, other_m) : own};
 }
 
-// True if the point is on the top of a robot, farther than `inset_m` from its edge.
+// Returns true if the point is on the top of a robot, farther than `inset_m` from its edge.
 bool on_a_robot(PixelPoint center, const BallFinder::Scene& now, const Sightings& sightings, float inset_m) {
   if (sightings.robots.empty()) return false;
   const std::array<FieldPoint, 2> at = on_both_planes(center, now);
@@ -113,7 +115,7 @@ FixedVector<RobotTop, kMaxRobots> tops_at(FieldPoint ball, const BallFinder::Sce
   return tops_near(ball, now.finder.camera(), sizes_of(now.teams), seen);
 }
 
-// Rises linearly from 0 at the first limit to 1 at the second one.
+// Returns a value that rises linearly from 0 at the first limit to 1 at the second one.
 float ramp(float value, const std::array<float, 2>& limits) {
   return std::clamp((value - limits[0]) / (limits[1] - limits[0]), 0.0f, 1.0f);
 }
@@ -127,7 +129,7 @@ float appearance_log_odds(const BallAppearance& shown) {
   const float shape = square + kElongatedOdds * std::max(0.0f, shown.elongation - kNeutralElongation);
   const float colorful = kColorfulOdds * std::max(0.0f, shown.colorful - kNeutralColorful);
   const float clarity = ramp(shown.radius, kShapeRadius) * ramp(shown.visible, kShapeVisible);
-  // Hidden pixels are no evidence.
+  // Hidden pixels do not count as evidence.
   return shown.visible * (filled + overflow + (1.0f - clarity) * kUnclearShapeOdds) + clarity * shape + colorful;
 }
 
@@ -251,7 +253,7 @@ void BallFinder::examine(const Scene& now, const PatchCandidate& patch, const Si
   const float radius_px = ball_.radius_m * patch.scale_px_per_m;
   std::array<float, 3> rgb = surface.rgb;
   if (is_sampled && colors_.knows(ball_.color)) {
-    // Use the typical color in the light of this place, because most pixels of a thin region are mixed.
+    // Use the typical color in the light at this position, because most pixels of a thin region are mixed.
     rgb = colors_.typical_rgb(ball_.color, space);
     if (log_likelihood(surface.rgb, ball_.color, space) > kCredibleSeed) {
       std::array<float, 3> gain{};
@@ -313,12 +315,12 @@ void BallFinder::find_by_pixels(const Scene& now, Sightings& out) const {
   };
   if (std::none_of(candidates.begin(), candidates.end(), is_expected)) examine_expected_place(now, out, candidates);
   const auto better = [](const Candidate& a, const Candidate& b) { return a.log_odds < b.log_odds; };
-  float expected = 0.0f;  // the largest odds at the expected place
+  float expected = 0.0f;  // largest odds of a candidate at the expected position
   for (const Candidate& candidate : candidates) {
     if (is_expected(candidate)) expected = std::max(expected, std::exp(candidate.log_odds));
   }
   const float others = std::log(1.0f - kTrackIsRight * expected / (1.0f + expected));
-  float sum_of_odds = 1.0f;  // no ball
+  float sum_of_odds = 1.0f;  // odds of 1 stand for no ball
   for (Candidate& candidate : candidates) {
     if (!is_expected(candidate)) candidate.log_odds += others;
     sum_of_odds += std::exp(candidate.log_odds);

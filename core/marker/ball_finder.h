@@ -16,29 +16,30 @@ struct BallParameters {
   float radius_m = 0.02135f;
 };
 
-/// The ball as a circular patch at the height of its center.
+/// Returns the ball as a circular patch at the height of its center.
 PatchPlace outline_of(const BallParameters& ball);
 
 /// Finds the ball.
 ///
-/// Without a frame: the candidate whose area fits best and whose region looks like a disk. Candidates on the top of a
-/// reported robot have a much lower rank. If two candidates are about equally likely, no ball is reported.
+/// Without a frame, it chooses the candidate whose area fits best and whose region looks like a disk. Candidates on the
+/// top of a reported robot have a much lower rank. If two candidates are about equally likely, no ball is reported.
 ///
-/// With a frame, regions only tell where to look. The evidence comes from the pixels at these places
-/// (ball_appearance.h), whatever boxes they fell into: how well a disk of the ball's size is filled, whether its color
-/// ends where the disk ends, whether its outline is that of a disk, whether patches of a robot are beside it, and how
+/// With a frame, regions only give positions to examine. The evidence comes from the pixels at these positions
+/// (ball_appearance.h), independently of the color boxes: how well a disk of the ball's size is filled, whether its
+/// color ends where the disk ends, whether its outline is circular, whether patches of a robot are beside it, and how
 /// much its color differs from the typical one. Pixels on the top of a robot do not count, because they hide the ball.
-/// A track adds its expectation; if no region is there, the place is examined, too, and a ball there makes others
-/// unlikely. The confidence is the probability of a candidate against all others and no ball; a ball with less than
-/// kMinConfidence is not reported. The work is bounded: at most kMaxLooks patches and the expected place.
+/// The track adds its expectation: the expected position is examined even if no region is there, and a ball there makes
+/// others unlikely. The confidence is the probability of a candidate, compared with all others and with no ball; a ball
+/// with less than kMinConfidence is not reported. The work is bounded: at most kMaxLooks patches and the expected
+/// position.
 class BallFinder {
  public:
   static constexpr float kMinConfidence = 0.6f;
-  // kMaxExamined: the ball, and clutter of its color and size. kMaxLooks also allows for patches of robots, which are
-  // skipped.
+  // kMaxExamined allows for the ball, and for clutter of its color and size. kMaxLooks also allows for patches of
+  // robots, which are skipped.
   static constexpr std::size_t kMaxExamined = 6, kMaxLooks = 8;
 
-  /// What is known in one frame. `patches`: candidates of the ball's color inside the field.
+  /// Input from one frame. `patches`: candidates of the ball's color inside the field.
   struct Scene {
     const Frame* frame = nullptr;  // may be null
     const ColorPatches& patches;
@@ -55,11 +56,11 @@ class BallFinder {
   void find(const Scene& now, Sightings& out) const;
 
  private:
-  // A place that may be the ball.
+  // A position that may be the ball's.
   struct Candidate {
-    const PatchCandidate* patch = nullptr;  // null: the place that the track expects
+    const PatchCandidate* patch = nullptr;  // null: the position that the track expects
     BallAppearance shown;
-    float log_odds = 0;  // against no ball
+    float log_odds = 0;  // log odds against no ball
   };
   using Candidates = FixedVector<Candidate, kMaxExamined + 1>;
 
@@ -67,13 +68,15 @@ class BallFinder {
   void find_by_pixels(const Scene& now, Sightings& out) const;
   void examine(const Scene& now, const PatchCandidate& patch, const Sightings& seen, Candidates& out) const;
   void examine_expected_place(const Scene& now, const Sightings& seen, Candidates& out) const;
-  // Log likelihood of a surface's mean color relative to that of the typical value, in a light of unknown brightness.
+  // Returns the log likelihood of a surface's mean color, relative to that of the typical value, in light of unknown
+  // brightness.
   [[nodiscard]] float log_likelihood(const std::array<float, 3>& rgb, ColorId color, ColorSpace space) const;
-  // Log odds of the ball against all alternatives, among them a patch of another color whose robot was not found.
+  // Returns the log odds of the ball against all alternatives, including a patch of another color whose robot was not
+  // found.
   [[nodiscard]] float log_odds_of(const BallAppearance& shown, float prior, ColorSpace space) const;
   [[nodiscard]] float place_log_odds(const Scene& now, PixelPoint center, const Sightings& seen) const;
   [[nodiscard]] float expectation_log_odds(const Scene& now, PixelPoint center) const;
-  // Whether the list already has a candidate at this position.
+  // Returns whether the list already has a candidate at this position.
   static bool is_listed(const Candidate& candidate, float radius_px, const Candidates& candidates);
   [[nodiscard]] bool shows_enough(const Scene& now, const BallAppearance& shown) const;
 

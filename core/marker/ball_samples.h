@@ -24,18 +24,18 @@ constexpr std::uint64_t sample_bit(int column) { return std::uint64_t{1} << samp
 /// Sets the bits of the columns from -last to last; none if `last` is negative.
 constexpr std::uint64_t middle_sample_bits(int last) { return last < 0 ? 0 : 2 * sample_bit(last) - sample_bit(-last); }
 
-/// Counts the bits that are set. std::popcount calls a function on processors that may lack the instruction.
+/// Counts the bits that are set. (On processors that may lack the instruction, std::popcount would call a function.)
 constexpr int count_sample_bits(std::uint64_t bits) {
   bits -= bits >> 1u & 0x5555555555555555u;
   bits = (bits & 0x3333333333333333u) + (bits >> 2u & 0x3333333333333333u);
   return static_cast<int>(((bits + (bits >> 4u)) & 0x0f0f0f0f0f0f0f0fu) * 0x0101010101010101u >> 56u);
 }
 
-/// Samples whose distance from a point is in [inner, outer).
+/// Samples whose distance from a point is in the interval [inner, outer).
 class SampleRing {
  public:
   SampleRing(float inner, float outer) : reach(std::min(kSampleReach, static_cast<int>(std::ceil(outer)) - 1)) {
-    // Squares of distances are integers.
+    // Compare squares, because squared distances are integers.
     const int outer2 = static_cast<int>(std::ceil(outer * outer)), inner2 = static_cast<int>(std::ceil(inner * inner));
     int out = reach, in = std::min(reach, static_cast<int>(std::ceil(inner)));
     for (int dv = 0; dv <= reach; ++dv) {
@@ -55,7 +55,7 @@ class SampleRing {
   }
 
   int reach = 0, count = 0;
-  // By distance of the row from the point: the last column of the ring and of its hole; -1: there is none.
+  // For each distance of a row from the point, the last column of the ring and the last column of its hole; -1: none.
   std::array<int, kSampleReach + 1> last{}, hole{};
 
  private:
@@ -68,7 +68,7 @@ class Samples {
   [[nodiscard]] std::uint64_t& row(int number) { return rows_[sample_index(number)]; }
   [[nodiscard]] std::uint64_t row(int number) const { return rows_[sample_index(number)]; }
 
-  /// Number of samples in a ring around (column, row).
+  /// Returns the number of samples in a ring around (column, row).
   [[nodiscard]] int count(const SampleRing& ring, int column, int row) const {
     int sum = 0;
     const int first = std::max(-kSampleReach, row - ring.reach), last = std::min(kSampleReach, row + ring.reach);
@@ -80,7 +80,7 @@ class Samples {
   /// both in their row and in their column.
   [[nodiscard]] Samples without_holes(const SampleRing& disk, int column, int row) const {
     Samples out;
-    std::array<std::uint64_t, kSampleSide> below{};  // or in it
+    std::array<std::uint64_t, kSampleSide> below{};  // samples below each row or in it
     const int first = std::max(-kSampleReach, row - disk.reach), last = std::min(kSampleReach, row + disk.reach);
     std::uint64_t seen = 0;
     for (int r = last; r >= first; --r) {
@@ -100,7 +100,7 @@ class Samples {
   std::array<std::uint64_t, kSampleSide> rows_{};
 };
 
-/// Counts samples in many places at once.
+/// Counts samples around many positions at once.
 class SampleSums {
  public:
   /// Counts around 16 neighboring columns, modulo 256.
@@ -111,7 +111,7 @@ class SampleSums {
     for (int row = -reach; row <= reach; ++row) {
       std::uint8_t* const sums = &sums_[sample_index(row) * kWidth];
       std::uint64_t bits = samples.row(row);
-      std::uint64_t sum = 0;  // one value, repeated in each byte
+      std::uint64_t sum = 0;  // running sum, repeated in each byte
       for (std::size_t byte = 0; byte < kWidth; byte += 8, bits >>= 8u) {
         // Spread one bit to each byte, then add up: each byte counts the bits up to its column. The lowest byte is the
         // first column.
@@ -124,8 +124,8 @@ class SampleSums {
       }
     }
   }
-  /// Number of samples in a ring around (column + i, row) for i = 0 to 15. The ring must not extend beyond the reach;
-  /// otherwise the count is undefined.
+  /// Returns the number of samples in a ring around (column + i, row) for i = 0 to 15. The ring must not extend beyond
+  /// the reach; otherwise the count is undefined.
   [[nodiscard]] Counts count(const SampleRing& ring, int column, int row) const {
     Counts counts{};
     for (int dv = -ring.reach; dv <= ring.reach; ++dv) {

@@ -9,8 +9,8 @@
 namespace touchline {
 namespace {
 
-// Directions of the first half of the rays. The others are opposite to them: where channels are sampled at different
-// places (Bayer mosaic, shared chroma), the errors at opposite borders cancel.
+// Number of pairs of opposite rays. Where channels are sampled at different positions (Bayer mosaic, shared chroma),
+// the errors at opposite borders cancel.
 constexpr std::size_t kPairs = 8;
 constexpr std::array<PixelPoint, kPairs> kRayDirections = {{{1.0f, 0.0f},
                                                             {0.9239f, 0.3827f},
@@ -23,11 +23,12 @@ constexpr std::array<PixelPoint, kPairs> kRayDirections = {{{1.0f, 0.0f},
 static_assert(kMinBorderRays == kPairs);
 // Largest number of mixed pixels of a ray. The blur of an edge is narrower.
 constexpr std::size_t kMaxMixed = 12;
-// Tolerance below the value of saturation: noise darkens pixels of a patch that is hardly saturated.
+// Tolerance below the value of saturation, because noise darkens pixels of a patch that is barely saturated.
 constexpr float kPlateau_levels = 12.0f;
 // A border ends where the sum of channels falls by less than this from one pixel to the next.
 constexpr float kEndOfFall_levels = 6.0f;
-// Brightest surroundings, relative to a saturated pixel. The top of a robot is black; neighbors may be brighter.
+// Largest brightness of the surroundings, relative to a saturated pixel. The top of a robot is black; neighbors may be
+// brighter.
 constexpr float kDarkSurroundings = 0.5f;
 // Iterations of the fit; its color changes by less than a percent after them.
 constexpr int kIterations = 6;
@@ -40,7 +41,7 @@ float sum_of(const Rgb& rgb) { return rgb[0] + rgb[1] + rgb[2]; }
 struct MixedPixel {
   Rgb excess{};  // linear light
   std::array<bool, 3> saturated{};
-  std::size_t pair = 0;  // of the ray
+  std::size_t pair = 0;  // number of the ray's pair
 };
 using MixedPixels = FixedVector<MixedPixel, 2 * kPairs * kMaxMixed>;
 
@@ -50,8 +51,8 @@ struct BorderRay {
   std::size_t pair = 0;
 };
 
-// Adds the mixed pixels of a ray, and the linear light of the surroundings. False if no border with dark surroundings
-// is found.
+// Adds the mixed pixels of a ray, and the linear light of the surroundings. Returns false if no border with dark
+// surroundings is found.
 bool follow_ray(const Frame& frame, const BorderRay& ray, const SurfaceColor& surface, MixedPixels& out,
                 Rgb& background) {
   const ColorSpace space = color_space(frame.format);
@@ -94,9 +95,9 @@ bool follow_ray(const Frame& frame, const BorderRay& ray, const SurfaceColor& su
   return true;
 }
 
-// Fits the patch's color: a pixel's share of the patch follows from its channels that are not saturated; the others
-// have at least the value at which they saturate, and more if color and share say so (expectation maximization).
-// `of_pair`: sums over the pixels of a pair of rays.
+// Fits the patch's color by expectation maximization: a pixel's share of the patch follows from its channels that are
+// not saturated. The other channels have at least the value at which they saturate, and more if color and share imply
+// it. `of_pair`: sums over the pixels of a pair of rays.
 Rgb fit_color(const MixedPixels& pixels, std::array<Rgb, kPairs>& of_pair) {
   Rgb color{1.0f, 1.0f, 1.0f};
   for (int i = 0; i < kIterations; ++i) {

@@ -8,7 +8,8 @@
 namespace touchline {
 namespace {
 
-// Standard deviations of a pose that follows from a long team patch alone: half its width, and the error of its axis.
+// Standard deviations of a pose that is computed only from a long team patch: half the patch's width, and the error of
+// its axis.
 constexpr float kUprightPosition_m = 0.005f, kUprightHeading = 0.1f;
 // Error of a region's centroid, along each axis.
 constexpr float kCentroidSigmaPx = 0.2f;
@@ -41,7 +42,8 @@ void write_centroid_noise(const CameraModel& camera, const std::array<TeamMarkin
       continue;
     }
     // The residual has two degrees of freedom per patch, less three of the pose. If it is larger than the usual error
-    // explains, it tells the error (Birge ratio). Then a region lacks a part of its patch, or has a part of another.
+    // explains, it determines the error (Birge ratio). The cause is a region that lacks a part of its patch, or
+    // contains a part of another one.
     const float squares = robot.residual_m * robot.residual_m * static_cast<float>(patches);
     variance = std::max(variance, squares / static_cast<float>(2 * patches - 3));
     FixedVector<FieldPoint, kMaxPatches> places;

@@ -12,9 +12,10 @@ namespace touchline {
 namespace {
 
 constexpr std::size_t kRowStep = 8, kColumnStep = 2;
-// White, which is the brightest surface of most pictures, has nearly equal channels.
+// Smallest difference between the channels of a colored pixel. It excludes white, the brightest surface of most
+// pictures, whose channels are nearly equal.
 constexpr int kColored_levels = 10;
-// Smallest number of sampled pixels at the highest value. One patch has more.
+// Smallest number of sampled pixels at the highest value. A single patch has more.
 constexpr int kMinClipped = 8;
 // Without clipping, values become rarer towards the highest one. Clipping moves all brighter values to the highest one,
 // which then has more pixels than this many levels below it together.
@@ -36,7 +37,7 @@ class SampledRow {
     sampled_ = __builtin_bit_cast(Block, sampled);
   }
 
-  /// Moves to a row, which begins here.
+  /// Moves to the row that begins here.
   void move_to(const std::uint8_t* pixels) { pixels_ = pixels; }
 
   /// Returns the highest channel value of all sampled pixels.
@@ -53,7 +54,7 @@ class SampledRow {
     return out;
   }
 
-  /// Calls use(highest, lowest) with the channels of all pixels that may have one from `least` on.
+  /// Calls use(highest, lowest) for the channels of all pixels that may have a channel of at least `least`.
   template <class Use>
   void for_each_from(std::uint8_t least, Use use) const {
     std::size_t at = 0;
@@ -68,7 +69,7 @@ class SampledRow {
   using Block = std::array<Bytes16, kVectors>;
 
   [[nodiscard]] std::size_t step() const { return info_.channel[0].step; }
-  // Sampled bytes of a block; others are 0.
+  // Returns the sampled bytes of a block; all others are 0.
   [[nodiscard]] Bytes16 highest_in(std::size_t at) const {
     Block block;
     std::memcpy(&block, pixels_ + at, sizeof block);
@@ -90,7 +91,7 @@ class SampledRow {
 
   const PixelFormatInfo& info_;
   std::size_t bytes_;
-  Block sampled_;  // all bits of the bytes of sampled pixels
+  Block sampled_;  // mask with all bits of the sampled pixels' bytes
   const std::uint8_t* pixels_ = nullptr;
 };
 
@@ -106,7 +107,7 @@ int saturated_from(const Frame& frame) {
     if (highest >= kSaturatedValue) return kSaturatedValue;
   }
   const int least = std::max(0, highest - kLevelsBelow);
-  int clipped = 0, below = 0;  // colored pixels
+  int clipped = 0, below = 0;  // numbers of colored pixels
   for (std::size_t v = 0; v < frame.height_px; v += kRowStep) {
     row.move_to(frame.plane[0] + v * frame.stride_bytes[0]);
     row.for_each_from(static_cast<std::uint8_t>(least), [&](int most, int lowest) {
@@ -115,7 +116,7 @@ int saturated_from(const Frame& frame) {
     });
   }
   if (clipped < kMinClipped || clipped <= below) return kSaturatedValue;
-  // Keep the usual ratio to the highest value.
+  // Keep the usual ratio to the highest possible value.
   return highest * kSaturatedValue / 255;
 }
 

@@ -9,7 +9,7 @@ constexpr float kNoise_levels = 5.0f;
 // lamps of any other spectrum (metamerism), and common to all channels (patches of different gloss and height).
 constexpr float kRatioSigma = 0.08f, kOtherLampsSigma = 0.15f, kCommonSigma = 0.15f;
 
-// Squares a number, or each of four.
+// Returns the square of a number, or of each of four.
 template <class T>
 constexpr T square(const T& x) {
   return x * x;

@@ -11,28 +11,29 @@ namespace {
 
 // Part of a tint of the light by which the ratios of paints may change.
 constexpr float kTintEffect = 0.5f;
-// Value of a white surface, and the share of the lamps' light that any patch mirrors.
+// Value of a white surface; share of the lamps' light that any patch mirrors, and that a team patch mirrors.
 constexpr float kWhite = 255.0f, kHaze = 0.01f, kHazeOfTeamPatch = 0.02f;
-// Glare on the team patch is measured in channels that are this dark in its color, relative to the brightest one. Less
-// glare than this is stray light and gloss.
+// Glare on the team patch is measured in channels that its color leaves dark: below this value relative to the
+// brightest channel. Smaller glare is attributed to stray light and gloss.
 constexpr float kDarkInColor = 0.4f, kMinGlare = 0.02f;
 // Expected factor by which the light of a saturated channel exceeds its lower bound.
 constexpr float kSaturatedGain = 1.5f;
 // Standard deviation of the log gain of a saturated channel.
 constexpr float kSaturatedSigma = 0.5f;
 
-// A gain far from the expected one widens the prior as a Student distribution of these degrees of freedom does: a
-// robot may stand in a shadow that the field around it does not show.
+// Degrees of freedom of the prior: a gain far from the expected one widens the prior like a Student distribution,
+// because a robot may stand in a shadow that the field around it does not show.
 constexpr float kDegreesOfFreedom = 3.0f;
 // Model error of a border's color, added to the error that its pixels show, and the probability of an outlier: another
 // object beside the patch.
 constexpr float kBorderSigma = 0.06f, kForeignBorder = 0.05f;
-// Part of kNoColor that belongs to the two ratios of channels.
+// Share of kNoColor that belongs to the two ratios of channels.
 constexpr float kNoBorderColor = ColorEvidence::kNoColor * 2.0f / 3.0f;
 // Error of a channel in which the patch is as dark as its surroundings, relative to the color's linear light.
 constexpr float kMinExcess = 0.3f;
 
-// Variance of a channel's log value (gamma 2) if the patch mirrors a share of the lamps' light. Dark values vary more.
+// Returns the variance of a channel's log value (gamma 2) if the patch mirrors a share of the lamps' light. Dark values
+// vary more.
 float haze_variance(float value, float white, float share) {
   return square(0.5f * share * square(white) / square(value + kStrayLight_levels));
 }
@@ -41,7 +42,7 @@ float haze_variance(float value, float white, float share) {
 // because a lamp of another tint brightens one of them, but not all. In linear light, as a share of `white`.
 float glare_on(const SurfaceColor& patch, const std::array<float, 3>& typical, const LightPrior& prior) {
   const float brightest = std::max({typical[0], typical[1], typical[2]});
-  // The brighter channels tell how bright the light is, unless they are saturated.
+  // The gain follows from the brighter channels, unless they are saturated.
   float gain = 0;
   for (std::size_t c = 0; c < 3; ++c) {
     if (typical[c] < kDarkInColor * brightest) continue;
@@ -96,7 +97,7 @@ LocalLight ColorEvidence::light_on(const SurfaceColor& seen_patch, ColorId team_
     const float white = prior.gain[c] * kWhite;
     team_patch.rgb[c] = std::sqrt(std::max(0.0f, square(seen_patch.rgb[c]) - light.glare * square(white)));
   }
-  std::array<float, 3> deviation{}, weight{};  // of the logarithm of the gain from the prior's
+  std::array<float, 3> deviation{}, weight{};  // deviation of the gain's logarithm from the prior's
   std::array<bool, 3> counts{};
   float sum = 0, weights = 0;
   const auto add = [&](std::size_t c) {
@@ -120,7 +121,7 @@ LocalLight ColorEvidence::light_on(const SurfaceColor& seen_patch, ColorId team_
   const float surprise = weights > 0.0f ? square(sum / weights) / (square(prior.common_sigma) + 1.0f / weights) : 0.0f;
   const float widened = (kDegreesOfFreedom + surprise) / (kDegreesOfFreedom + 1.0f);
   const float precision = 1.0f / (square(prior.common_sigma) * std::max(1.0f, widened));
-  // A saturated channel is a lower bound: it counts if the light would otherwise be darker.
+  // A saturated channel gives a lower bound, so it counts only if the light would otherwise be darker.
   const float known = sum / (precision + weights);
   for (std::size_t c = 0; c < 3; ++c) {
     if (!counts[c] && deviation[c] > known) add(c);
@@ -153,7 +154,8 @@ ExpectedColor ColorEvidence::expected_color(const LocalLight& light, ColorId col
   return expected;
 }
 
-// Deviations of a border's channels from a color, as logarithms of values, and the errors of this patch alone.
+// Returns the deviations of a border's channels from a color, as logarithms of values, and the errors of this patch
+// alone.
 ColorEvidence::BorderDeviation ColorEvidence::deviation_of(const BorderColor& border, const LocalLight& light,
                                                            ColorId color, ColorSpace space) const {
   const std::array<float, 3>& typical = typical_rgb(color, space);

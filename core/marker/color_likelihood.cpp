@@ -1,4 +1,4 @@
-// How likely a surface has a color: ColorEvidence::log_likelihoods(), log_likelihood_of_same() and what they need.
+// Likelihood of colors for a surface: ColorEvidence::log_likelihoods(), log_likelihood_of_same() and their helpers.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -13,18 +13,18 @@ namespace {
 using Floats = Simd4<float>;
 using Lanes = Simd4<std::int32_t>;  // -1: true, 0: false
 
-// Prior of glare: one patch in five mirrors a lamp, on average a tenth of its light (exponential distribution). As log
-// likelihood.
+// Prior of glare: one patch in five mirrors a lamp, on average a tenth of its light (exponential distribution). The
+// first constant is a log likelihood.
 constexpr float kGlareIsRare = 1.6f, kMeanGlare = 0.1f;
 // Standard deviation of the log ratio between two places of the floor, per channel.
 constexpr float kFloorSigma = 0.12f;
-// Log likelihood ratio of the first and of each further saturated channel that a color predicts with certainty: about
-// one surface of no color in seven saturates a channel, but white lines saturate all. A channel's part of kNoColor is
-// included.
+// Log likelihood ratio of the first and of each further saturated channel that a color predicts with certainty. About
+// one surface in seven that has no color saturates a channel, but white lines saturate all. A channel's share of
+// kNoColor is included.
 constexpr float kFirstSaturated = 1.9f + ColorEvidence::kNoColor / 3.0f;
 constexpr float kNextSaturated = 0.7f + ColorEvidence::kNoColor / 3.0f;
-// With these squared errors, a density is below kFloor without the part of the saturated channels: the logarithm of
-// three variances is at least 6 log(kRatioSigma).
+// If the squared errors exceed this value, a density is below kFloor even without the saturated channels: the logarithm
+// of three variances is at least 6 log(kRatioSigma).
 constexpr float kFar = 40.0f;
 static_assert(kRatioSigma >= 0.08f && kFloorSigma >= kRatioSigma &&
               -0.5f * (kFar - 15.2f) + kFirstSaturated < ColorEvidence::kFloor);
@@ -39,7 +39,7 @@ Floats for_lanes(Lanes needed, Floats x, Function function) {
   return out;
 }
 
-// Logarithm of the probability that a standard normal variable exceeds z.
+// Returns the logarithm of the probability that a standard normal variable exceeds z.
 float log_upper_tail(float z) {
   constexpr float kFarthest = 6.0f;
   return std::log(0.5f * std::erfc(std::min(z, kFarthest) / std::numbers::sqrt2_v<float>));
@@ -47,14 +47,14 @@ float log_upper_tail(float z) {
 
 // gcc 12 unrolls no loops at -O2, and without that keeps the values of a loop in memory.
 //
-// Errors are relative: 2 (a - b) / (a + b), which is nearly log(a / b). Their covariance is diagonal plus that of a
-// factor that is common to all channels; it is inverted with the formula of Sherman and Morrison. A saturated value is
-// a lower bound: its likelihood is the probability of larger values, given the other channels. Values that are surely
-// below kFloor are not exact.
+// Errors are relative: 2 (a - b) / (a + b), which is nearly log(a / b). Their covariance is a diagonal matrix plus that
+// of a factor common to all channels; it is inverted with the formula of Sherman and Morrison. A saturated value is a
+// lower bound: its likelihood is the probability of larger values, given the other channels. Densities that are
+// certainly below kFloor are not exact.
 Floats log_densities(const SurfaceColor& surface, const ExpectedColors4& expected) {
   std::array<Floats, 3> error, variance;
   const float noise = square(kNoise_levels) + square(surface.spread);
-  Floats precision = Floats{} + 1.0f, determinant = precision, sum{}, squares{};  // of the common factor
+  Floats precision = Floats{} + 1.0f, determinant = precision, sum{}, squares{};  // precision of the common factor
   _Pragma("GCC unroll 3") for (std::size_t c = 0; c < 3; ++c) {
     const Floats per_middle = 1.0f / (0.5f * (surface.rgb[c] + expected.rgb[c]) + kStrayLight_levels);
     error[c] = (surface.rgb[c] - expected.rgb[c]) * per_middle;
@@ -97,7 +97,8 @@ Simd4<float> ColorEvidence::log_likelihoods(const SurfaceColor& surface, const E
   Floats density = log_densities(surface, expected) - glare / kMeanGlare;
   const Lanes may_be_whiter = is_glossy ? Lanes{} - 1 : in_box;
   if (any(may_be_whiter)) {
-    // Least-squares share of the lamps' light, in linear light: the patch plus this share is nearest to the seen color.
+    // Least-squares estimate of the share of the lamps' light, in linear light: the patch plus this share is nearest to
+    // the seen color.
     std::array<Floats, 3> variance;
     _Pragma("GCC unroll 3") for (std::size_t c = 0; c < 3; ++c) {
       const Floats middle = square(0.5f * (surface.rgb[c] + expected.rgb[c]) + kStrayLight_levels);

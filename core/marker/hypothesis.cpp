@@ -29,9 +29,9 @@ constexpr float kMinDullRatio = 0.16f, kRivalArea = 0.5f;
 // Error of a long team patch's axis: standard deviation 5 degrees if it is complete. Beyond 40 degrees the patch
 // belongs to another robot.
 constexpr float kAxisSigma = 0.1f, kAxisGate = 0.7f;
-// A bound is this much weaker than computed, for rounding.
+// Factor by which a bound is weakened to allow for rounding.
 constexpr float kRounding = 1.01f;
-// Work in units of one test of a neighbor: the evaluation of a set of patches.
+// Work of evaluating a set of patches, in units of one test of a neighbor.
 constexpr int kEvaluationWork = 30;
 // Only the best hypotheses of a team patch can be selected.
 constexpr std::size_t kMaxPerTeamPatch = 16;
@@ -108,7 +108,7 @@ class Search {
     }
   }
 
-  // A layout of three or more patches predicts the position of a dull patch from the others.
+  // Returns whether a dull patch can be used: a layout of three or more patches predicts its position from the others.
   bool helps_partly_visible(const PatchCandidate& patch) const {
     return slots_ > 1 && !patch_.is_partly_visible && patch.ratio >= kMinDullRatio;
   }
@@ -137,7 +137,7 @@ class Search {
     for (; left != 0; left &= left - 1) {
       const auto i = static_cast<std::size_t>(std::countr_zero(left));
       spread_m2_[slot + 1] = spread_m2_[slot] + added_m2[i];
-      if (spread_m2_[slot + 1] > most_spread_m2_) continue;  // the limit fell since
+      if (spread_m2_[slot + 1] > most_spread_m2_) continue;  // the limit has fallen since
       set_[slot] = neighbors_[i].number;
       of_slot_[slot] = static_cast<std::uint8_t>(i);
       points_.push_back({place_of(layout_.patches[slot + 1]), patches_.identification[set_[slot]].at[team_]});
@@ -198,9 +198,9 @@ class Search {
     if (h.value > 0.0f) keep(h);
   }
 
-  // Limits the spread: a set with more of it cannot pass the gate or be among the best ones. Two points' distances in
-  // the picture and in the layout differ by at most the difference of their errors in the fit. The squared differences
-  // of all pairs of n errors add up to n times the sum of the squared errors. So the residual is at least
+  // Limits the spread: a set with a larger spread cannot pass the gate or be among the best ones. Two points' distances
+  // in the picture and in the layout differ by at most the difference of their errors in the fit. The squared
+  // differences of all pairs of n errors add up to n times the sum of the squared errors. So the residual is at least
   // sqrt(spread) / n.
   void limit_spread() {
     most_spread_m2_ = std::numeric_limits<float>::max();
@@ -212,7 +212,7 @@ class Search {
         std::min(kRounding * n * n * gate_m_ * gate_m_, 2.0f * (most - least) * kRounding * n * sigma * sigma);
   }
 
-  // Keeps the best ones, best first; of equal ones those that were found first.
+  // Keeps the best hypotheses, best first; of equal ones, the first found.
   void keep(const Hypothesis& h) {
     if (found_.full()) {
       if (h.value <= found_.back().value) return;
@@ -224,7 +224,7 @@ class Search {
     if (found_.full()) limit_spread();
   }
 
-  // True if a region of another color, at least half as large, lies at the position of a dull patch.
+  // Returns true if a region of another color, at least half as large, lies at the position of a dull patch.
   bool is_contradicted(const RobotFrame& to_robot) const {
     for (std::size_t s = 0; s < slots_; ++s) {
       if (set_[s] == kMissing || !patches_.identification[set_[s]].is_partly_visible) continue;
@@ -267,7 +267,7 @@ class Search {
     if (h.value > 0.0f) keep(h);
   }
 
-  // True if no robot of the other team has the same colors.
+  // Returns true if no robot of the other team has the same colors.
   bool is_unique_to_team() const {
     const RobotMarking& robot = marking_.robots[static_cast<std::size_t>(robot_)];
     return std::none_of(others_.robots.begin(), others_.robots.end(), [&](const RobotMarking& other) {
@@ -275,7 +275,7 @@ class Search {
     });
   }
 
-  // True if the set belongs, or may belong, to another team patch.
+  // Returns true if the set belongs, or may belong, to another team patch.
   bool has_other_team_patch() const {
     for (const TeamPatch& other : patches_.team) {
       if (other.patch.is_partly_visible) continue;
@@ -292,8 +292,8 @@ class Search {
                           std::numbers::pi_v<float>);
   }
 
-  // Team patches that may be on the top of a robot with this team patch: no farther than its diagonal and the errors of
-  // its patches.
+  // Finds the team patches that may be on the top of a robot with this team patch: they are no farther than its
+  // diagonal and the errors of its patches.
   void find_rivals() {
     const float reach = 2 * layout_.robot_side_m + 4 * gate_m_;
     for (std::size_t i = 0; i < patches_.team.size(); ++i) {
@@ -323,14 +323,14 @@ class Search {
   FixedVector<Neighbor, kMaxNeighbors> neighbors_;
   FixedVector<FieldPoint, kMaxTeamPatches> rivals_;
   std::array<std::uint16_t, kMaxPatches - 1> set_{};
-  std::array<std::uint8_t, kMaxPatches - 1> of_slot_{};  // the patches of set_, as neighbors
-  // The team patch and the patches of the set. dull_: the number of partly visible ones.
+  std::array<std::uint8_t, kMaxPatches - 1> of_slot_{};  // the patches of set_, as indices of neighbors
+  // Team patch and patches of the set. dull_: number of partly visible ones.
   FixedVector<Correspondence, kMaxPatches> points_;
   int dull_ = 0;
   NeighborSet used_ = 0;
   std::int8_t robot_ = -1;
-  std::size_t missing_ = 0, missing_left_ = 0;  // empty slots: in the whole set, and from the next slot on
-  // By slot: sum of squared errors of the distances between the patches of the slots before it.
+  std::size_t missing_ = 0, missing_left_ = 0;  // number of empty slots: in the whole set, and from the next slot on
+  // For each slot, sum of squared errors of the distances between the patches of the slots before it.
   std::array<float, kMaxPatches> spread_m2_{};
   float most_spread_m2_ = 0;
   int work_left_ = 0;

@@ -25,15 +25,16 @@ constexpr std::uint16_t kMissing = 0xffff;
 
 /// A team patch with identification patches that together may be a robot: an entry of the paper's table 1.
 struct Hypothesis {
-  std::uint16_t team_patch = 0;  // index in the list of team patches
+  std::uint16_t team_patch = 0;  // index in PatchLists
   Team team = Team::kOwn;
-  std::int8_t robot = -1;  // index in TeamMarking::robots; -1: the colors belong to no robot, or some are missing
-  std::uint8_t seen = 0;   // number of identification patches that are not missing
-  std::array<std::uint16_t, kMaxPatches - 1> identification{};  // by slot: index in the list, or kMissing
+  // Index in TeamMarking::robots; -1: the colors belong to no robot, or some patches are missing.
+  std::int8_t robot = -1;
+  std::uint8_t seen = 0;                                        // number of identification patches that are not missing
+  std::array<std::uint16_t, kMaxPatches - 1> identification{};  // for each slot: index in the list, or kMissing
   bool has_heading = true;                                      // false if too little of the team patch is visible
   RigidFit fit;
   float value = 0;       // log likelihood relative to an unpaired team patch; above 0
-  bool precise = false;  // fits well enough to report the id
+  bool precise = false;  // the fit is good enough to report the id
 };
 
 // In a crowd, a robot of the paper's layout has one to three entries; one with more patches has about 15, including all
@@ -54,13 +55,13 @@ struct DistanceWindow {
 DistanceWindow window_of(const MarkerLayout& layout, std::size_t slot);
 
 /// Appends the hypotheses of team patch `index`. Each team patch is a claimant of `work`, in tests of a neighbor.
-/// Complete sets of known robots are searched first. False if the search reached its bound.
+/// Complete sets of known robots are searched first. Returns false if the search reached its bound.
 bool add_hypotheses(const std::array<TeamMarking, 2>& teams, const PatchLists& patches, std::size_t index,
                     WorkBudget<int>& work, Hypotheses& out);
 
 // --- Error model; the selection and the tests use it too -------------------------------------------------------------
 
-/// Two explanations with a smaller difference of log likelihoods (20 to 1) count as equally likely.
+/// Two explanations count as equally likely if their log likelihoods differ by less than this (20 to 1).
 constexpr float kMinIdMargin = 3.0f;
 /// Largest RMS distance from the layout for a robot, and for a robot whose id is reported.
 constexpr float residual_gate_m(float scale_px_per_m) { return 0.010f + 0.5f / scale_px_per_m; }
@@ -72,7 +73,7 @@ constexpr float kMinRobotDistance = 0.8f;
 /// A team patch this far inside a robot's border is not its neighbor's.
 constexpr float kForeignPatchInset_m = 0.005f;
 
-/// True if the point (in the robot's frame) is on the robot, at least `inset_m` from its border.
+/// Returns true if the point (in the robot's frame) is on the robot, at least `inset_m` from its border.
 bool on_robot(const MarkerLayout& layout, FieldPoint point, float inset_m);
 
 }  // namespace touchline

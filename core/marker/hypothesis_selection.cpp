@@ -37,8 +37,8 @@ void Selector::find_conflicts() {
   near_.fill({});
   float largest_side = 0;
   for (const float side : robot_side_m_) largest_side = std::max(largest_side, side);
-  // Places closer than this are in the same strip or in adjacent ones. Slightly larger than needed, so that rounding
-  // decides nothing.
+  // Width of the strips: positions closer than this are in the same strip or in adjacent ones. It is slightly larger
+  // than needed, so that rounding has no effect.
   const float far = 1.01f * kMinRobotDistance * largest_side;
   const auto strip_of = [](float strips) {
     return static_cast<std::size_t>(static_cast<std::int64_t>(std::floor(strips)) & std::int64_t{kStrips - 1});
@@ -75,7 +75,7 @@ void Selector::find_conflicts() {
   }
 }
 
-// The hypotheses so far that use an identification patch of this one, or have its name.
+// Returns the earlier hypotheses that use an identification patch of this one, or have its name.
 HypothesisSet Selector::same_patch_or_name(const Hypothesis& h) const {
   Set out;
   for (const std::uint16_t patch : h.identification) {
@@ -126,7 +126,7 @@ void Selector::search(const Group& group, std::size_t depth, const Set& excluded
   search(group, depth + 1, excluded, value);
 }
 
-// True if there is a set without the excluded hypotheses whose value is above `value`.
+// Returns true if there is a set without the excluded hypotheses whose value is above `value`.
 bool Selector::alternative(const Group& group, const Set& excluded, float value) {
   stop_at_first_ = true;
   found_ = false;

@@ -9,10 +9,10 @@
 
 namespace touchline {
 
-/// A selected hypothesis and how certain it is.
+/// A selected hypothesis and its certainty.
 struct Chosen {
   std::uint16_t hypothesis = 0;
-  bool id_is_sure = false;    // all explanations with another id or without an id are far less likely
+  bool id_is_sure = false;    // all explanations with another id, or without an id, are far less likely
   bool pose_is_sure = false;  // all explanations with another pose are far less likely
 };
 
@@ -41,7 +41,7 @@ class HypothesisSet {
     for (std::size_t i = 0; i < words_.size(); ++i) rest.words_[i] &= ~other.words_[i];
     return rest;
   }
-  /// Bit i: contains number `first` + i, for `count` numbers, at most 63.
+  /// Returns a mask; bit i is set if the set contains number `first` + i, for `count` numbers, at most 63.
   [[nodiscard]] std::uint64_t from(std::size_t first, std::size_t count) const {
     const std::size_t word = first / 64, shift = first % 64;
     std::uint64_t bits = words_[word] >> shift;
@@ -73,8 +73,8 @@ class HypothesisSet {
 /// The search is bounded (work_budget.h). If it reaches the bound, no result of the group is certain.
 class Selector {
  public:
-  /// `robot_side_m` is indexed by Team. Hypotheses of one team patch, at most 63, must be adjacent. False if the search
-  /// reached a bound.
+  /// `robot_side_m` is indexed by Team. Hypotheses of one team patch, at most 63, must be adjacent. Returns false if
+  /// the search reached a bound.
   bool select(std::span<const Hypothesis> hypotheses, std::size_t team_patches, std::array<float, 2> robot_side_m,
               Selection& out);
 
@@ -83,7 +83,7 @@ class Selector {
   struct Options {
     std::uint16_t begin = 0, end = 0;  // range of the hypotheses of a team patch, best first
   };
-  using Group = FixedVector<std::uint16_t, kMaxTeamPatches>;  // team patches
+  using Group = FixedVector<std::uint16_t, kMaxTeamPatches>;  // numbers of team patches
 
   // The field is divided into strips along both axes. Their numbers are modulo kStrips.
   static constexpr std::size_t kStrips = 32;
@@ -92,12 +92,12 @@ class Selector {
   void find_conflicts();
   [[nodiscard]] Set same_patch_or_name(const Hypothesis& h) const;
   void form_groups(std::size_t team_patches);
-  // Nodes of the search trees that may still be visited.
+  // Numbers of nodes of the search trees that may still be visited.
   struct Nodes {
     int best = 0, alternatives = 0;
   };
 
-  // `share`: in: nodes that may be visited; out: nodes that are left.
+  // `share` is the number of nodes that may be visited; the function replaces it by the number of nodes that are left.
   void choose_within(const Group& group, Nodes& share, Selection& out);
   void search(const Group& group, std::size_t depth, const Set& excluded, float value);
   bool alternative(const Group& group, const Set& excluded, float value);
@@ -105,15 +105,15 @@ class Selector {
   std::span<const Hypothesis> hypotheses_;
   std::array<float, 2> robot_side_m_{};
   std::array<Set, kMaxHypotheses> conflicts_;
-  // Hypotheses that use a patch or have the name of a robot, and those with a place in or beside a strip; state of
-  // find_conflicts().
+  // State of find_conflicts(): hypotheses that use a patch or have the name of a robot, and hypotheses with a position
+  // in or beside a strip.
   std::array<Set, kMaxIdentification> with_patch_;
   std::array<std::array<Set, kMaxRobotsPerTeam>, 2> with_name_;
-  std::array<Strips, 2> near_;  // along x and y
+  std::array<Strips, 2> near_;  // strips along x and along y
   std::array<Options, kMaxTeamPatches> options_{};
   std::array<std::uint16_t, kMaxTeamPatches> group_of_{};
   // State of the search.
-  std::array<float, kMaxTeamPatches + 1> bound_{};  // by depth: largest value that the rest of the group can add
+  std::array<float, kMaxTeamPatches + 1> bound_{};  // for each depth: largest value that the rest of the group can add
   std::array<std::uint16_t, kMaxTeamPatches> path_{}, best_{};
   float best_value_ = 0;
   bool stop_at_first_ = false, found_ = false, complete_ = true;

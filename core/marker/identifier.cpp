@@ -16,9 +16,10 @@
 namespace touchline {
 namespace {
 
-// Log odds that a patch region has the color of its box: 2 is 7 to 1. More would be too much, because the pixels of the
-// region also count as evidence. It applies only to surfaces whose spread is below kUneven_levels: the edge of another
-// surface may have pixels of any color. White pixels are in several boxes, of which only the first one is known.
+// Log odds that a patch region has the color of its box: 2 means 7 to 1. A larger value would be wrong, because the
+// pixels of the region also count as evidence. It applies only to surfaces whose spread is below kUneven_levels: the
+// edge of another surface may have pixels of any color. White pixels may lie in the boxes of several colors, and only
+// the first of these boxes is known.
 constexpr float kBoxVote = 2.0f, kUneven_levels = 25.0f;
 // Margins are divided by this value before they become a probability, because the errors of a robot's patches are not
 // independent.
@@ -28,8 +29,9 @@ constexpr float kTentativeDoubt = 3.0f;
 // Log-odds penalty for stripes: the positions of all identification patches show the team color.
 constexpr float kTeamColorDoubt = 3.0f;
 constexpr float kSimilarPlace = 0.02f, kSimilarHeading = 0.5f;
-// The light on a robot differs from the light of the field around it: robots are higher than the floor, and their gloss
-// is not that of the calibration. Standard deviations of the log ratio, common to all channels and per channel.
+// Standard deviations of the log ratio between the light on a robot and the light of the field around it: common to all
+// channels, and per channel. They differ because robots are higher than the floor, and their gloss is not that of the
+// calibration.
 constexpr float kFieldSigma = 0.12f, kFieldTintSigma = 0.06f;
 // Samples of a patch are taken within this part of its inner circle.
 constexpr float kSampledRadius = 0.5f;
@@ -51,7 +53,7 @@ float inner_radius_m(const PatchPlace& place) {
   return std::min(place.length_m / 3.0f, place.length_m * place.width_m / 3.0f / side);
 }
 
-// Whether another color, or none, is nearly as likely as the likeliest one.
+// Returns whether another color, or none, is nearly as likely as the likeliest one.
 bool is_uncertain(std::span<const float> likelihood) {
   float best = ColorEvidence::kFloor, second = ColorEvidence::kNoColor;
   for (const float value : likelihood) {
@@ -61,7 +63,8 @@ bool is_uncertain(std::span<const float> likelihood) {
   return best - second < kClearMargin;
 }
 
-// Whether two poses differ by no more than the error of a region's centroid or axis. They are not alternatives then.
+// Returns whether two poses differ by no more than the error of a region's centroid or axis, and so are no
+// alternatives.
 bool similar(const Pose& a, const Pose& b) {
   return distance_m(a.position, b.position) < kSimilarPlace &&
          std::abs(wrap_angle(a.theta_rad - b.theta_rad)) < kSimilarHeading;
@@ -102,8 +105,8 @@ int Identifier::step_px(const TeamColors& colors, std::size_t patch, float scale
   return std::max(1, static_cast<int>(kSampledRadius * colors.radius_m[patch] * scale_px_per_m));
 }
 
-// Samples the border of a patch with a saturated channel. False if it is not visible enough. If a pose is given, two
-// visible sides are enough.
+// Samples the border of a patch with a saturated channel. Returns false if it is not visible enough. If a pose is
+// given, two visible sides are enough.
 bool Identifier::look_at_border(const Scene& now, PixelPoint center, const SurfaceColor& surface, std::size_t patch,
                                 float scale_px_per_m, const PoseEvidence* pose, BorderColor& out) const {
   if (surface.saturated_channels() == 0 || now.borders_left == 0) return false;
@@ -134,9 +137,9 @@ void Identifier::look_at_light(const Scene& now, Candidate& candidate) const {
   now.expected.light = nullptr;
 }
 
-// Log likelihoods of the colors of a slot, followed by the team color. `box`: class of the surface's region, or
-// kBackground. `on_robot`: the candidate's light. The expected colors are cached until the light of another team patch
-// is measured.
+// Returns the log likelihoods of the colors of a slot, followed by the team color. `box`: class of the surface's
+// region, or kBackground. `on_robot`: the candidate's light. The expected colors are cached until the light of another
+// team patch is measured.
 Identifier::SlotLikelihoods Identifier::likelihoods(const Scene& now, const LocalLight& on_robot, std::size_t slot,
                                                     const SurfaceColor& surface, ColorId box) const {
   const auto& colors = team_colors_[now.team].slots[slot].colors;
@@ -166,7 +169,7 @@ Identifier::SlotLikelihoods Identifier::likelihoods(const Scene& now, const Loca
   return out;
 }
 
-// Log likelihood of the likeliest color of a patch in this pose.
+// Returns the log likelihood of the likeliest color of a patch in this pose.
 float Identifier::best_likelihood(const Scene& now, const Candidate& candidate, const Pose& pose,
                                   std::size_t slot) const {
   const MarkerLayout& layout = teams_[now.team].layout;
@@ -179,8 +182,8 @@ float Identifier::best_likelihood(const Scene& now, const Candidate& candidate, 
   return *std::max_element(of_color.begin(), of_color.begin() + static_cast<std::ptrdiff_t>(colors));
 }
 
-// Whether every pose of a robot uses an identification region that another robot may own. The robot's own patch may
-// have fallen into no box.
+// Returns whether every pose of a robot uses an identification region that another robot may own. In this case, the
+// robot's own patch may have fallen into no box.
 bool Identifier::has_only_claimed_regions(const Candidate& candidate) const {
   const auto is_claimed = [&](std::uint16_t number) {
     return number != kMissing && std::any_of(candidates_.begin(), candidates_.end(), [&](const Candidate& other) {
@@ -244,7 +247,7 @@ Identifier::SlotEvidence Identifier::evidence_in_slot(const Scene& now, const Ca
   return out;
 }
 
-// False if the team patch cannot be sampled.
+// Returns false if the team patch cannot be sampled.
 bool Identifier::evaluate(const Scene& now, Candidate& candidate) const {
   const TeamMarking& team = teams_[now.team];
   const TeamColors& colors = team_colors_[now.team];
@@ -288,8 +291,8 @@ bool Identifier::evaluate(const Scene& now, Candidate& candidate) const {
   return !candidate.poses.empty() && (candidate.is_complete || !box.is_tentative);
 }
 
-// Log likelihood of the best explanation of a candidate by a pose with other patches. A name that another robot has
-// costs that robot its margin.
+// Returns the log likelihood of the best explanation of a candidate by a pose with other patches. A name that another
+// robot has costs that robot its margin.
 float Identifier::other_explanation(const Scene& now, std::size_t number, const PoseEvidence& pose,
                                     const AssignedIds& assigned) const {
   const Candidate& candidate = candidates_[number];
@@ -307,7 +310,7 @@ float Identifier::other_explanation(const Scene& now, std::size_t number, const 
   return best;
 }
 
-// Whether both poses use the same identification regions, at least one of them.
+// Returns whether both poses use the same identification regions, at least one of them.
 bool Identifier::has_same_part(const PoseEvidence& a, const PoseEvidence& b) {
   return a.identification == b.identification && std::any_of(a.identification.begin(), a.identification.end(),
                                                              [](std::uint16_t number) { return number != kMissing; });
@@ -322,7 +325,7 @@ void Identifier::apply(const Scene& now, std::size_t number, const AssignedIds& 
   robot.id = kUnknownId;
   const RobotMarking* const name =
       assigned.robot == kNoRobot ? nullptr : &team.robots[static_cast<std::size_t>(assigned.robot)];
-  // kNoIdentification remains: poses were also searched around a team patch without identification patches.
+  // kNoIdentification is kept: poses were also searched around a team patch without identification patches.
   if (robot.doubt != IdDoubt::kNoIdentification) robot.doubt = IdDoubt::kSeveralPoses;
   const auto value = [&](const PoseEvidence& pose) {
     return name == nullptr ? pose.best : pose.value[static_cast<std::size_t>(assigned.robot)];
@@ -357,7 +360,7 @@ void Identifier::apply(const Scene& now, std::size_t number, const AssignedIds& 
   robot.confidence = 1.0f / (1.0f + std::exp(-assigned.margin / kTemperature));
 }
 
-// Log likelihoods of the names of a robot, over all of its poses.
+// Returns the log likelihoods of the names of a robot, over all of its poses.
 IdEvidence Identifier::evidence_of(const Scene& now, const Candidate& candidate) const {
   const TeamMarking& team = teams_[now.team];
   IdEvidence out;
@@ -423,7 +426,7 @@ void Identifier::identify(const Frame& frame, const ExpectedGain& light, const P
   for (std::size_t t = 0; t < teams_.size(); ++t) robots += team_colors_[t].usable ? robots_of(out, t) : 0;
   WorkBudget<int> borders(kMaxBorders, robots);
   ExpectedColors expected;
-  int clipped_from = 0;  // 0: not looked at
+  int clipped_from = 0;  // 0: the frame was not examined yet
   for (std::size_t t = 0; t < teams_.size(); ++t) {
     if (!team_colors_[t].usable) continue;
     int borders_left = borders.take(robots_of(out, t));

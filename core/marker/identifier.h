@@ -15,20 +15,21 @@
 
 namespace touchline {
 
-/// How the color boxes found a reported robot.
+/// The robot as the color boxes found it.
 struct BoxSighting {
-  std::uint16_t team_patch = 0;         // index in the list of team patches
-  std::uint16_t hypothesis = kMissing;  // index in the list of hypotheses; kMissing: only its team patch was found
+  std::uint16_t team_patch = 0;  // index in the list of team patches
+  // Index in the list of hypotheses; kMissing: only the robot's team patch was found.
+  std::uint16_t hypothesis = kMissing;
   bool pose_is_sure = false;
-  bool is_tentative = false;  // too small for a robot, unless its colors say so
+  bool is_tentative = false;  // too small for a robot, unless its colors prove that it is a robot
 };
 using BoxSightings = FixedVector<BoxSighting, kMaxRobots>;
 
-/// Decides which robot is which by the pixels of its identification patches, not only by the boxes that they fell into:
-/// samples them where the pose predicts them, compares their colors with that of the robot's own team patch
-/// (color_evidence.h), and names all robots of a team together (id_assignment.h). A robot whose identification regions
-/// are missing gets its pose from the axis of a long team patch, or from the patches that pixels show around a team
-/// patch without an axis, if their colors leave no doubt.
+/// Identifies robots by the pixels of their identification patches, not only by the color boxes: samples them where the
+/// pose predicts them, compares their colors with that of the robot's own team patch (color_evidence.h), and names all
+/// robots of a team together (id_assignment.h). If a robot's identification regions are missing, its pose comes from
+/// the axis of a long team patch, or from patches that the pixels around a team patch without an axis show, provided
+/// that their colors leave no doubt.
 ///
 /// A team keeps the result of the boxes if the typical value of one of its colors was not measured. The work is
 /// bounded: nine pixels per patch, the borders of 64 saturated ones, at most kMaxPoses poses per robot, four
@@ -41,8 +42,8 @@ class Identifier {
   void set_typical(const TypicalColors& typical);
 
   /// Updates id, pose and patches of the robots. `boxes` has the order of `out.robots`. Sets `used` for identification
-  /// patches that belong to robots. With `is_clutter`, where a search before reached its bound, no team with a doubtful
-  /// name is looked at a second time.
+  /// patches that belong to robots. `is_clutter`: an earlier search reached its bound; then no team with a doubtful
+  /// name is examined a second time.
   void identify(const Frame& frame, const ExpectedGain& light, const PatchLists& patches,
                 std::span<const Hypothesis> hypotheses, std::span<const BoxSighting> boxes, bool is_clutter,
                 std::span<bool> used, Sightings& out);
@@ -55,23 +56,26 @@ class Identifier {
   struct PoseEvidence {
     Pose pose;
     float residual_m = 0;
-    std::array<std::uint16_t, kMaxPatches - 1> identification{};  // by slot: index in the list of patches, or kMissing
-    float prior = 0;                                              // log likelihood of its patches' places
-    std::array<float, kMaxRobotsPerTeam> value{};                 // by index in TeamMarking::robots
-    float best = 0;                                               // of all values
-    float costs = 0;                                              // log likelihood that another robot would lose
-    float of_team = 0;                                            // log likelihood that its patches have the team color
-    float floor = 0;                                              // log likelihood ratio: its missing patches are floor
-    float search_doubt = 0;            // part of `prior`: logarithm of the number of directions that were searched
-    std::uint16_t partner = kMissing;  // team patch that is its saturated identification patch
+    // For each slot: index in the list of patches, or kMissing.
+    std::array<std::uint16_t, kMaxPatches - 1> identification{};
+    float prior = 0;                               // log likelihood of the positions of the robot's patches
+    std::array<float, kMaxRobotsPerTeam> value{};  // by index in TeamMarking::robots
+    float best = 0;                                // largest of all values
+    // Log likelihood that another robot would lose by this pose.
+    float costs = 0;
+    float of_team = 0;  // log likelihood that the patches have the team color
+    // Log likelihood ratio that its missing patches are floor.
+    float floor = 0;
+    float search_doubt = 0;            // share of `prior`: logarithm of the number of directions that were searched
+    std::uint16_t partner = kMissing;  // team patch that is in fact its saturated identification patch
     bool is_grown = false;             // an identification patch of the right size was grown from pixels
-    bool is_merged = false;  // its identification patch is a part of a larger surface, but has two visible sides
+    bool is_merged = false;  // the identification patch belongs to a larger surface, but has two visible sides
   };
-  // A team patch as its region or its pixels show it.
+  // Measurement of a team patch from its region or from its pixels.
   struct TeamPatchView {
     PixelPoint center;
-    FieldPoint at;       // the center on the field
-    float axis_rad = 0;  // direction of its longer side on the field, modulo pi
+    FieldPoint at;       // center on the field
+    float axis_rad = 0;  // direction of the patch's longer side on the field, modulo pi
     bool has_axis = false;
     float side_rad = 0;  // direction of a square's sides on the field, modulo pi / 2
     bool has_sides = false;
@@ -79,43 +83,44 @@ class Identifier {
   struct Candidate {
     std::size_t robot = 0;  // index in Sightings::robots
     bool pose_is_sure = false;
-    FixedVector<TeamPatchView, 2> views;  // the best one first; never empty
+    FixedVector<TeamPatchView, 2> views;  // the best view first; never empty
     bool is_complete = true;              // the team patch has the expected area
     bool has_light = false;
-    LocalLight light;  // on its team patch
+    LocalLight light;  // light on the robot's team patch
     bool has_floor = false;
-    SurfaceColor floor;  // around the robot
+    SurfaceColor floor;  // color of the floor around the robot
     bool has_evidence = false;
-    float unknown = 0;  // log likelihood that it is none of the team's robots
+    float unknown = 0;  // log likelihood that the robot is none of the team's robots
     FixedVector<PoseEvidence, kMaxPoses> poses;
 
     [[nodiscard]] bool has_axis() const {
       return std::any_of(views.begin(), views.end(), [](const TeamPatchView& view) { return view.has_axis; });
     }
   };
-  // Colors that a slot may have.
+  // Colors that a slot can have.
   struct SlotColors {
     FixedVector<ColorId, kMaxRobotsPerTeam> colors;
-    std::array<std::uint8_t, kMaxRobotsPerTeam> of_robot{};  // index in `colors`, by index in TeamMarking::robots
+    // For each index in TeamMarking::robots, the index in `colors`.
+    std::array<std::uint8_t, kMaxRobotsPerTeam> of_robot{};
   };
   struct TeamColors {
     bool usable = false;
     std::array<SlotColors, kMaxPatches - 1> slots;
-    std::array<float, kMaxPatches> radius_m{};  // of the circle inside each patch
+    std::array<float, kMaxPatches> radius_m{};  // radius of the circle inside each patch
   };
-  // Log likelihoods by index in SlotColors::colors, followed by the team color. In groups of four.
+  // Log likelihoods by index in SlotColors::colors, followed by the team color. They are computed in groups of four.
   static constexpr std::size_t kColorGroups = (kMaxRobotsPerTeam + 1 + 3) / 4;
   using SlotLikelihoods = std::array<float, 4 * kColorGroups>;
-  // Log likelihoods of the surface that the pixels of a slot show.
+  // Log likelihoods of the surface that is visible at a slot.
   struct SlotEvidence {
     std::uint16_t region = kMissing;  // index in the list of patches
     SlotLikelihoods likelihood{};
     float of_team = 0;             // log likelihood of the team color
-    float floor = 0;               // log likelihood ratio: floor
-    bool depends_on_pose = false;  // not only on the region
+    float floor = 0;               // log likelihood ratio that the surface is floor
+    bool depends_on_pose = false;  // the result depends on the pose, not only on the region
   };
   struct ExpectedColors;
-  struct Scene;  // what is known about one team in one frame
+  struct Scene;  // input for one team in one frame
   class PredictedPatches;
 
   void collect_poses(const Scene& now, Candidate& candidate) const;
@@ -148,7 +153,7 @@ class Identifier {
   [[nodiscard]] bool has_only_claimed_regions(const Candidate& candidate) const;
   void share_patches(const Scene& now);
   [[nodiscard]] IdEvidence evidence_of(const Scene& now, const Candidate& candidate) const;
-  // A robot that has this name (index in TeamMarking::robots) in the best assignment.
+  // A robot, and the name (index in TeamMarking::robots) that it has in the best assignment.
   struct NamedCandidate {
     const Candidate& candidate;
     std::size_t name = 0;

@@ -14,7 +14,7 @@ constexpr float kClearMargin = 5.0f;
 
 // A slot's colors and the team color in one robot's light, four at a time.
 struct Identifier::ExpectedColors {
-  const LocalLight* light = nullptr;  // null: none is known
+  const LocalLight* light = nullptr;  // null: no light has been set
   std::array<bool, kMaxPatches - 1> is_known{};
   std::array<std::array<ExpectedColors4, kColorGroups>, kMaxPatches - 1> of_slot;
 };
@@ -27,11 +27,12 @@ struct Identifier::Scene {
   std::span<const BoxSighting> boxes;
   const Sightings& seen;
   std::size_t team;
-  int& borders_left;  // of saturated patches: the share of the robot, or of the robots, that are looked at now
+  int& borders_left;  // borders of saturated patches that may still be examined: the share of the robot, or of the
+                      // robots, that are examined now
   ExpectedColors& expected;
   int saturated_from = kSaturatedValue;
 
-  /// As sample_surface().
+  /// Samples as sample_surface() does.
   [[nodiscard]] bool sample(PixelPoint center, int step_px, SurfaceColor& out) const {
     return sample_surface(frame, center, step_px, out, saturated_from);
   }

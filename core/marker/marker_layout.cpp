@@ -9,7 +9,7 @@
 namespace touchline {
 namespace {
 
-// False for NaN.
+// Returns false for NaN.
 bool within(float value, float bound) { return std::abs(value) <= bound; }
 
 bool same_colors(const RobotMarking& a, const RobotMarking& b) {

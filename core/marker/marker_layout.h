@@ -13,20 +13,21 @@ enum class PatchOutline : std::uint8_t { kSquare, kBar, kTriangle, kCircle };
 struct PatchPlace {
   PatchRole role = PatchRole::kTeam;
   PatchOutline outline = PatchOutline::kSquare;
-  float x_m = 0, y_m = 0;           // centroid of the patch
-  float length_m = 0, width_m = 0;  // along x and y; a triangle's height (tip forward) and base; a circle's diameter
-  float turn_rad = 0;               // rotation of the outline about its centroid, counter-clockwise
+  float x_m = 0, y_m = 0;  // centroid of the patch
+  // Along x and y; for a triangle, height (tip forward) and base; for a circle, the diameter.
+  float length_m = 0, width_m = 0;
+  float turn_rad = 0;  // rotation of the outline about its centroid, counter-clockwise
 };
 
 /// Positions of the patches on a robot; data of the team file.
 struct MarkerLayout {
   float robot_side_m = 0.075f;                   // d2 of the paper
-  float height_m = 0.075f;                       // of the patches above the floor
+  float height_m = 0.075f;                       // height of the patches above the floor
   FixedVector<PatchPlace, kMaxPatches> patches;  // the first is the team patch
 };
 
-/// The paper's layout: two squares in opposite quadrants. The direction from identification to team patch is +45
-/// degrees from forward.
+/// Returns the paper's layout: two squares in opposite quadrants. The direction from identification to team patch is
+/// +45 degrees from forward.
 MarkerLayout paper_layout();
 
 /// Id and colors of a robot that may be on the field. `colors` has the order of the layout's identification patches.
@@ -48,16 +49,15 @@ struct TeamMarking {
 Status validate(const MarkerLayout& layout);
 
 /// Errors of validate(layout), and kOutOfRange: more robots than kMaxRobotsPerTeam, a negative id, an invalid color.
-/// kInconsistent: a duplicate id, two robots with the same colors in the same places, a number of colors that differs
-/// from that of the identification patches, or the team color among them. Ok without checks if the team is not
-/// searched.
+/// kInconsistent: a duplicate id, two robots with the same colors in the same positions, a wrong number of colors, or
+/// the team color among them. Ok without checks if the team is not searched.
 Status validate(const TeamMarking& team);
 
-/// Area of the outline in square meters.
+/// Returns the area of the outline in square meters.
 float area_m2(const PatchPlace& place);
 
-/// Variances of the outline's area along its principal axes in square meters, the larger one first. `axis_rad` is the
-/// direction of the major axis in the robot's frame, modulo pi.
+/// Returns the variances of the outline's area along its principal axes in square meters, the larger one first.
+/// `axis_rad` is the direction of the major axis in the robot's frame, modulo pi.
 struct PrincipalVariances {
   float major_m2 = 0, minor_m2 = 0;
   float axis_rad = 0;

@@ -12,21 +12,21 @@ namespace {
 
 // Minimum area ratio of a team patch without identification patches that is reported as a robot.
 constexpr float kMinUnpairedRatio = 0.5f;
-// Team patches beyond the number of robots of a team that are looked at, for each team.
+// For each team, the number of team patches that are examined beyond the number of its robots.
 constexpr std::size_t kSurplusPlaces = 2;
 // Factor on the work for splitting all patches of both teams into pairs. Regions of three or four patches take more
 // than two pairs: ten robots without a gap between them need a factor of 2.5, with 12 colors in the picture.
 constexpr float kMarginOfPairs = 3.0f;
-// Minimum per color: enough for one region of four patches, the largest that is split.
+// Least number of pairs for a color: enough for one region of four patches, the largest that is split.
 constexpr float kMinPairsOfColor = 4.0f;
 
-// Confidence of robots from boxes alone. With a frame, identifier_ replaces the confidence of an id, and
-// confidence_without_id() the others.
+// Confidence of robots from boxes alone. If the pixels of the frame are available, this value is replaced: by
+// identifier_ for robots with an id, by confidence_without_id() for robots without.
 constexpr float kFound = 0.99f;
 
 constexpr std::array<Team, 2> kTeams{Team::kOwn, Team::kOpponent};
 
-// A team patch that is too small for a robot, unless it has an identification patch or pixels give it an id.
+// Returns whether a team patch is too small for a robot, unless it has an identification patch or pixels give it an id.
 bool is_too_small(const PatchCandidate& patch) { return patch.is_partly_visible || patch.ratio < kMinUnpairedRatio; }
 
 }  // namespace
@@ -76,7 +76,7 @@ Status Matcher::collect_kinds() {
   }
   if (ball.color != kBackground) {
     kinds_[ball.color] = kind_of(outline_of(ball), ball.radius_m);
-    kinds_[ball.color].may_touch = false;  // there is only one ball
+    kinds_[ball.color].may_touch = false;  // a ball touches no other ball, because there is only one
     kinds_[ball.color].may_be_partly_hidden = true;
     wanted_[ball.color] = true;
   }
@@ -113,7 +113,7 @@ Status Matcher::set_teams(const TeamMarkings& teams) {
     return {};
   }
   parameters_.teams = former;
-  static_cast<void>(collect_kinds());  // was successful with these teams
+  static_cast<void>(collect_kinds());  // cannot fail, because it succeeded with these teams before
   return status;
 }
 
@@ -129,7 +129,7 @@ void Matcher::sort_by_color(const Regions& regions, Sightings& out) {
     all_areas |= regions[i].area_px;
   }
   for (std::uint32_t shift = 0; shift < 32 && all_areas >> shift != 0; shift += 8) {
-    // The largest ones first.
+    // The digits are inverted, so that the largest regions come first.
     const auto digit = [&](std::uint16_t number) { return ~(regions[number].area_px >> shift) & 0xffu; };
     std::array<std::uint16_t, 257> begin{};
     for (std::size_t k = 0; k < count; ++k) ++begin[digit(by_area[k]) + 1];
@@ -234,7 +234,7 @@ void Matcher::report_pair(const Chosen& choice, Sightings& out) {
 }
 
 void Matcher::report_pairs(Sightings& out) {
-  // The best ones first, in case there are more than the maximum number of robots.
+  // Put the best ones first, in case there are more than the maximum number of robots.
   std::sort(selection_.begin(), selection_.end(), [this](const Chosen& a, const Chosen& b) {
     return hypotheses_[a.hypothesis].value > hypotheses_[b.hypothesis].value;
   });
@@ -243,19 +243,19 @@ void Matcher::report_pairs(Sightings& out) {
   }
 }
 
-// True if the team patch is on the top of an identified robot and therefore does not belong to another one.
+// Returns true if the team patch is on the top of an identified robot and so does not belong to another one.
 bool Matcher::is_on_robot(const TeamPatch& patch, const Sightings& out) const {
   return std::any_of(out.robots.begin(), out.robots.end(), [&](const RobotSighting& robot) {
     if (!robot.has_heading) return false;
     const MarkerLayout& layout = parameters_.teams[index_of(robot.team)].layout;
-    // Farther than the corners.
+    // Skip a robot whose corners are nearer than the patch.
     if (distance_m(robot.pose.position, patch.patch.at[index_of(robot.team)]) > layout.robot_side_m) return false;
     return on_robot(layout, to_robot_frame(robot.pose, patch.patch.at[index_of(robot.team)]), 0.0f);
   });
 }
 
-// Reports team patches without identification patches. Those that are too small for a robot are tentative: they remain
-// only if their pixels give them a name.
+// Reports team patches without identification patches. Patches that are too small for a robot are tentative: they are
+// kept only if their pixels give them a name.
 void Matcher::report_unpaired(bool with_pixels, Sightings& out) {
   std::array<std::size_t, 2> surplus_places{kSurplusPlaces, kSurplusPlaces};
   // The list is sorted by area within a team, the largest first.
@@ -311,8 +311,8 @@ void Matcher::drop_tentative(Sightings& out) {
   box_sightings_.resize(kept);
 }
 
-// Removes robots of a team that has more than there are: of those without an id the least certain ones, among equal
-// ones the smallest patches.
+// Removes robots if a team has more than possible: of robots without an id the least certain ones, among equal ones the
+// smallest patches.
 void Matcher::drop_surplus(Sightings& out) {
   for (const Team team : kTeams) {
     for (;;) {

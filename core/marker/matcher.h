@@ -40,15 +40,15 @@ class Matcher {
   /// then.
   Status set_teams(const TeamMarkings& teams);
 
-  /// Takes over the typical values of the colors, with which match() reads pixels. Without them, or if those of a team
-  /// were not measured, the color boxes alone decide.
+  /// Sets the typical values of the colors, which match() needs to read pixels. Without them, or if those of a team
+  /// were not measured, only the color boxes decide.
   void set_typical_colors(const TypicalColors& typical) {
     identifier_.set_typical(typical);
     ball_finder_.set_typical(typical);
   }
 
-  /// `runs` and `regions` are those of `frame`, which is null if ids and ball follow from the color boxes alone. Uses
-  /// only this frame, what is known about its light, and the place where the ball's track expects it. `out.verdicts`
+  /// `runs` and `regions` belong to `frame`, which is null if ids and ball are to follow from the color boxes alone.
+  /// Uses only this frame, the known light in it, and the position where the ball's track expects it. `out.verdicts`
   /// gets one entry per region.
   void match(const Frame* frame, const ExpectedGain& light, const ExpectedBall& ball, const Runs& runs,
              const Regions& regions, Sightings& out);
@@ -60,7 +60,7 @@ class Matcher {
   Status collect_kinds();
   void add_kind(ColorId color, const PatchPlace& place, Team team);
   void sort_by_color(const Regions& regions, Sightings& out);
-  // False if not all touching patches were split.
+  // Returns false if not all touching patches were split.
   bool find_patches(const Runs& runs, const Regions& regions, Sightings& out);
   void add_team_patches(Team team, Sightings& out);
   void report_pairs(Sightings& out);
@@ -80,11 +80,11 @@ class Matcher {
   Selector selector_;
   Identifier identifier_;
   BallFinder ball_finder_;
-  // Indexed by color.
+  // By color.
   std::array<PatchKind, kMaxColors + 1> kinds_{};
   std::array<bool, kMaxColors + 1> wanted_{};
   std::array<bool, kMaxColors + 1> identifies_{};
-  float touching_pairs_ = 0;  // that may be split in a frame
+  float touching_pairs_ = 0;  // number of pairs that may be split in a frame
   std::array<Numbers, kMaxColors + 1> numbers_{};
   // State of the current frame.
   ColorPatches of_color_, ball_patches_;
@@ -92,7 +92,7 @@ class Matcher {
   FixedVector<PatchCandidate, kMaxIdentification> identification_;
   Hypotheses hypotheses_;
   Selection selection_;
-  BoxSightings box_sightings_;  // of the reported robots
+  BoxSightings box_sightings_;  // for each reported robot
   std::array<bool, kMaxTeamPatches> reported_{};
   std::array<bool, kMaxIdentification> used_{};
 };

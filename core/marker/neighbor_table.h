@@ -15,8 +15,8 @@ constexpr std::size_t kMaxNeighbors = 16;
 
 /// An identification patch near a team patch.
 struct Neighbor {
-  std::uint16_t number = 0;  // in PatchLists::identification
-  float distance_m = 0;      // from the team patch
+  std::uint16_t number = 0;  // index in PatchLists::identification
+  float distance_m = 0;      // distance from the team patch
   bool is_partly_visible = false;
 };
 
@@ -28,28 +28,28 @@ static_assert(kMaxNeighbors <= 16);
 /// the distances between them agree with the layout.
 class NeighborTable {
  public:
-  /// Stands in a list of neighbors, one per slot, for a slot that no neighbor fills.
+  /// Marks a slot that no neighbor fills, in a list of neighbors by slot.
   static constexpr std::uint8_t kNone = 255;
 
-  /// For a team with at least one identification patch. The marking must outlive the table.
+  /// Makes the table for a team with at least one identification patch. The marking must outlive the table.
   explicit NeighborTable(const TeamMarking& marking);
 
-  /// Distances from the team patch that the patch of a slot may have, and the largest of all slots.
+  /// Returns the distances from the team patch that a slot's patch may have, and the largest distance of all slots.
   [[nodiscard]] const DistanceWindow& window(std::size_t slot) const { return window_[slot]; }
   [[nodiscard]] float reach_m() const;
 
-  /// Takes the neighbors, at most kMaxNeighbors, in the order of their bits. To be called once.
+  /// Takes the neighbors, at most kMaxNeighbors, in the order of their bits. Call it once.
   void compare(std::span<const Neighbor> neighbors, const PatchLists& patches, std::size_t team);
 
-  /// The neighbors that are at the right distance for a slot and have its color: that of robot `robot`, or that of any
-  /// robot if it is negative; then they must be completely visible, too.
+  /// Returns the neighbors that are at the right distance for a slot and have its color: the color of robot `robot`, or
+  /// if this is negative, of any robot; then they must be completely visible, too.
   [[nodiscard]] NeighborSet candidates(std::size_t slot, int robot) const;
 
   /// Sum of the squared errors of a neighbor's distances from other patches, relative to the layout; indexed by
   /// neighbor.
   using Spreads = std::array<float, kMaxNeighbors>;
-  /// Returns the neighbors of `candidates` that fit beside `set`, the patches of the slots before: each distance
-  /// differs from the layout's by at most `gate_m`, and the spread is at most `most_m2`.
+  /// Returns the neighbors of `candidates` that fit together with `set`, the patches of the slots before this one: each
+  /// distance differs from the layout's by at most `gate_m`, and the spread is at most `most_m2`.
   [[nodiscard]] NeighborSet fitting(std::size_t slot, NeighborSet candidates, std::span<const std::uint8_t> set,
                                     float gate_m, float most_m2, Spreads& spreads_m2) const;
 
@@ -63,11 +63,12 @@ class NeighborTable {
 
   const TeamMarking& marking_;
   std::array<DistanceWindow, kMaxPatches> window_{};
-  std::array<std::array<float, kMaxPatches>, kMaxPatches> expected_m_{};  // between patches of the layout
-  std::array<Fours, kMaxNeighbors> seen_m_{};                             // between neighbors
-  std::array<Fours, kMaxPatches - 1> from_team_patch_m2_{};  // by slot: squared difference of this distance
+  std::array<std::array<float, kMaxPatches>, kMaxPatches> expected_m_{};  // distances between patches of the layout
+  std::array<Fours, kMaxNeighbors> seen_m_{};                             // distances between neighbors
+  // For each slot: squared error of the distance from the team patch.
+  std::array<Fours, kMaxPatches - 1> from_team_patch_m2_{};
   std::array<NeighborSet, kMaxColors + 1> with_color_{};
-  std::array<NeighborSet, kMaxPatches - 1> in_window_{}, of_any_robot_{};  // by slot
+  std::array<NeighborSet, kMaxPatches - 1> in_window_{}, of_any_robot_{};  // for each slot
 };
 
 inline NeighborSet NeighborTable::candidates(std::size_t slot, int robot) const {
@@ -78,8 +79,8 @@ inline NeighborSet NeighborTable::candidates(std::size_t slot, int robot) const 
 
 inline NeighborSet NeighborTable::fitting(std::size_t slot, NeighborSet candidates, std::span<const std::uint8_t> set,
                                           float gate_m, float most_m2, Spreads& spreads_m2) const {
-  // All fours at once, whether they have neighbors or not: a loop over their number is a branch that processors
-  // mispredict.
+  // Process all groups of four, whether they have neighbors or not: processors would mispredict the branch of a loop
+  // over their number.
   Fours spread = from_team_patch_m2_[slot];
   std::array<Simd4<std::int32_t>, kFours> is_within;
   is_within.fill(Simd4<std::int32_t>{-1, -1, -1, -1});

@@ -12,16 +12,16 @@ namespace {
 
 // Klancar eq. (1): K1 = 3/4 d1.
 constexpr float kK1 = 0.75f;
-// From this ratio upwards the shape is tested: the area of two touching patches may be little more than that of one, if
-// shadows or thresholds reduce it.
+// From this ratio on, the shape is tested: the area of two touching patches may be only slightly larger than that of
+// one, if shadows or thresholds reduce it.
 constexpr float kSuspiciousRatio = 1.1f;
 // Limit of the sum of |log(variance / expected variance)| over both axes, for one patch of the same area: two adjacent
 // squares have 1.4, a blurred or obliquely seen patch is below 0.4.
 constexpr float kForeignShape = 0.7f;
-// Blur and thresholds may add a pixel on all sides, which is more than half of a small patch; two patches also have a
-// different shape. Two adjacent right triangles, however, form a triangle.
+// Limit of the area ratio. Blur and thresholds may add a pixel on all sides, which is more than half of a small patch;
+// two patches also have a different shape. Two adjacent right triangles, however, form a triangle.
 constexpr float kMaxRatio = 2.2f, kMaxRatioOfTriangle = 1.6f;
-// More than 4 patches with their blur: no markers.
+// Area ratio of more than four patches with their blur, which are no markers.
 constexpr float kTooLargeRatio = 4.8f;
 // A patch with its fragments cannot be much larger than expected; otherwise the fragment is another patch.
 constexpr float kMaxMergedRatio = 1.5f;
@@ -53,7 +53,7 @@ bool is_larger(const PatchCandidate& a, const PatchCandidate& b) {
 }
 
 float side_of(const PatchPlace& place) {
-  // Includes the side of a square of the same area, for outlines that fill less than their bounding box.
+  // Include the side of a square of the same area, for outlines that fill less than their bounding box.
   return std::min({place.length_m, place.width_m, std::sqrt(area_m2(place))});
 }
 
@@ -75,7 +75,7 @@ class PatchFinder::RegionsOfColor {
       group.area_px[i % kTogether] = static_cast<float>(region.area_px);
     }
   }
-  // Area of the regions whose centers are nearer than `reach_px`.
+  // Returns the total area of the regions whose centers are nearer than `reach_px`.
   [[nodiscard]] float area_near(PixelPoint center, float reach_px) const {
     Simd4<float> area_px{};
     for (std::size_t i = 0; i < count_; i += kTogether) {
@@ -141,14 +141,14 @@ void PatchFinder::configure(const CameraModel& camera, const FieldParameters& fi
   lines_.configure(camera, low, high);
 }
 
-// Area of the smallest partly visible patch anywhere on the field.
+// Returns the area of the smallest partly visible patch anywhere on the field.
 float PatchFinder::least_visible_px(const PatchKind& kind) const {
   return kMinVisibleRatio * kind.least_area_m2 * least_scale_px_per_m_ * least_scale_px_per_m_;
 }
 
-// True for a fragment that can be part of no patch: it is too far from every larger one, and together with all other
-// regions of its color that are near enough, it is too small even for a partly visible one. Most noise is rejected
-// here, before it is placed on the field.
+// Returns true for a fragment that can be part of no patch: it is too far from every larger one, and even together with
+// all near regions of its color, it is too small for a partly visible one. Most noise is rejected here, before its
+// position on the field is computed.
 bool PatchFinder::is_noise(const PatchKind& kind, const Region& region, const RegionsOfColor& same_color,
                            const ColorPatches& larger_patches) const {
   const float reach_m = kReachMargin * std::max(kind.side_m, kHalvesApart * kind.length_m);
@@ -207,13 +207,13 @@ void PatchFinder::examine(const PatchKind& kind, const Runs& runs, const Region&
     return;
   }
   if (is_small) {
-    out.push_back(patch);  // its ratio matters only if others are merged into it
+    out.push_back(patch);  // its ratio is needed only if others are merged into it
     return;
   }
   const float square = patch.scale_px_per_m * patch.scale_px_per_m;
   const float of_largest = patch.area_px / (kind.largest_area_m2 * square);
   const float of_least = patch.area_px / (kind.least_area_m2 * square);
-  // Areas between those of the smallest and the largest patch have the ratio 1.
+  // Areas between the smallest and the largest patch's have the ratio 1.
   patch.ratio = of_largest >= 1.0f ? of_largest : std::min(1.0f, of_least);
   if (of_largest > kTooLargeRatio) {
     verdicts.verdicts[number] = Verdict::kTooLarge;
@@ -305,8 +305,8 @@ void PatchFinder::find(const PatchKind& kind, const Runs& runs, const Regions& r
   }
 }
 
-// Applies eq. (1) from the largest patch to the smallest: removes those that are too close to a larger one, merged with
-// it if they are its fragments.
+// Applies eq. (1) from the largest patch to the smallest: removes each patch that is too close to a larger one; a
+// fragment of the larger patch is merged with it.
 void PatchFinder::merge_close(const PatchKind& kind, Sightings& verdicts, ColorPatches& out) const {
   const float reach = std::max(kK1 * kind.side_m, kHalvesApart * kind.length_m);
   std::size_t kept = 0;
@@ -314,7 +314,7 @@ void PatchFinder::merge_close(const PatchKind& kind, Sightings& verdicts, ColorP
     const PatchCandidate patch = out[i];
     bool taken = false, close = false;
     for (std::size_t k = 0; k < kept && !taken; ++k) {
-      if (out[k].region == patch.region) continue;  // parts of one region are already separated
+      if (out[k].region == patch.region) continue;  // skip parts of the same region, which are already separated
       if (std::abs(out[k].at[kind.plane].x_m - patch.at[kind.plane].x_m) >= reach) continue;
       const float distance = distance_m(out[k].at[kind.plane], patch.at[kind.plane]);
       const bool is_near = distance < kK1 * kind.side_m;

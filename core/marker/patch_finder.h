@@ -12,16 +12,16 @@
 
 namespace touchline {
 
-/// Common properties of all patches of one color, over all robots with this color.
+/// Common properties of all patches of one color, over all robots that have this color.
 struct PatchKind {
   float least_area_m2 = 0, largest_area_m2 = 0;  // areas of the outlines
   float side_m = 0;                              // d1: smaller side of the smallest patch
-  float length_m = 0;                            // longest side of the largest one
-  PrincipalVariances variances;                  // of the largest patch
-  float largest_ratio = 0;                       // limit of (area / expected area); above it are several patches
+  float length_m = 0;                            // longest side of the largest patch
+  PrincipalVariances variances;                  // variances of the largest patch
+  float largest_ratio = 0;                       // limit of (area / expected area); a larger region is several patches
   bool may_touch = true;                         // two patches may form one region in the picture
   bool may_be_partly_hidden = false;             // a partly visible patch is useful
-  std::array<float, 2> height_m{};               // by Team: height of the patches
+  std::array<float, 2> height_m{};               // for each Team: height of the patches
   std::size_t plane = 0;                         // index in height_m that areas and distances refer to
 };
 
@@ -31,7 +31,7 @@ void widen(PatchKind& kind, const PatchPlace& place);
 /// A possible patch: a region, several fragments, or a part of a region.
 struct PatchCandidate {
   PixelPoint center;
-  std::array<FieldPoint, 2> at{};  // by Team: projection to the plane of that team's patches
+  std::array<FieldPoint, 2> at{};  // for each Team: projection to the plane of this team's patches
   float area_px = 0;
   float ratio = 0;  // area / expected area
   float scale_px_per_m = 0;
@@ -40,7 +40,7 @@ struct PatchCandidate {
   bool has_rough_axis = false;  // axis_rad is valid, but the patch may be partly hidden
   bool is_split_part = false;
   bool is_partly_visible = false;  // too small for a complete patch, but possibly the visible part of one
-  bool is_merged = false;          // of several fragments
+  bool is_merged = false;          // the patch consists of several fragments
   std::uint16_t region = 0;
   ColorId color = kBackground;
 };
@@ -52,12 +52,12 @@ using ColorPatches = FixedVector<PatchCandidate, kMaxPatchesPerColor>;
 
 /// Work for splitting touching patches. The unit is a pair of patches that takes kUsualPasses.
 struct SplitBudget {
-  float pairs = 0;        // that may still be split
+  float pairs = 0;        // number of pairs that may still be split
   bool exceeded = false;  // a region was not split
 };
 
-/// Finds the patch candidates among the regions of one color: compares their areas with the expected one at that place,
-/// splits touching patches, and applies eq. (1) and the weighted refinement of the paper.
+/// Finds the patch candidates among the regions of one color: compares their areas with the area expected at their
+/// positions, splits touching patches, and applies eq. (1) and the weighted refinement of the paper.
 class PatchFinder {
  public:
   // Smallest area ratio of a complete patch. Blur and thresholds remove a third to a half of a small patch.
@@ -82,11 +82,11 @@ class PatchFinder {
 
   void examine(const PatchKind& kind, const Runs& runs, const Region& region, std::uint16_t number,
                const RegionsOfColor& same_color, Sightings& verdicts, SplitBudget& budget, ColorPatches& out) const;
-  // False if the budget does not suffice.
+  // Returns false if the budget does not suffice.
   bool split_touching(const PatchKind& kind, const Runs& runs, const Region& region, const RegionShape& shape,
                       const PatchCandidate& whole, float ratio_to_largest, SplitBudget& budget,
                       ColorPatches& out) const;
-  // Finds `at` and the scale.
+  // Computes `at` and the scale.
   void place(const PatchKind& kind, PatchCandidate& patch) const;
   [[nodiscard]] float least_visible_px(const PatchKind& kind) const;
   [[nodiscard]] bool is_noise(const PatchKind& kind, const Region& region, const RegionsOfColor& same_color,

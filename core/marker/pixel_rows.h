@@ -12,7 +12,7 @@
 
 namespace touchline {
 
-// What PixelRows assumes of RGB: all channels of a pixel are within four bytes of one plane, and in three of 24-bit
+// PixelRows assumes that in RGB, all channels of a pixel are within four bytes of one plane, and within three in 24-bit
 // formats.
 static_assert(std::endian::native == std::endian::little);
 static_assert(std::all_of(kPixelFormatTable.begin(), kPixelFormatTable.end(), [](const PixelFormatInfo& info) {
@@ -45,7 +45,7 @@ class PixelRows {
   /// Selects pixel row v for reading.
   void select(std::size_t v) {
     if (has_words_) {
-      // Four bytes are read of each pixel. Of the picture's last pixel there may be only three and the one before it.
+      // Four bytes are read for each pixel. For the picture's last pixel, they may have to begin one byte earlier.
       const bool from_before = step_ == 3 && v + 1 == static_cast<std::size_t>(frame_.height_px);
       row_[0] = frame_.plane[0] + v * frame_.stride_bytes[0] - (from_before ? 1 : 0);
       for (std::size_t c = 0; c < 3; ++c) shift_[c] = 8 * (info_.channel[c].offset + (from_before ? 1 : 0));
@@ -57,7 +57,7 @@ class PixelRows {
     }
   }
 
-  /// Columns `first`, `first + kEvery` and two more.
+  /// Reads columns `first`, `first + kEvery` and two more.
   template <std::size_t kEvery>
   [[nodiscard, gnu::always_inline]] std::array<Simd4<float>, 3> read(std::size_t first) const {
     if (!has_words_) return read_samples<kEvery>(first);
@@ -91,7 +91,8 @@ class PixelRows {
 
   const Frame& frame_;
   const PixelFormatInfo& info_;
-  // Channels are read together, as four bytes. The pixel of a picture with a single row may have no fourth one.
+  // The channels of a pixel are read together, as four bytes. If the picture has a single row, its last pixel may have
+  // no fourth byte, and no byte before it.
   bool has_words_;
   std::size_t step_;
   std::array<int, 3> shift_{};

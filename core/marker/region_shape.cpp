@@ -31,7 +31,7 @@ struct Centers {
     }
   }
   Simd4<float> u = Simd4<float>{} + kFar_px, v{};
-  // The lines on which pixels are equally near to two parts.
+  // Lines on which pixels are equally near to two parts.
   std::array<Simd4<float>, kMaxParts> border_at_0{}, border_by_v{};
 
  private:
@@ -56,12 +56,12 @@ class RowOfPixels {
     const float least = std::min(std::min(distance[0], distance[1]), std::min(distance[2], distance[3]));
     return static_cast<std::size_t>(std::countr_zero(bits_of(distance == least)));
   }
-  // About where the pixels of `left` end and those of `right` begin, between two pixels.
+  // Returns about where the pixels of `left` end and the pixels of `right` begin, between two pixels.
   [[nodiscard]] std::uint32_t border_between(std::size_t left, std::size_t right, std::uint32_t low,
                                              std::uint32_t high) const {
     const float border = centers_.border_at_0[left][right] + v_ * centers_.border_by_v[left][right];
     const float place = (border - static_cast<float>(u_)) * per_step_;
-    // False for NaN.
+    // This is also true for NaN.
     if (!(place > static_cast<float>(low))) return low;
     return place < static_cast<float>(high) ? static_cast<std::uint32_t>(place) : high;
   }

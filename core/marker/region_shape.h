@@ -22,7 +22,7 @@ struct RegionPart {
 };
 using RegionParts = FixedVector<RegionPart, kMaxParts>;
 
-/// A region of touching patches as its parts, and the passes over its pixels that this took.
+/// The parts of a region of touching patches, and the number of passes over its pixels that finding them took.
 struct RegionSplit {
   RegionParts parts;
   int passes = 0;

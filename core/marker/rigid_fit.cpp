@@ -9,13 +9,13 @@ namespace touchline {
 
 namespace {
 
-// Relative rounding error of residual_squares(), which subtracts nearly equal squares. Larger than the real error, also
+// Relative rounding error of residual_squares(), which subtracts nearly equal squares. It exceeds the real error even
 // for points several meters from the origin.
 constexpr float kErrorOfSquares = 1e-4f;
 
-// What the pose depends on: the means of the points, and their deviations from them.
+// Moments of the points that determine the pose: their means, and sums over their deviations from the means.
 struct Moments {
-  // Places and seen points, x and y each.
+  // Coordinates of layout and seen points, x and y each.
   using Both = Simd4<float>;
   static_assert(sizeof(Correspondence) == sizeof(Both));
 
@@ -33,13 +33,13 @@ struct Moments {
     }
   }
 
-  // The rotation that maximizes the sum of the scalar products (Procrustes in the plane).
+  // Computes the rotation that maximizes the sum of the scalar products (Procrustes in the plane).
   [[nodiscard]] RigidFit fit(std::span<const Correspondence> points) const {
     const FieldPoint place{mean[0], mean[1]}, seen{mean[2], mean[3]};
     RigidFit fit;
     fit.pose.theta_rad = wrap_angle(std::atan2(across, along));
     const float length = std::sqrt(along * along + across * across);
-    // The direction of points in one place is undefined.
+    // If all points coincide, the direction is undefined.
     const float c = length > 0.0f ? along / length : 1.0f, s = length > 0.0f ? across / length : 0.0f;
     fit.pose.position = {seen.x_m - (c * place.x_m - s * place.y_m), seen.y_m - (s * place.x_m + c * place.y_m)};
     float sum = 0;
@@ -52,7 +52,7 @@ struct Moments {
     return fit;
   }
 
-  // A lower bound of the sum of the squared distances after the best rotation.
+  // Returns a lower bound of the sum of the squared distances after the best rotation.
   [[nodiscard]] float residual_squares() const {
     const float sum = sum_of_lanes(squares);
     return sum - 2 * std::sqrt(along * along + across * across) - kErrorOfSquares * sum;
@@ -87,7 +87,8 @@ PoseCovariance rigid_fit_noise(std::span<const FieldPoint> places, std::span<con
     squares += x * x + y * y;
   }
   // To first order, the heading's error is the sum of t . e over all points' errors e, where t is perpendicular to the
-  // lever arm. The position's error is the mean of e, less what the turn about the points' mean does at the center.
+  // lever arm. The position's error is the mean of e, minus the displacement of the center by the rotation about the
+  // points' mean.
   PoseCovariance own;  // in the robot's frame
   for (std::size_t k = 0; k < places.size(); ++k) {
     const float tx = (mean.y_m - places[k].y_m) / squares, ty = (places[k].x_m - mean.x_m) / squares;

@@ -17,11 +17,11 @@ struct RigidFit {
   float residual_m = 0;  // RMS distance after the transformation
 };
 
-/// Least-squares pose (rotation and translation, no reflection, no scale) of at least two different points. For the
-/// paper's two patches this is eq. (3): the middle of both, and the direction from one to the other.
+/// Returns the least-squares pose (rotation and translation, no reflection, no scale) of at least two different points.
+/// For the paper's two patches this is eq. (3): the middle of both, and the direction from one to the other.
 RigidFit fit_rigidly(std::span<const Correspondence> points);
 
-/// Like fit_rigidly(), but returns false if the residual exceeds `most_m`, in most cases without computing the pose.
+/// As fit_rigidly(), but returns false if the residual exceeds `most_m`, in most cases without computing the pose.
 bool fit_rigidly_within(float most_m, std::span<const Correspondence> points, RigidFit& fit);
 
 /// Covariance of a point's errors.
@@ -29,8 +29,9 @@ struct PointCovariance {
   float xx = 0, xy = 0, yy = 0;
 };
 
-/// Covariance of the pose that fit_rigidly() finds, for independent small errors of the seen points. `places` and
-/// `errors` are in the robot's frame; `theta_rad` is the robot's heading. Needs at least two different places.
+/// Returns the covariance of the pose that fit_rigidly() finds, for independent small errors of the seen points.
+/// `places` and `errors` are in the robot's frame; `theta_rad` is the robot's heading. There must be at least two
+/// different places.
 PoseCovariance rigid_fit_noise(std::span<const FieldPoint> places, std::span<const PointCovariance> errors,
                                float theta_rad);
 

@@ -1,4 +1,4 @@
-// Names of robots that may be exchanged: Identifier::compare_robots() and what it needs.
+// Distinguishes robots whose names may be exchanged: Identifier::compare_robots() and its helpers.
 #include <algorithm>
 #include <limits>
 
@@ -12,7 +12,7 @@ const Identifier::PoseEvidence& Identifier::best_pose(const Candidate& candidate
                            [&](const PoseEvidence& a, const PoseEvidence& b) { return a.value[name] < b.value[name]; });
 }
 
-// The border of an identification patch. False if it has no saturated channel, or no border that can be seen.
+// Measures the border of an identification patch. Returns false if it has no saturated channel, or no visible border.
 bool Identifier::border_of(const Scene& now, const Candidate& candidate, const PoseEvidence& pose, std::size_t slot,
                            BorderOfRobot& out) const {
   const MarkerLayout& layout = teams_[now.team].layout;
@@ -27,8 +27,8 @@ bool Identifier::border_of(const Scene& now, const Candidate& candidate, const P
          look_at_border(now, center, surface, slot + 1, scale, &pose, out.border);
 }
 
-// Log likelihood ratio of two assignments: two robots have these names, or the exchanged ones. Their saturated patches
-// are compared with each other, and what their single evidence already says is subtracted.
+// Returns the log likelihood ratio of two assignments: two robots have these names, or they have the exchanged ones. It
+// compares their saturated patches with each other, and subtracts what each patch's own evidence already says.
 float Identifier::evidence_of_order(const Scene& now, const NamedCandidate& a, const NamedCandidate& b) const {
   const TeamMarking& team = teams_[now.team];
   const ColorSpace space = color_space(now.frame.format);
@@ -53,10 +53,10 @@ float Identifier::evidence_of_order(const Scene& now, const NamedCandidate& a, c
 void Identifier::compare_robots(const Scene& now, const IdEvidences& evidence, AssignedIds& assigned) const {
   const std::size_t known = teams_[now.team].robots.size();
   IdEvidences compared = evidence;
-  // Margins to alternatives in which only one of two robots has the other one's name.
+  // Margins to alternatives in which only one of two robots has the other's name.
   std::array<float, kMaxRobotsPerTeam> limit{};
   limit.fill(std::numeric_limits<float>::max());
-  // Log likelihood ratio: robot i has its own name, or the name of robot j.
+  // Log likelihood ratio of the names of robot i and robot j for robot i.
   const auto margin = [&](std::size_t i, std::size_t j) {
     return evidence[i].value[static_cast<std::size_t>(assigned[i].robot)] -
            evidence[i].value[static_cast<std::size_t>(assigned[j].robot)];
@@ -81,7 +81,7 @@ void Identifier::compare_robots(const Scene& now, const IdEvidences& evidence, A
       const float gain = evidence_of_order(now, {candidates_[i], a}, {candidates_[j], b});
       borders.give_back(now.borders_left);
       if (gain <= 0.0f) continue;
-      // The robot that loses its name has none, or one that is free.
+      // The robot that loses its name gets none, or one that is free.
       const auto loss = [&](std::size_t robot, std::size_t name, std::size_t other) {
         float best = evidence[robot].unknown;
         for (std::size_t k = 0; k < known; ++k) {

@@ -1,4 +1,4 @@
-// Possible poses of a robot: Identifier::collect_poses() and what it needs.
+// Finds the possible poses of a robot: Identifier::collect_poses() and its helpers.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -13,42 +13,44 @@ namespace {
 
 // Log odds that a region at the predicted position of a patch is this patch.
 constexpr float kRegionReward = 3.0f;
-// Log odds for a region that is smaller than a whole patch, and the smallest area ratio that counts. Motion blur or
-// occlusion moves the rest of the patch out of all boxes. Smaller regions may be the fringe of another color.
+// Log odds of a region that is smaller than a whole patch, and the smallest area ratio that counts. Motion blur or
+// occlusion can move the rest of the patch out of all boxes. Smaller regions may be the fringe of another color.
 constexpr float kPartReward = 0.5f * kRegionReward, kMinPart = 0.16f;
 // Error of the axis of a long team patch, which may be partly hidden or have only a part of its pixels in its box.
 constexpr float kRoughAxisSigma = 0.25f;
 // Area of a team patch that is grown from its pixels, relative to the layout's. Halos of sharpening and shared chroma
 // leave half of a small patch.
 constexpr float kMinGrownArea = 0.35f, kMaxGrownArea = 1.5f;
-// From this area ratio on, a region of the right shape shows the whole patch.
+// From this area ratio on, a region of the right shape counts as the whole patch.
 constexpr float kWholePatchRatio = 0.75f;
 // The window for growing contains the patch if its seed is in the middle third.
 constexpr float kWindowMargin = 1.3f, kBlur_px = 2.0f;
 // Samples of the floor lie on a circle of this radius, relative to the robot's side, around its team patch.
 constexpr std::size_t kSamplesAround = 8;
 constexpr float kAroundRadius = 1.1f;
-// Directions that are searched around a team patch. Adjacent ones overlap by most of a patch. kManyDirections is the
-// logarithm of their number: each of them may show a known color by chance.
+// Number of directions that are searched around a team patch. In adjacent directions, the places of an identification
+// patch overlap by most of a patch. kManyDirections is the logarithm of their number: each of them may show a known
+// color by chance.
 constexpr std::size_t kDirections = 16;
 constexpr float kManyDirections = 2.8f;
-// kFourDirections is the logarithm of the four directions that the sides of a square team patch allow. kSideError is
-// the error of these sides in radians.
+// kFourDirections is the logarithm of 4, the number of directions that the sides of a square team patch allow.
+// kSideError is the error of these sides in radians.
 constexpr float kFourDirections = 1.4f, kSideError = 0.2f, kMinSquareness = 0.5f;
 // Smallest ratio of variances of a patch whose axis is visible: in the layout, and in the picture.
 constexpr float kLong = 2.0f, kVisiblyLong = 1.5f;
-// Two poses that differ by less than these would be compared with the same pixels, so only the first is kept.
+// Two poses that differ by less than these would be evaluated from the same pixels, so only the first is kept.
 constexpr float kSamePlace = 0.006f, kSameHeading = 0.2f;
 
-// The sides of a square are tested at this distance from its edge, and along a part of each side. Pixels outside must
-// be darker than kDarkTop of the patch, pixels inside at least as bright as kSameSurface of it.
+// The sides of a square are tested at this distance from its edge, and along a part of each side. Relative to the
+// patch's brightness, pixels outside must be darker than kDarkTop, and pixels inside at least as bright as
+// kSameSurface.
 constexpr float kClearOfEdge_px = 2.5f, kClearOfSide = 0.5f, kDarkTop = 0.5f, kSameSurface = 0.8f;
 
 bool is_square(const PatchPlace& place) {
   return place.outline == PatchOutline::kSquare && std::abs(place.length_m - place.width_m) < 0.05f * place.length_m;
 }
 
-// RMS residual of the best rigid fit of two points whose distance is `seen_m` instead of `expected_m`.
+// Returns the RMS residual of the best rigid fit of two points whose distance is `seen_m` instead of `expected_m`.
 float residual_of_distance_m(float seen_m, float expected_m) { return 0.5f * std::abs(seen_m - expected_m); }
 
 bool same_pose(const Pose& a, const Pose& b) {
@@ -77,9 +79,9 @@ bool Identifier::is_free(const Scene& now, std::size_t robot, const PoseEvidence
   return true;
 }
 
-// Finds center and axis of the team patch. A region holds only the part of the patch that fell into its box, so pixels
-// that are grown from it give a better center and axis, unless another surface of a similar color touches the patch.
-// Therefore both views are kept. The first one gives the light.
+// Finds center and axis of the team patch. A region contains only the part of the patch that fell into its box, so a
+// patch grown from its pixels gives a better center and axis, unless another surface of a similar color touches it.
+// Therefore both views are kept. The light is measured on the first one.
 void Identifier::look_at_team_patch(const Scene& now, Candidate& candidate) const {
   const PatchCandidate& region = now.patches.team[now.boxes[candidate.robot].team_patch].patch;
   const TeamPatchView of_region{region.center, region.at[now.team], region.axis_rad, region.has_rough_axis};
@@ -216,16 +218,17 @@ void Identifier::add_upright_poses(const Scene& now, Candidate& candidate) const
   }
 }
 
-// Whether the region is too small for a whole patch, but has a color that the first identification patch may have.
+// Returns whether the region is too small for a whole patch, but has a color that the first identification patch may
+// have.
 bool Identifier::is_part(const Scene& now, const PatchCandidate& region) const {
   const auto& colors = team_colors_[now.team].slots[0].colors;
   return region.is_partly_visible && region.ratio >= kMinPart &&
          std::find(colors.begin(), colors.end(), region.color) != colors.end();
 }
 
-// Assigns the largest visible part of the only identification patch to the pose, if the pose predicts the patch there.
-// Layouts with more patches do not need such parts: complete patches give the pose, and color fringes would confirm
-// wrong poses.
+// Assigns to the pose the largest visible part of the only identification patch, if the pose predicts the patch at this
+// position. Layouts with more patches do not need such parts: complete patches give the pose, and color fringes would
+// confirm wrong poses.
 void Identifier::claim_part(const Scene& now, PoseEvidence& pose) const {
   const MarkerLayout& layout = teams_[now.team].layout;
   pose.identification.fill(kMissing);
@@ -245,8 +248,8 @@ void Identifier::claim_part(const Scene& now, PoseEvidence& pose) const {
   }
 }
 
-// Adds poses through the team patch and a part of the only identification patch: the axis of a blurred or partly hidden
-// team patch may be wrong.
+// Adds poses through the team patch and a part of the only identification patch, because the axis of a blurred or
+// partly hidden team patch may be wrong.
 void Identifier::add_poses_through_parts(const Scene& now, Candidate& candidate) const {
   if (teams_[now.team].layout.patches.size() != 2) return;
   for (std::size_t i = 0; i < now.patches.identification.size(); ++i) {
@@ -262,8 +265,8 @@ void Identifier::add_poses_through_parts(const Scene& now, Candidate& candidate)
   }
 }
 
-// Aligns the pose with the first identification patch, whose center is measured by growing it from its pixels. False if
-// no patch of the right size is at the right distance.
+// Aligns the pose with the first identification patch, whose center is measured by growing it from its pixels. Returns
+// false if no patch of the right size is at the right distance.
 bool Identifier::align(const Scene& now, const Candidate& candidate, PoseEvidence& pose) const {
   const MarkerLayout& layout = teams_[now.team].layout;
   const PatchPlace& place = layout.patches[1];
@@ -280,8 +283,8 @@ bool Identifier::align(const Scene& now, const Candidate& candidate, PoseEvidenc
   return place_through(now, candidate, candidate.views[0].at, 0, at, pose);
 }
 
-// Places the pose so that its team patch and an identification patch are where they are seen. False if their distance
-// is not that of the layout.
+// Computes the pose from the seen positions of its team patch and one identification patch. Returns false if their
+// distance differs from the layout's.
 bool Identifier::place_through(const Scene& now, const Candidate& candidate, FieldPoint team_patch, std::size_t slot,
                                FieldPoint at, PoseEvidence& pose) const {
   const MarkerLayout& layout = teams_[now.team].layout;
@@ -301,7 +304,8 @@ bool Identifier::place_through(const Scene& now, const Candidate& candidate, Fie
   return true;
 }
 
-// Log likelihood ratio of the team patch's border: the likeliest color of the slot against the team color.
+// Returns the log likelihood ratio, at the team patch's border, of the likeliest color of the slot against the team
+// color.
 float Identifier::doubt_of_team_patch(const Scene& now, const Candidate& candidate, std::size_t slot) const {
   const float scale = now.patches.team[now.boxes[candidate.robot].team_patch].patch.scale_px_per_m;
   SurfaceColor surface;
@@ -373,7 +377,8 @@ void Identifier::add_poses_along_sides(const Scene& now, Candidate& candidate) c
   }
 }
 
-// Whether the only identification patch, a square, ends at two adjacent sides in front of the robot's darker top.
+// Returns whether the only identification patch, a square, ends at two adjacent sides in front of the robot's darker
+// top.
 bool Identifier::has_visible_corner(const Scene& now, const PoseEvidence& pose) const {
   const MarkerLayout& layout = teams_[now.team].layout;
   if (layout.patches.size() != 2 || !is_square(layout.patches[1])) return false;
@@ -398,7 +403,7 @@ bool Identifier::has_visible_corner(const Scene& now, const PoseEvidence& pose) 
   const float beyond = half + kClearOfEdge_px / scale, within = kClearOfSide * half;
   float patch = 0;
   if (!sum_at(0, 0, patch)) return false;
-  // Whether the side in direction (x, y) of the patch is on the robot, and dark beyond it.
+  // Returns whether the side in direction (x, y) of the patch is on the robot, with a dark top beyond it.
   const auto ends = [&](float x, float y) {
     for (const float along : {-within, 0.0f, within}) {
       float outside = 0, inside = 0;

@@ -16,10 +16,11 @@
 // The pixels around a possible ball, on a square grid of samples.
 namespace touchline {
 
-// The surroundings are wide: every second row and column is enough. These are two groups per row.
+// Mask of every second column; this is enough, because the surroundings are wide. A row has two such groups.
 constexpr std::uint64_t kCoarseColumns = 0x55555555u;
 static_assert(kSampleReach == 2 * kGroupSize);
-/// Reads a row of the grid of samples. Outside of the picture are the pixels of its edge. The frame must outlive it.
+/// Reads a row of the grid of samples. Samples outside the picture repeat the pixels at its edge. The frame must
+/// outlive it.
 class SampledPixels {
  public:
   SampledPixels(const Frame& frame, int seed_u, int seed_v, int step)
@@ -30,7 +31,7 @@ class SampledPixels {
       rows_.set_column(i, static_cast<std::size_t>(std::clamp(u, 0, frame.width_px - 1)));
     }
   }
-  // The columns that are in the picture.
+  // Returns the columns that are in the picture.
   [[nodiscard]] std::uint64_t columns() const { return columns_; }
   // Convert columns and rows of the grid to pixels, and pixels back to columns and rows.
   [[nodiscard]] int u_px(int column) const { return seed_u_ + column * step_; }
@@ -39,7 +40,7 @@ class SampledPixels {
     return (u_px - static_cast<float>(seed_u_)) / static_cast<float>(step_);
   }
 
-  // The row must be in the picture.
+  // Selects a row, which must be in the picture.
   void select(int row) { rows_.select(static_cast<std::size_t>(v_px(row))); }
   // Reads every `kEvery`-th column from `first` on.
   template <std::size_t kEvery>
@@ -52,7 +53,8 @@ class SampledPixels {
   }
 
  private:
-  // A group may begin at any column, or be every second one up to the last.
+  // A group of consecutive columns may begin at any column of the square, and then ends beyond it; a group of every
+  // second column ends at the last column of the square at the latest.
   static constexpr std::size_t kColumns = kSampleSide + kGroupSize - 1;
 
   PixelRows<kColumns> rows_;
@@ -60,7 +62,7 @@ class SampledPixels {
   std::uint64_t columns_ = 0;
 };
 
-/// The parallelogram that a robot's top is in the picture.
+/// Outline of a robot's top in the picture, a parallelogram.
 class TopOutline {
  public:
   TopOutline() = default;
@@ -74,11 +76,11 @@ class TopOutline {
     }
     inverse_ = {{{y.v_px / determinant, -y.u_px / determinant}, {-x.v_px / determinant, x.u_px / determinant}}};
   }
-  // The columns whose samples are on the top.
+  // Returns the columns whose samples are on the top.
   [[nodiscard]] std::uint64_t covers(const SampledPixels& pixels, int row) const {
     const float dv = static_cast<float>(pixels.v_px(row)) - center_.v_px;
     if (std::abs(dv) > reach_v_px_) return 0;
-    // Between two sides, u is the middle plus at most a distance, where a coordinate is -1 and 1.
+    // Between two opposite sides, u lies within a distance of the middle; at a side, one coordinate is -1 or 1.
     float first = -1e6f, last = 1e6f;
     for (const auto& [per_u, per_v] : inverse_) {
       if (std::abs(per_u) < 1e-6f) {
@@ -100,14 +102,14 @@ class TopOutline {
  private:
   PixelPoint center_;
   float reach_v_px_ = 0;
-  // Pixels to coordinates in half sides.
+  // Matrix from pixels to coordinates in half sides.
   std::array<std::array<float, 2>, 2> inverse_{};
 };
 
 /// Classes of the samples around a seed.
 class BallSamples {
  public:
-  // `reach`: that of the surroundings; `dense`: radius within which all samples count.
+  // `reach`: reach of the surroundings; `dense`: radius within which all samples count.
   BallSamples(const Frame& frame, SampledPixels& pixels, std::span<const TopOutline> tops, int reach, int dense)
       : pixels_(pixels), reach_(reach), dense_(0.0f, static_cast<float>(dense) + 0.01f) {
     for (int row = -reach; row <= reach; ++row) {
@@ -142,7 +144,7 @@ class BallSamples {
     return count;
   }
 
-  // Reads the samples between known ones of the ball's color, and their neighbors; or all samples.
+  // Reads the samples between known ones of the ball's color, and their neighbors; reads all samples if `all` is set.
   void read_dense(const BallColor& color, bool all) {
     std::uint64_t any = 0;
     int top = kSampleReach, bottom = -kSampleReach;
@@ -172,7 +174,7 @@ class BallSamples {
   }
 
   Samples visible, ball;
-  Samples coarse, colorful;  // every second row and column
+  Samples coarse, colorful;  // samples of every second row and column
 
  private:
   static std::size_t distance(int row) { return static_cast<std::size_t>(std::abs(row)); }

@@ -1,4 +1,4 @@
-// Patches that several robots may have: Identifier::share_patches() and what it needs.
+// Resolves patches that several robots may have: Identifier::share_patches() and its helpers.
 #include <algorithm>
 #include <array>
 #include <limits>
@@ -8,12 +8,12 @@
 namespace touchline {
 namespace {
 
-// Two poses of a robot, one of which needs another robot's patch, are equally good up to this log likelihood ratio.
+// Log likelihood ratio up to which a pose that needs another robot's patch and a pose that does not are equally good.
 constexpr float kNearlyAsWell = 1.0f;
 
 }  // namespace
 
-// Where the poses of a candidate have their identification patches.
+// Predicted positions of the identification patches in all poses of a candidate.
 class Identifier::PredictedPatches {
  public:
   void predict(const Candidate& candidate, std::span<const PatchPlace> places, std::span<const float> radius_m) {
@@ -32,7 +32,7 @@ class Identifier::PredictedPatches {
     }
   }
   [[nodiscard]] FieldPoint center(std::size_t pose, std::size_t slot) const { return center_[pose][slot]; }
-  /// False if no pose has a patch there.
+  /// Returns false if no pose has a patch at this position.
   [[nodiscard]] bool may_need(FieldPoint at) const {
     return at.x_m >= low_.x_m && at.x_m <= high_.x_m && at.y_m >= low_.y_m && at.y_m <= high_.y_m;
   }
@@ -42,7 +42,7 @@ class Identifier::PredictedPatches {
     }
     return false;
   }
-  /// Log likelihood of the best explanation by a pose without a patch there.
+  /// Returns the log likelihood of the best explanation by a pose without a patch at this position.
   [[nodiscard]] float best_without(const Candidate& candidate, FieldPoint at) const {
     float best = std::numeric_limits<float>::lowest();
     for (std::size_t p = 0; p < candidate.poses.size(); ++p) {
@@ -54,14 +54,15 @@ class Identifier::PredictedPatches {
  private:
   static constexpr float kRoundingMargin = 1.01f;
 
-  std::span<const float> radius_m_;  // of the circle inside each patch, by slot
+  std::span<const float> radius_m_;  // radius of the circle inside each patch, by slot
   std::array<std::array<FieldPoint, kMaxPatches - 1>, kMaxPoses> center_{};
-  FieldPoint low_, high_;  // of a box around all patches
+  FieldPoint low_, high_;  // corners of a box around all patches
 };
 
-// A patch belongs to a single robot. If a robot has no good explanation without it, poses of other robots in its team
-// that need the patch are penalized in three cases: their team patch is uncertain; another pose explains their robot
-// equally well without the patch; or the joint log likelihood of both robots is lower if they get the patch.
+// A patch belongs to a single robot. If a robot has no good explanation without a contested patch, poses of other
+// robots in its team that need the patch are penalized in three cases: their team patch is uncertain; another pose
+// explains their robot equally well without the patch; or the joint log likelihood of both robots is lower if they get
+// the patch.
 void Identifier::share_patches(const Scene& now) {
   const std::span<const PatchPlace> places(teams_[now.team].layout.patches.begin() + 1,
                                            teams_[now.team].layout.patches.end());
@@ -100,7 +101,7 @@ void Identifier::share_patches(const Scene& now) {
             pose.costs = std::max(pose.costs, kMinIdMargin);
           } else if (without > other.unknown && loss >= gain + kMinIdMargin) {
             pose.costs = std::max(pose.costs, loss);
-            // It may be the other robot's patch nevertheless.
+            // It may still be the other robot's patch.
             owner.unknown = std::max(owner.unknown, own.best - loss + gain);
           }
         }

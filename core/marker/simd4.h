@@ -10,7 +10,7 @@
 
 namespace touchline {
 
-/// Four values in a register: all supported processors have such registers.
+/// Four values in a register, which all supported processors have.
 template <class T>
 using Simd4 [[gnu::vector_size(16)]] = T;
 
@@ -38,7 +38,7 @@ using Simd4 [[gnu::vector_size(16)]] = T;
   constexpr std::array kCoefficients{7.0376836292e-2f,  -1.1514610310e-1f, 1.1676998740e-1f,
                                      -1.2420140846e-1f, 1.4249322787e-1f,  -1.6668057665e-1f,
                                      2.0000714765e-1f,  -2.4999993993e-1f, 3.3333331174e-1f};
-  // log(2) in two parts, of which products with an exponent of the first one are exact.
+  // log(2) as a sum of two numbers; products of an exponent with the first are exact.
   constexpr float kLog2High = 0.693359375f, kLog2Low = -2.12194440e-4f;
   constexpr std::int32_t kOne = 0x3f800000, kRootOfHalf = 0x3f3504f3, kFraction = 0x007fffff;
   // x = 2^exponent (1 + f), where 1 + f is between the roots of 1/2 and 2.
@@ -46,7 +46,7 @@ using Simd4 [[gnu::vector_size(16)]] = T;
   const Simd4<float> exponent = __builtin_convertvector((bits >> 23) - 127, Simd4<float>);
   const Simd4<float> f = __builtin_bit_cast(Simd4<float>, (bits & kFraction) + kRootOfHalf) - 1.0f;
   const Simd4<float> square = f * f;
-  // In pairs (Estrin 1960), of which a processor computes several at once.
+  // Sum in pairs (Estrin 1960), several of which a processor computes at once.
   const auto& k = kCoefficients;
   const Simd4<float> fourth = square * square;
   const Simd4<float> low = (k[7] * f + k[8]) + (k[5] * f + k[6]) * square;
@@ -66,13 +66,13 @@ using Simd4 [[gnu::vector_size(16)]] = T;
 #endif
 }
 
-/// Whether a comparison is true in any lane.
+/// Returns whether a comparison is true in any lane.
 [[gnu::always_inline]] inline bool any(Simd4<std::int32_t> is_true) {
   const auto halves = __builtin_bit_cast(std::array<std::uint64_t, 2>, is_true);
   return (halves[0] | halves[1]) != 0;
 }
 
-/// Bit i: lane i of a comparison is true.
+/// Returns a mask; bit i is set if lane i of a comparison is true.
 [[gnu::always_inline]] inline std::uint32_t bits_of(Simd4<std::int32_t> is_true) {
   const auto halves = __builtin_bit_cast(std::array<std::uint64_t, 2>, is_true & Simd4<std::int32_t>{1, 2, 4, 8});
   const std::uint64_t both = halves[0] | halves[1];
@@ -83,7 +83,8 @@ using Simd4 [[gnu::vector_size(16)]] = T;
   return (four[0] + four[1]) + (four[2] + four[3]);
 }
 
-/// Calls use(numbers, is_set) with four neighboring bits at a time: their numbers, and in which lanes the bit is set.
+/// Calls use(numbers, is_set) with four neighboring bits at a time: their numbers, and the lanes in which the bit is
+/// set.
 template <class Use>
 [[gnu::always_inline]] inline void for_each_four(std::uint64_t bits, const Use& use) {
   for (int i = std::countr_zero(bits); i < static_cast<int>(std::bit_width(bits)); i += 4) {

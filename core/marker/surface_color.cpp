@@ -10,14 +10,14 @@
 namespace touchline {
 namespace {
 
-// Part of the range of nine samples that counts as error of their mean. (Nine values with the standard deviation 1 have
-// a range of 3, and their mean has an error of 1/3.)
+// Share of the range of nine samples that counts as error of their mean. (Nine values with the standard deviation 1
+// have a range of 3, and their mean has an error of 1/3.)
 constexpr float kRangeError = 0.25f;
-// Samples on each side of the seed: every pixel of the longest patches at 200 pixels per meter.
+// Number of samples on each side of the seed; it covers every pixel of the longest patches at 200 pixels per meter.
 constexpr int kGridReach = 23;
 constexpr std::size_t kGridSize = 2 * kGridReach + 1;
-// Largest distance from the seed's color, relative to its length: noise and uneven light within a patch are below a
-// tenth, other patches of real robots begin at a quarter.
+// Largest distance from the seed's color, relative to the color's length: noise and uneven light within a patch stay
+// below a tenth, and differences to other patches of real robots begin at a quarter.
 constexpr float kSameColor = 0.2f;
 constexpr int kMinSamples = 9;
 
@@ -28,18 +28,18 @@ struct Samples {
   int seed, first, last;
   [[nodiscard]] int place(int i, int step) const { return seed + i * step; }
 };
-// Index of sample i in a grid.
+// Returns the index of sample i in a grid.
 constexpr int in_grid(int i) { return i + kGridReach; }
 
 // Finds the samples whose squared color distance from the surface is at most the limit. The middle sample always
-// counts, although it may be noise. Rows are read outwards until a row has no sample next to one of the row before: no
-// sample beyond is connected with the middle.
+// counts, although it may be noise. Rows are read outwards until a row has no sample next to one of the previous row,
+// because no sample beyond can be connected with the middle.
 Grid similar_samples(const Frame& frame, const Samples& columns, const Samples& rows, int step,
                      const SurfaceColor& surface, float allowed) {
   constexpr std::size_t kTogether = 4;
   const auto first_column = static_cast<std::size_t>(in_grid(columns.first)),
              end_column = static_cast<std::size_t>(in_grid(columns.last)) + 1;
-  // Samples beyond the last column are the last one again.
+  // Samples beyond the last column repeat the last one.
   PixelRows<kGridSize + kTogether> pixels(frame);
   for (std::size_t i = first_column; i < end_column + kTogether; ++i) {
     const int column = static_cast<int>(std::min(i, end_column - 1)) - kGridReach;
@@ -74,7 +74,7 @@ Grid similar_samples(const Frame& frame, const Samples& columns, const Samples& 
   return mask;
 }
 
-// The samples of a row that are connected with `seeds` within it (Kogge and Stone's parallel prefix).
+// Returns the samples of a row that are connected with `seeds` within it (Kogge and Stone's parallel prefix).
 std::uint64_t filled(std::uint64_t seeds, std::uint64_t mask) {
   std::uint64_t right = mask, left = mask;
   std::uint64_t out = seeds & mask;
@@ -91,8 +91,8 @@ std::uint64_t filled(std::uint64_t seeds, std::uint64_t mask) {
 Grid connected(const Grid& mask, int reach) {
   Grid out{};
   out[kGridReach] = filled(std::uint64_t{1} << static_cast<unsigned>(kGridReach), mask[kGridReach]);
-  int first = kGridReach, last = kGridReach;  // the rows that are reached
-  // Rows are passed downwards and upwards in turn. A spiral would need more passes, but is no patch.
+  int first = kGridReach, last = kGridReach;  // rows that are reached
+  // Rows are passed downwards and upwards in turn. (A spiral would need more passes, but no patch is a spiral.)
   for (std::size_t pass = 0; pass < kGridSize; ++pass) {
     bool changed = false;
     const auto reach_row = [&](int row, int from) {
@@ -117,10 +117,10 @@ Grid connected(const Grid& mask, int reach) {
   return out;
 }
 
-// The mean of z^4 of a square whose side has the direction of the real axis, relative to the squared mean of |z|^2.
+// Mean of z^4 of a square with sides parallel to the axes, relative to the squared mean of |z|^2.
 constexpr float kSquareMoment = -0.6f;
 
-// Finds the direction of a square's sides from the mean of z^4, z being the place of a sample relative to the centroid
+// Finds the direction of a square's sides from the mean of z^4, where z is a sample's position relative to the centroid
 // as a complex number. `spread`: mean of |z|^2.
 void find_sides(const Grid& grown, float count, const std::array<float, 2>& centroid, float spread, GrownPatch& out) {
   using Four = Simd4<float>;
@@ -143,7 +143,7 @@ void find_sides(const Grid& grown, float count, const std::array<float, 2>& cent
 }  // namespace
 
 bool sample_surface(const Frame& frame, PixelPoint center, int step_px, SurfaceColor& out, int saturated_from) {
-  // Also false for NaN.
+  // This rejects NaN, too.
   if (!(center.u_px >= 0.0f && center.v_px >= 0.0f && center.u_px < 65536.0f && center.v_px < 65536.0f)) return false;
   const int u = static_cast<int>(std::lround(center.u_px)), v = static_cast<int>(std::lround(center.v_px));
   if (u < step_px || v < step_px || u + step_px >= frame.width_px || v + step_px >= frame.height_px) return false;
@@ -190,7 +190,7 @@ bool grow_patch(const Frame& frame, PixelPoint seed, float reach_px, GrownPatch&
   float length = 0;
   for (const float value : surface.rgb) length += value * value;
   const float allowed = kSameColor * kSameColor * length;
-  // The samples that are in the picture.
+  // Range of the samples that are in the picture.
   const auto first = [&](int at) { return std::max(-reach, -(at / step)); };
   const auto last = [&](int at, int size) { return std::min(reach, (size - 1 - at) / step); };
   const int left = first(seed_u), right = last(seed_u, frame.width_px);
@@ -227,7 +227,7 @@ bool grow_patch(const Frame& frame, PixelPoint seed, float reach_px, GrownPatch&
   const float middle = 0.5f * (xx + yy), half = std::hypot(0.5f * (xx - yy), xy);
   out.center = {static_cast<float>(seed_u) + scale * x, static_cast<float>(seed_v) + scale * y};
   out.area_px = square * n;
-  // Pixels are squares, not points.
+  // The 1/12 is added because pixels are squares, not points.
   out.major_px2 = square * (middle + half + 1.0f / 12.0f);
   out.minor_px2 = square * (std::max(0.0f, middle - half) + 1.0f / 12.0f);
   out.axis_rad = 0.5f * std::atan2(2.0f * xy, xx - yy);

@@ -7,7 +7,7 @@
 
 namespace touchline {
 
-/// Values from this one upwards count as saturated, unless a frame ends below it (clipping_level.h).
+/// Values from this one on count as saturated, unless a frame's values end below it (clipping_level.h).
 constexpr int kSaturatedValue = 250;
 
 /// Color of a surface as R, G, B above black, from nine pixels. YUV is converted (ITU-R BT.601).
@@ -30,11 +30,11 @@ inline std::array<float, 3> to_rgb(const std::array<float, 3>& value, ColorSpace
 }
 
 /// Samples the surface around a point: 3 x 3 pixels at a distance of `step_px` (at least 1), without the lowest and the
-/// highest value of each channel. False if they are not all in the picture.
+/// highest value of each channel. Returns false if they are not all in the picture.
 bool sample_surface(const Frame& frame, PixelPoint center, int step_px, SurfaceColor& out,
                     int saturated_from = kSaturatedValue);
 
-/// A patch as its pixels show it, independent of color boxes.
+/// A patch measured from its pixels, independent of color boxes.
 struct GrownPatch {
   PixelPoint center;
   float area_px = 0;
@@ -44,9 +44,9 @@ struct GrownPatch {
   float squareness = 0;                // 1: a square; 0: a disk
 };
 
-/// Grows a patch from a point of it: all pixels that are connected with the point and hardly differ from its color, at
-/// most `reach_px` away along rows and columns. The work is bounded: large patches are sampled on a grid of 47 x 47
-/// points. False if the point or a fifth of the area is outside of the picture, or if there are fewer than nine such
+/// Grows a patch from one of its points: all pixels that are connected with the point and hardly differ from its color,
+/// at most `reach_px` away along rows and columns. The work is bounded: large patches are sampled on a grid of 47 x 47
+/// points. Returns false if the point or a fifth of the area is outside the picture, or if there are fewer than nine
 /// samples.
 bool grow_patch(const Frame& frame, PixelPoint seed, float reach_px, GrownPatch& out);
 

@@ -1,4 +1,4 @@
-// Robots whose ids or confidence depend on the shape that pixels show: parts of Matcher.
+// Parts of Matcher for robots whose ids or confidence depend on the shape that pixels show.
 #include <algorithm>
 #include <array>
 
@@ -9,12 +9,12 @@
 namespace touchline {
 namespace {
 
-// An id that rests on colors alone needs at least this probability that the object is a robot.
+// An id that is based only on colors needs at least this probability that the object is a robot.
 constexpr float kMinConfidenceForId = 0.5f;
 
 }  // namespace
 
-// Whether the robot was found by a region from which an overload dropped runs.
+// Returns whether the robot was found by a region from which an overload removed runs.
 bool Matcher::is_cut(const RobotSighting& robot, const BoxSighting& box, const Regions& regions) const {
   if (regions[team_patches_[box.team_patch].patch.region].is_cut) return true;
   return std::any_of(robot.patches.begin(), robot.patches.end(), [&](const PatchSighting& seen) {
@@ -25,8 +25,8 @@ bool Matcher::is_cut(const RobotSighting& robot, const BoxSighting& box, const R
   });
 }
 
-// Removes ids that rest on cut regions, unless the pixels show the robot. The rest of a larger region may look like a
-// patch, but pixels are complete.
+// Removes ids that are based on cut regions, unless the pixels confirm the robot. (The rest of a larger region may look
+// like a patch, but pixels are complete.)
 void Matcher::doubt_cut_patches(const Frame* frame, const Regions& regions, Sightings& out) {
   if (std::none_of(regions.begin(), regions.end(), [](const Region& region) { return region.is_cut; })) return;
   for (std::size_t i = 0; i < out.robots.size(); ++i) {
@@ -39,8 +39,8 @@ void Matcher::doubt_cut_patches(const Frame* frame, const Regions& regions, Sigh
   }
 }
 
-// Sets the confidence of robots without an id, and drops unlikely ones. Two kinds of ids are removed first unless the
-// pixels confirm them: an id that only pixels gave needs the outline of the team patch if the patch was split off a
+// Sets the confidence of robots without an id, and drops unlikely ones. First removes two kinds of ids unless the
+// pixels confirm them. An id that only pixels gave needs the outline of the team patch if the patch was split off a
 // larger region. An id without a heading needs the shape of a robot.
 void Matcher::weigh_unknown_id(const Frame& frame, Sightings& out) {
   std::array<bool, kMaxRobots> has_stripes{};
@@ -65,7 +65,7 @@ void Matcher::weigh_unknown_id(const Frame& frame, Sightings& out) {
       robot.id = kUnknownId;
       robot.doubt = IdDoubt::kOtherOutline;
     }
-    // Without a heading, no pose of the layout explained the pixels, and the id rests on colors alone.
+    // Without a heading, no pose of the layout explained the pixels, so the id is based only on colors.
     if (robot.id != kUnknownId && !robot.has_heading) {
       RobotSighting of_patch = robot;
       of_patch.pose.position = patch.at[index_of(robot.team)];

@@ -15,10 +15,10 @@
 namespace touchline {
 namespace {
 
-// Log odds of a robot if outline and surroundings of the team patch agree with the layout (bias), and the weights of
-// the missing shares. Logistic regression over 965 sightings in rendered scenes of four fields, a fifth of them each as
-// they are, at 0.5, 0.7 and 1.6 times the light, and blurred: papers, shoes and robots of a third color beside robots,
-// a quarter of which have a covered identification patch.
+// Log odds of a robot whose outline and surroundings of the team patch agree with the layout (bias), and the weights of
+// the missing shares. They come from a logistic regression over 965 sightings of papers, shoes and robots of a third
+// color beside robots, a quarter of which have a covered identification patch. The scenes were rendered for four
+// fields; a fifth of them each is unchanged, has 0.5, 0.7 and 1.6 times the light, and is blurred.
 constexpr float kComplete = 3.9f, kPerInside = 4.6f, kPerOutside = 8.2f, kPerPatches = 3.2f, kPerArea = 3.2f;
 constexpr float kPerPatchLikeTop = 2.3f, kPerPatchOutline = 1.9f;
 // Log odds of an identification region at the right distance.
@@ -46,7 +46,7 @@ using Floats = Simd4<float>;
 using Lanes = Simd4<std::int32_t>;  // -1: true, 0: false
 using Rgb4 = std::array<Floats, 3>;
 
-// Up to four points of the plane of the patches, relative to the team patch.
+// Up to four points in the plane of the patches, relative to the team patch.
 struct FourPoints {
   Floats x_m{}, y_m{};
   Lanes is_point{};
@@ -67,14 +67,14 @@ Lanes differ(const Rgb4& a, const Rgb& b) {
   return out;
 }
 
-// Counts the true lanes. std::popcount calls a function on processors that may lack the instruction.
+// Returns the number of true lanes. (On processors that may lack the instruction, std::popcount would call a function.)
 std::size_t count(Lanes is_true) {
   constexpr std::array<std::uint8_t, 16> kBits{0, 1, 1, 2, 1, 2, 2, 3, 1, 2, 2, 3, 2, 3, 3, 4};
   return kBits[bits_of(is_true)];
 }
 
-// Four points of a patch, `part` of the way from its center to its outline and `beyond_m` farther, relative to
-// `origin`.
+// Returns four points of a patch, at the fraction `part` of the way from its center to its outline and `beyond_m`
+// farther, relative to `origin`.
 FourPoints points_of(const PatchPlace& patch, const PatchPlace& origin, float part, float beyond_m) {
   // A triangle's centroid is a third of its height above the base, where it has two thirds of its width.
   const bool is_triangle = patch.outline == PatchOutline::kTriangle;
@@ -93,7 +93,7 @@ struct Turn {
   explicit Turn(float angle_rad) : c(std::cos(angle_rad)), s(std::sin(angle_rad)) {}
 };
 
-// The picture near a point of the plane of the patches, where it is nearly an affine map of the plane.
+// The picture near a point in the plane of the patches, approximated by an affine map of the plane.
 class Surroundings {
  public:
   Surroundings(const Frame& frame, const CameraModel& camera, FieldPoint at, float height_m)
@@ -109,7 +109,7 @@ class Surroundings {
   [[nodiscard]] float scale_px_per_m() const {
     return std::sqrt(std::abs(by_x_.u_px * by_y_.v_px - by_x_.v_px * by_y_.u_px));
   }
-  /// The pixels of points turned by an angle. Returns the points that are in the picture.
+  /// Reads the pixels of points rotated by an angle. Returns the points that are in the picture.
   Lanes sample(const FourPoints& points, const Turn& turn, Rgb4& out) const {
     const Floats x = turn.c * points.x_m - turn.s * points.y_m, y = turn.s * points.x_m + turn.c * points.y_m;
     const Floats u = center_.u_px + x * by_x_.u_px + y * by_y_.u_px + 0.5f;
@@ -142,11 +142,11 @@ class Surroundings {
   PixelPoint center_, by_x_, by_y_;
 };
 
-// Values of samples by channel.
+// Values of samples, by channel.
 template <std::size_t kCapacity>
 using ChannelSamples = std::array<FixedVector<float, kCapacity>, 3>;
 
-// The median of each channel. There must be a sample.
+// Returns the median of each channel. There must be at least one sample.
 template <std::size_t kCapacity>
 Rgb median_of(ChannelSamples<kCapacity>& samples) {
   Rgb out;
@@ -166,7 +166,7 @@ void add(const Rgb4& pixels, Lanes is_valid, ChannelSamples<kCapacity>& samples)
   }
 }
 
-// Finds the median of the surfaces around a robot. False if most of them are not in the picture.
+// Finds the median of the surfaces around a robot. Returns false if most of them are not in the picture.
 bool floor_around(const Surroundings& picture, float radius_m, Rgb& out) {
   ChannelSamples<kFloorSamples> around;
   static_assert(kFloorSamples % 4 == 0);
@@ -225,10 +225,10 @@ class TopView {
     for (const FourPoints& four : centers_) patches_.push_back(four);
   }
 
-  /// False at the border of the picture.
+  /// Returns false at the border of the picture.
   [[nodiscard]] bool is_visible() const { return is_visible_; }
   [[nodiscard]] Shares along(float heading_rad) const { return along(heading_rad, std::numeric_limits<float>::max()); }
-  /// Smallest doubt over `count` equally spaced directions.
+  /// Returns the smallest doubt over `count` equally spaced directions.
   [[nodiscard]] float least_doubt(std::size_t count) const {
     float least = std::numeric_limits<float>::max();
     for (std::size_t i = 0; i < count; ++i) {
@@ -239,7 +239,7 @@ class TopView {
   }
 
  private:
-  // Stops when the doubt reaches `limit`. Shares that were not measured yet are 1 then.
+  // Computes the shares for a heading; stops when the doubt reaches `limit`. Shares that were not measured then are 1.
   [[nodiscard]] Shares along(float heading_rad, float limit) const {
     const Turn turn(heading_rad);
     const auto differs = [&](const Rgb4& seen) { return differ(seen, team_.rgb); };
@@ -261,8 +261,8 @@ class TopView {
     return shares;
   }
 
-  // Finds the share of the turned points at which `is` holds; 1 without any. False, without a share, as soon as
-  // may_be(the largest share that is still possible) is false.
+  // Finds the share of the rotated points at which `is` holds; 1 if there are no points. Returns false, without a
+  // share, as soon as may_be(the largest share that is still possible) is false.
   template <class Is, class MayBe>
   bool find_share(std::span<const FourPoints> points, const Turn& turn, Is is, MayBe may_be, float& out) const {
     std::size_t valid = 0, missing = 0, all = 0;
@@ -310,7 +310,7 @@ class TopView {
     for (std::size_t k = 0; k < seen.size() && out.doubt() < limit; ++k) {
       const auto differs = [&](const Rgb4& rgb) { return differ(rgb, seen[k].rgb); };
       const auto may_be = [&](float most) {
-        // The patches after this one may have their whole outline.
+        // Assume that the patches after this one have their whole outline.
         out.patch_outline = (outline + most + static_cast<float>(seen.size() - k - 1)) / valid;
         return out.doubt() < limit;
       };
@@ -326,9 +326,10 @@ class TopView {
   Rgb floor_{};
   bool is_visible_ = false;
   FourPoints inside_, outside_;
-  FixedVector<FourPoints, 2 * kMaxPatches> patches_;  // within identification patches, and their centers
-  FixedVector<FourPoints, kMaxPatches> centers_;      // of identification patches
-  FixedVector<FourPoints, kMaxPatches> others_;       // beyond the outline of each of them
+  // Points within identification patches, and points around their centers.
+  FixedVector<FourPoints, 2 * kMaxPatches> patches_;
+  FixedVector<FourPoints, kMaxPatches> centers_;  // centers of identification patches
+  FixedVector<FourPoints, kMaxPatches> others_;   // points beyond the outline of each of them
 };
 
 }  // namespace

@@ -6,23 +6,23 @@
 
 namespace touchline {
 
-/// A robot without an id is reported from this confidence on. Below it, the odds are ten to one against a robot.
+/// Least confidence with which a robot without an id is reported. Below it, the odds are ten to one against a robot.
 constexpr float kMinUnknownIdProbability = 0.1f;
 
-/// Probability that a robot without an id is a robot of this team. Any object may have the team's color. A robot has
-/// the outline of its team patch. In one direction beside it are patches that differ from the floor, the team color and
-/// the top, whichever colors they have. `area_ratio`: visible area of the team patch relative to the layout's.
+/// Returns the probability that a robot without an id is a robot of this team. Any object may have the team's color. A
+/// robot has the outline of its team patch. In one direction beside it are patches that differ from the floor, the team
+/// color and the top, whatever colors they have. `area_ratio`: visible area of the team patch relative to the layout's.
 /// `has_stripes`: another region of the team's color without an id is within a robot's side.
 float confidence_without_id(const Frame& frame, const CameraModel& camera, const MarkerLayout& layout,
                             const RobotSighting& robot, float area_ratio, bool has_stripes);
 
-/// False if the outline at the team patch is not that of the layout, for example because the region is a part of a
-/// larger surface. The robot must have a heading.
+/// Returns false if the outline of the team patch differs from the layout, for example because the region is a part of
+/// a larger surface. The robot must have a heading.
 bool has_team_outline(const Frame& frame, const CameraModel& camera, const MarkerLayout& layout,
                       const RobotSighting& robot);
 
-/// True if the pixels show all patches of the layout in the robot's pose: each patch differs from its surroundings and
-/// has the outline of the layout. The robot must have a heading.
+/// Returns true if the pixels show all patches of the layout in the robot's pose: each patch differs from its
+/// surroundings and has the outline of the layout. The robot must have a heading.
 bool has_all_outlines(const Frame& frame, const CameraModel& camera, const MarkerLayout& layout,
                       const RobotSighting& robot);
 

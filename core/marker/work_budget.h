@@ -14,7 +14,7 @@ class WorkBudget {
  public:
   constexpr WorkBudget(Units units, std::size_t claimants) : left_(units), waiting_(claimants) {}
 
-  /// Takes the shares of the next `claimants` at once. More than the announced ones get nothing.
+  /// Takes the shares of the next `claimants` claimants together. Claimants beyond the announced number get nothing.
   [[nodiscard]] constexpr Units take(std::size_t claimants = 1) {
     if (claimants == 0 || waiting_ < claimants) return {};
     const Units share = left_ * static_cast<Units>(claimants) / static_cast<Units>(waiting_);
@@ -22,9 +22,9 @@ class WorkBudget {
     left_ -= share;
     return share;
   }
-  /// Returns the rest of a share. Negative if the claimant used more than it had.
+  /// Returns the rest of a share. `rest` is negative if the claimant used more than its share.
   constexpr void give_back(Units rest) { left_ += rest; }
-  /// Units that nobody has taken.
+  /// Returns the units that nobody has taken.
   [[nodiscard]] constexpr Units left() const { return left_; }
 
  private:
@@ -42,13 +42,13 @@ class WorkBudget {
 // alternatives to the best sets    node of the search tree       groups of conflicting hypotheses
 // borders of saturated patches     patch                         robots, then pairs of robots
 
-/// As if all patches of 22 robots touched another one. Teams with few patches get less (matcher.cpp).
+/// Enough for all patches of 22 robots, each touching another one. Teams with few patches get less (matcher.cpp).
 constexpr float kMaxTouchingPairs = static_cast<float>(kMaxRobots * kMaxPatches) / 2;
 /// A crowd of 22 robots with six patches, 5 pixels wide, needs 240,000 tests; five paper robots per team need 3,000.
 constexpr int kMaxNeighborTests = 400000;
 /// 22 robots with six patches in a crowd need 400 nodes for the best sets and 500 for the alternatives.
 constexpr int kMaxNodesForBest = 2000, kMaxNodesForAlternatives = 3000;
-/// Two patches of 22 robots, and some poses that turn out to be wrong.
+/// Enough for two patches of 22 robots, and for some poses that turn out to be wrong.
 constexpr int kMaxBorders = 64;
 
 }  // namespace touchline

@@ -12,7 +12,7 @@ constexpr std::uint32_t kDropped = kMaxRegions;
 
 }  // namespace
 
-// The code below avoids branches on conditions that are random in a noisy picture. A misprediction costs more than the
+// The code below avoids branches whose conditions are random in a noisy picture. A misprediction costs more than the
 // few instructions that a branch would save.
 
 void Labeling::begin(std::uint32_t min_area_px, std::uint32_t min_height_px) {
@@ -70,7 +70,7 @@ std::uint32_t Labeling::height_of(Extent extent) {
 void Labeling::number_components() {
   components_ = 0;
   for (std::uint32_t label = 0; label < labels_; ++label) {
-    // Parents have lower labels.
+    // A parent has a lower label, so its number is already known.
     const std::uint32_t parent = parent_[label], is_root = static_cast<std::uint32_t>(parent == label);
     const std::uint32_t number = is_root * components_ + (1 - is_root) * parent_[parent];
     parent_[label] = number;
@@ -78,12 +78,12 @@ void Labeling::number_components() {
   }
 }
 
-// Computes the sums of all components. Returns how many have enough pixels and rows.
+// Computes the sums of all components. Returns the number of components that have enough pixels and rows.
 std::size_t Labeling::sum_up(const Runs& runs) {
   std::uint32_t begun = 0;
   for (const Run& run : runs) {
     const std::uint32_t length = std::uint32_t{run.end} - run.begin, number = parent_[run.next];
-    // This may be the first run of the next component.
+    // This run may be the first one of component `begun`.
     sums_[begun] = {};
     begun += static_cast<std::uint32_t>(number == begun);
     Sums& sums = sums_[number];
@@ -116,7 +116,7 @@ Labeling::Quota Labeling::quota(std::size_t competing) {
   return {static_cast<std::uint32_t>(area), room};
 }
 
-// Writes the regions, and the region of each component (or kDropped) to region_of_.
+// Writes the regions, and writes to region_of_ the region of each component, or kDropped.
 void Labeling::report(Quota quota, Regions& regions) {
   std::uint32_t count = 0;
   for (std::uint32_t i = 0; i < components_; ++i) {

@@ -10,21 +10,21 @@
 namespace touchline {
 
 /// Joins the runs of a picture, row by row, to regions. It uses union-find instead of copying pixel lists as in the
-/// paper (section 4.1). The regions are those of the paper, and the number of runs bounds the time.
+/// paper (section 4.1). The regions are the same as in the paper, and the number of runs bounds the time.
 ///
 /// While rows are added, Run::next holds a label of the run's component; finish() replaces it by the chain. A component
 /// gets its label at its first run, and a union keeps the lower label, so labels are in raster order of first pixels.
 class Labeling {
  public:
-  /// Begins a frame. Regions with a smaller area or of fewer rows are dropped.
+  /// Begins a frame. finish() drops regions with a smaller area or fewer rows.
   void begin(std::uint32_t min_area_px, std::uint32_t min_height_px);
 
   /// Adds the next row, runs[first, runs.size()). Their `next` must be kNoRun.
   void add_row(Runs& runs, std::size_t first, std::span<const Contact> contacts);
 
-  /// The first run of the row that was added last.
+  /// Returns the index of the first run of the row that was added last.
   [[nodiscard]] std::size_t last_row() const { return above_; }
-  /// Marks the run's region as cut: runs that touched this run were dropped.
+  /// Marks the run's region as cut, because runs that touched this run were dropped.
   void mark_cut(std::size_t run) {
     cut_runs_[run / 64] |= std::uint64_t{1} << run % 64;
     has_cut_runs_ = true;
@@ -70,15 +70,16 @@ class Labeling {
   std::array<Sums, kMaxRuns + 1> sums_{};
   std::array<std::uint16_t, kMaxRuns> region_of_{};
   static_assert(kMaxRegions < 1u << 16);
-  // If there are more components than fit, the smallest reported one has at most an equal share of the picture.
+  // If there are more components than fit, the smallest one that is reported has at most an equal share of the picture.
   static constexpr std::size_t kAreaBins = kMaxFrameWidth * kMaxFrameHeight / kMaxRegions + 2;
   std::array<std::uint32_t, kAreaBins> of_area_{};
-  std::array<std::uint32_t*, kMaxRegions + 1> end_of_chain_{};  // the last entry: for dropped runs
-  std::uint32_t unused_link_ = 0;                               // target of the last entry
-  std::array<std::uint64_t, (kMaxRuns + 63) / 64> cut_runs_{};  // one bit each
+  // End of each region's chain of runs; the last entry is for dropped runs.
+  std::array<std::uint32_t*, kMaxRegions + 1> end_of_chain_{};
+  std::uint32_t unused_link_ = 0;                               // written by the last entry of end_of_chain_
+  std::array<std::uint64_t, (kMaxRuns + 63) / 64> cut_runs_{};  // one bit per run
   bool has_cut_runs_ = false;
   std::uint32_t labels_ = 0, components_ = 0;
-  std::size_t above_ = 0;  // the first run of the last row added
+  std::size_t above_ = 0;  // first run of the last row added
   std::uint32_t min_area_px_ = 1, min_height_px_ = 1;
 };
 

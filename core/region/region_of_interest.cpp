@@ -14,7 +14,8 @@ void cross(const Polygon& polygon, double v, Crossings& crossings) {
   PixelPoint from = polygon.back();
   for (const PixelPoint& to : polygon) {
     const double v0 = static_cast<double>(from.v_px), v1 = static_cast<double>(to.v_px);
-    // Half open: a corner on the row counts for one of its two edges, or for both or neither if the border turns back.
+    // The interval is half open: a corner on the row counts for one of its two edges, or for both or neither if the
+    // border turns back there.
     if ((v0 <= v) != (v1 <= v)) {
       const double u0 = static_cast<double>(from.u_px), u1 = static_cast<double>(to.u_px);
       crossings.push_back(u0 + (v - v0) * (u1 - u0) / (v1 - v0));
@@ -28,7 +29,7 @@ std::uint16_t first_column_from(double u, std::uint16_t width_px) {
   return static_cast<std::uint16_t>(std::clamp(std::ceil(u), 0.0, static_cast<double>(width_px)));
 }
 
-// Twice the signed area of the triangle.
+// Returns twice the signed area of the triangle.
 double turn_of(PixelPoint a, PixelPoint b, PixelPoint c) {
   const double au = static_cast<double>(a.u_px), av = static_cast<double>(a.v_px);
   return (static_cast<double>(b.u_px) - au) * (static_cast<double>(c.v_px) - av) -
@@ -40,7 +41,7 @@ bool boxes_meet(PixelPoint a, PixelPoint b, PixelPoint c, PixelPoint d) {
          std::max(a.v_px, b.v_px) >= std::min(c.v_px, d.v_px) && std::max(c.v_px, d.v_px) >= std::min(a.v_px, b.v_px);
 }
 
-// Straddle test; sides on one line meet if their boxes do.
+// Straddle test; collinear sides meet if their bounding boxes do.
 bool sides_meet(PixelPoint a, PixelPoint b, PixelPoint c, PixelPoint d) {
   return boxes_meet(a, b, c, d) && turn_of(a, b, c) * turn_of(a, b, d) <= 0 && turn_of(c, d, a) * turn_of(c, d, b) <= 0;
 }
@@ -52,7 +53,7 @@ std::optional<CrossingSides> crossing_sides(const Polygon& polygon) {
   for (std::size_t i = 0; i < size; ++i) {
     for (std::size_t j = i + 2; j < size; ++j) {
       const std::size_t after = (j + 1) % size;
-      if (after == i) continue;  // neighbors share a corner
+      if (after == i) continue;  // Neighboring sides share a corner, which is no crossing.
       if (sides_meet(polygon[i], polygon[i + 1], polygon[j], polygon[after])) return CrossingSides{i, j};
     }
   }

@@ -8,14 +8,14 @@
 namespace touchline {
 namespace {
 
-// How far ahead pixels are fetched. A row takes longer to classify than memory takes to answer.
+// Number of rows by which fetching is ahead of classification. Classifying a row takes longer than a fetch from memory.
 constexpr unsigned kRowsAhead = 2;
 
 // Fetches bytes begin <= i < end into the cache before they are read. A processor prefetches consecutive bytes by
-// itself, but has to start again after the end of a span.
+// itself, but must detect the pattern again after the end of a span.
 void fetch(const std::uint8_t* bytes, std::size_t begin, std::size_t end) {
-  constexpr std::size_t kLine = 64, kLinesAtOnce = 4;  // a cache line of x86 and ARM
-  asm volatile("");                                    // without it, gcc drops calls of functions that only prefetch
+  constexpr std::size_t kLine = 64, kLinesAtOnce = 4;  // bytes of a cache line on x86 and ARM
+  asm volatile("");  // without this statement, gcc drops calls of functions that only prefetch
   std::size_t i = begin;
   for (; i + kLinesAtOnce * kLine <= end; i += kLinesAtOnce * kLine) {
     __builtin_prefetch(bytes + i);
@@ -87,7 +87,7 @@ Status RegionScanner::scan(const Frame& frame, Runs& runs, Regions& regions) {
   labeling_.begin(tables_->min_area_px_, tables_->min_height_px_);
   run_limiter_.begin(frame.height_px);
   const std::uint16_t last = static_cast<std::uint16_t>(frame.height_px - 1);
-  clear(2);  // above the first row
+  clear(2);  // Row 2 of the ring stands for the row above the first one.
   masks_[2] = {};
   classify(frame, 0);
   find_masks(0);
@@ -137,12 +137,12 @@ void RegionScanner::classify(const Frame& frame, std::uint16_t v) {
   for (const ColumnSpan& span : tables_->region_of_interest_.row(v)) {
     occupied |= tables_->classifier_.classify(frame, v, span.begin, span.end, colors.pixels());
   }
-  // The list is exact, so that classify_between() reads as little of the neighboring rows as possible.
+  // Without words that contain no color, classify_between() reads as little of the neighboring rows as possible.
   occupied_[v % 3u] = tables_->min_height_px_ > 1 ? colored_words(colors, occupied) : occupied;
 }
 
-// Classifies row v in the words in which the row above or below has a color, and further as long as colors reach into
-// the next word. Pixels that are left out could only form regions of one row.
+// Classifies the words of row v in which the row above or below has a color, and the next words as long as colors reach
+// into them. Pixels that are left out could only form regions one row high.
 void RegionScanner::classify_between(const Frame& frame, std::uint16_t v) {
   clear(v);
   OccupiedWords added = occupied_[(v + 2u) % 3] | occupied_[(v + 1u) % 3], words = added;
@@ -152,7 +152,7 @@ void RegionScanner::classify_between(const Frame& frame, std::uint16_t v) {
   }
 }
 
-// Classifies `words` of row v. Returns the neighboring words into which a color may continue: a pixel at the common
+// Classifies `words` of row v. Returns the neighboring words in which a color may continue: the pixel at the common
 // border has a color.
 OccupiedWords RegionScanner::classify_words(const Frame& frame, std::uint16_t v, OccupiedWords words) {
   constexpr std::uint32_t kPixels = kPixelsOfWord;

@@ -21,13 +21,13 @@ struct ScanParameters {
   PixelFormat format = PixelFormat::kRgb24;
   std::uint16_t width_px = 0, height_px = 0;
   ColorBoxes boxes;            // in the format's color space
-  LightMap light;              // columns 0: none
+  LightMap light;              // no light map if its number of columns is 0
   Polygon region_of_interest;  // pixel centers inside count; fewer than 3 points: the whole picture
   // Regions with a smaller area or fewer rows are dropped with their runs. If the smallest height is 2 or more, a row
   // between two others is read only beside colors in these two rows.
   std::uint32_t min_area_px = 1, min_height_px = 1;
   KernelChoice kernel = KernelChoice::kFastest;
-  std::uint8_t box_shift_limit = 0;  // levels by which boxes may move later
+  std::uint8_t box_shift_limit = 0;  // levels by which boxes may move after configuration
   TypicalBackground background;      // affects only the speed
 };
 
@@ -45,7 +45,7 @@ class ScanTables {
 
   bool configured_ = false;
   std::uint32_t min_area_px_ = 1, min_height_px_ = 1;
-  std::array<std::size_t, kMaxPlanes> bytes_of_eight_px_{};  // of each plane
+  std::array<std::size_t, kMaxPlanes> bytes_of_eight_px_{};  // bytes of eight pixels in each plane
   RowClassifier classifier_;
   RegionOfInterest region_of_interest_;
   RunWriter run_writer_;
@@ -69,19 +69,19 @@ class RegionScanner {
   /// as the scanner.
   ScanTables& exchange(ScanTables& tables) { return *std::exchange(tables_, &tables); }
 
-  /// See RowClassifier. Call them between two scans, one part at a time.
+  /// As in RowClassifier. Call them between two scans, one part at a time.
   void apply_light_change(const LightChange& change, const FieldLight& field, std::uint16_t tile_row) {
     tables_->classifier_.apply_light_change(change, field, tile_row);
   }
   void rebuild_tables(const ColorBoxes& boxes, std::size_t channel, std::uint8_t level) {
     tables_->classifier_.rebuild_tables(boxes, channel, level);
   }
-  /// Status that scan() would return for this frame before it reads a pixel.
+  /// Returns the status that scan() would return for this frame before it reads a pixel.
   [[nodiscard]] Status accepts(const Frame& frame) const {
     return tables_->configured_ ? tables_->classifier_.accepts(frame) : Status(ErrorCode::kUnsupported);
   }
   [[nodiscard]] const Shading& shading() const { return tables_->classifier_.shading(); }
-  /// Copies what decides the classes of pixels. Call it between two scans.
+  /// Copies the data that determine the classes of pixels. Call it between two scans.
   void copy_to(PixelClassifier& out) const { out.copy(tables_->classifier_, tables_->region_of_interest_); }
 
   /// Finds regions (4-neighborhood, exact sums) in raster order of their first pixel. `runs` holds exactly the runs of
@@ -90,11 +90,10 @@ class RegionScanner {
   /// its stride is too small. Both leave `runs` and `regions` empty.
   ///
   /// kFull: a capacity was exceeded, one or both of these:
-  /// - The runs that RunLimiter allows in a row. No realistic field has more. Such a row lost its shortest runs, and
-  /// the
-  ///   regions are those of the picture without the lost runs. A region without pixels in such a row is complete and
-  ///   exact. runs.overflow() counts the lost runs, and Region::is_cut tells which regions lost some. (Two kinds of
-  ///   pixels are no runs: those without a neighbor of their color if the smallest area is 2 or more, and those that
+  /// - The runs that RunLimiter allows in a row; no realistic field has more. Such a row lost its shortest runs, and
+  ///   the regions are those of the picture without the lost runs. A region without pixels in such a row is complete
+  ///   and exact. runs.overflow() counts the lost runs, and Region::is_cut tells which regions lost some. (Two kinds of
+  ///   pixels form no runs: pixels without a neighbor of their color if the smallest area is 2 or more, and pixels that
   ///   are not read if the smallest height is 2 or more.)
   /// - The number of regions. The largest are reported, and regions.overflow() counts the others.
   Status scan(const Frame& frame, Runs& runs, Regions& regions);
@@ -113,7 +112,7 @@ class RegionScanner {
   ScanTables* tables_ = &own_;
   RunLimiter run_limiter_;
   Labeling labeling_;
-  // Row v has index v % 3. Its colors lie within its occupied words.
+  // Ring of three rows; row v has index v % 3. Its colors lie within its occupied words.
   std::array<ColorRow, 3> colors_;
   std::array<OccupiedWords, 3> occupied_{};
   std::array<RowMasks, 3> masks_;

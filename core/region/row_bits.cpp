@@ -22,7 +22,7 @@ std::size_t sum_of_bytes(WordPair x) {
 std::uint16_t column_of(std::size_t base, std::uint64_t word) {
   return static_cast<std::uint16_t>(base + static_cast<std::size_t>(std::countr_zero(word)));
 }
-// Number of `ends` before the lowest of `bits`.
+// Returns how many of `ends` lie before the lowest of `bits`.
 std::uint16_t number_of(std::size_t base, std::uint64_t ends, std::uint64_t bits) {
   return static_cast<std::uint16_t>(base + static_cast<std::size_t>(std::popcount(ends & ~bits & (bits - 1))));
 }
@@ -55,7 +55,7 @@ std::size_t list_columns(const PixelBits& bits, OccupiedWords occupied, Columns&
     const auto i = static_cast<std::size_t>(std::countr_zero(occupied));
     const std::size_t base = i * kPixelsOfWord;
     // Most words have up to three bits, at random. Three entries are always written, and only existing bits are
-    // counted: a mispredicted branch would cost more.
+    // counted, because a mispredicted branch would cost more.
     const std::uint64_t word = bits[i], second = word & (word - 1), third = second & (second - 1);
     next[0] = column_of(base, word);
     next[1] = column_of(base, second);
@@ -78,7 +78,7 @@ std::size_t list_contacts(const RowMasks& above, const RowMasks& row, Contacts& 
     const auto contact_at = [&](std::uint64_t begins) {
       return Contact{number_of(runs_above, ends_above, begins), number_of(runs, ends, begins)};
     };
-    // Three entries are always written, as in list_columns().
+    // Three entries are always written, for the reason given in list_columns().
     const std::uint64_t begins = row.like_above[i] & (row.first[i] | above.first[i]), second = begins & (begins - 1),
                         third = second & (second - 1);
     next[0] = contact_at(begins);

@@ -9,7 +9,7 @@ namespace {
 using Bytes [[gnu::vector_size(16)]] = std::uint8_t;
 constexpr std::size_t kBytes = sizeof(Bytes);
 
-// The sums of neighboring bytes: those of `a`, then those of `b`.
+// Returns the sums of neighboring bytes: first of `a`, then of `b`.
 Bytes add_neighbors(Bytes a, Bytes b) {
   return __builtin_shufflevector(a, b, 0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 20, 22, 24, 26, 28, 30) +
          __builtin_shufflevector(a, b, 1, 3, 5, 7, 9, 11, 13, 15, 17, 19, 21, 23, 25, 27, 29, 31);
@@ -24,7 +24,7 @@ Bytes add_neighbors(Bytes a, Bytes b) {
     std::memcpy(&of_b, b + k * kBytes, kBytes);
     return reinterpret_cast<Bytes>(of_a != of_b) & kBits;
   };
-  // Three additions of neighbors combine eight bits to a byte.
+  // Three rounds of adding neighbors combine eight bits to a byte.
   static_assert(kPixelsOfWord == 4 * kBytes);
   const Bytes bytes = add_neighbors(add_neighbors(part(0), part(1)), add_neighbors(part(2), part(3)));
   return reinterpret_cast<WordPair>(add_neighbors(bytes, bytes))[0];

@@ -23,7 +23,7 @@ class PixelBits {
  public:
   std::uint64_t& operator[](std::size_t i) { return words_[i]; }
   const std::uint64_t& operator[](std::size_t i) const { return words_[i]; }
-  /// Words i and i + 1.
+  /// Returns words i and i + 1.
   [[nodiscard]] WordPair pair(std::size_t i) const {
     WordPair words;
     std::memcpy(&words, words_.data() + i, sizeof words);
@@ -40,15 +40,15 @@ struct RowMasks {
   PixelBits first, last;       // pixels that are the first, or last, of a run
   PixelBits like_above;        // pixels of a run whose upper neighbor has their color
   OccupiedWords occupied = 0;  // words with runs; all others are zero
-  bool is_cut = false;         // runs were removed; `inside` has the pixels of the remaining runs
+  bool is_cut = false;         // runs were removed, and `inside` has the pixels of the remaining runs
   PixelBits inside;
-  PixelBits removed_like_above;  // if it is cut: removed pixels whose upper neighbor has their color
+  PixelBits removed_like_above;  // removed pixels whose upper neighbor has their color, if the row is cut
 };
 
 /// A row of colors with background on both sides, so that whole words and the neighbors of all pixels can be read.
 class ColorRow {
  public:
-  /// The row's first pixel.
+  /// Returns the row's first pixel.
   ColorId* pixels() { return colors_.data() + kPixelsOfWord; }
   [[nodiscard]] const ColorId* pixels() const { return colors_.data() + kPixelsOfWord; }
 

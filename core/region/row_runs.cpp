@@ -6,7 +6,7 @@
 namespace touchline {
 namespace {
 
-// Keeps only the leftmost `count` of the long runs, which do not begin in `ending`.
+// Keeps only the leftmost `count` of the long runs: a run is long if its begin is not in `ending`.
 void keep_leftmost_long_runs(std::size_t count, const PixelBits& ending, std::size_t words, PixelBits& first) {
   for (std::size_t i = 0; i < words; ++i) {
     std::uint64_t others = first[i] & ~ending[i];
@@ -15,15 +15,15 @@ void keep_leftmost_long_runs(std::size_t count, const PixelBits& ending, std::si
   }
 }
 
-// Removes the short runs, which begin in `ending`.
+// Removes the short runs, whose begins are in `ending`.
 void remove_short_runs(const PixelBits& ending, std::size_t words, RowMasks& masks) {
   masks.occupied = 0;
   masks.is_cut = true;
   bool borrow = false;
   for (std::size_t i = 0; i < words; ++i) {
     const std::uint64_t first = masks.first[i] & ~ending[i], last = masks.last[i];
-    // For each run, subtracting its first pixel from its last one sets the bits from the first to the one before the
-    // last and clears the last (borrow).
+    // Subtracting a run's first bit from its last bit sets the bits from the first to the one before the last, and
+    // clears the last (borrow).
     std::uint64_t between = 0;
     const bool borrows = __builtin_sub_overflow(last, first, &between);
     borrow = __builtin_sub_overflow(between, std::uint64_t{borrow}, &between) || borrows;

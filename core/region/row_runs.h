@@ -11,7 +11,8 @@
 
 namespace touchline {
 
-/// Removes pixels without a 4-neighbor of their color, which are regions of one pixel. `below`: masks of the next row.
+/// Removes pixels without a 4-neighbor of their color, because each is a region of one pixel. `below`: masks of the
+/// next row.
 void remove_isolated_pixels(const RowMasks& below, RowMasks& masks);
 
 /// Lists the runs of rows, without labels.
@@ -30,8 +31,8 @@ class RunWriter {
   /// Writes the runs of a row from left to right and returns their number. `out` must have room for them.
   std::size_t write(const RowMasks& masks, const ColorRow& colors, std::uint16_t row, Run* out);
 
-  /// Finds the runs that lost a neighbor of their color in the row above or below, because it was removed. Call it for
-  /// each row before find_contacts(), if one of both rows is cut. Calls `lost_below(k)` for run k of the row above, and
+  /// Finds the runs from which cutting removed a neighbor of their color in the row above or below. Call it for each
+  /// row before find_contacts(), if one of the two rows is cut. Calls `lost_below(k)` for run k of the row above, and
   /// `lost_above(k)` for run k of this row.
   template <class LostBelow, class LostAbove>
   void find_cut_runs(const RowMasks& above, const RowMasks& masks, std::span<const Run> runs_above,
@@ -55,12 +56,13 @@ class RunWriter {
           runs, [&](std::size_t i) { return masks.like_above[i] & ~above.inside[i]; }, lost_above);
   }
 
-  /// Returns the contacts between the runs of two rows, as they were written.
+  /// Returns the contacts between the runs of two rows; runs are numbered as write() wrote them.
   std::span<const Contact> find_contacts(const RowMasks& above, RowMasks& masks);
 
  private:
   std::size_t words_ = 0;
-  // endings_[k]: pixels whose run ends less than 2^(k + 1) pixels to the right. halfway_: less than 3 * 2^k.
+  // endings_[k] marks the pixels whose run ends less than 2^(k + 1) pixels to the right. halfway_ marks the pixels
+  // whose run ends less than 3 * 2^k pixels to the right.
   std::array<PixelBits, 6> endings_;
   PixelBits halfway_;
   Columns columns_{}, last_columns_{};

@@ -8,10 +8,10 @@
 
 namespace touchline {
 
-// What a realistic field needs, with a margin. 22 robots with 6 patches, each 13 of 480 rows high and split in two runs
-// in every other row, have 2,600 runs, even if all stand in one line. Other objects add two runs to each row. (In the
-// leagues, robots in large teams are smaller: 22 of them have a tenth of these runs.) A taller picture shows the
-// patches in more rows.
+// Credit that a realistic field needs, with a margin. 22 robots with 6 patches, each 13 of 480 rows high and split in
+// two runs in every other row, have 2,600 runs, even if all stand in one line. Other objects add two runs to each row.
+// (In the leagues, robots in large teams are smaller: 22 of them have a tenth of these runs.) A taller picture shows
+// the patches in more rows.
 constexpr std::size_t kRunsPerRow = 2, kReservePerRow = 6, kMinReserve = 3072;
 static_assert((kReservePerRow + kRunsPerRow) * kMaxFrameHeight <= kMaxRuns, "a frame's budget must fit");
 
@@ -20,7 +20,7 @@ static_assert((kReservePerRow + kRunsPerRow) * kMaxFrameHeight <= kMaxRuns, "a f
 constexpr std::size_t kRealisticRow = 128;
 // Largest number of runs in most rows: the patches of eight robots in one line.
 constexpr std::size_t kUsualRow = 32;
-// Runs that a row with more than kRealisticRow keeps, as long as there is credit.
+// Number of runs that a row with more than kRealisticRow runs keeps, as long as there is credit.
 constexpr std::size_t kRunsOfCrowdedRow = kReservePerRow + kRunsPerRow;
 
 /// Limits the number of runs in each row with a token bucket, which bounds the time for any picture. Every row adds
@@ -41,7 +41,7 @@ class RunLimiter {
     credit_ = reserve(height_px);
     held_back_ = held_back(height_px);
   }
-  /// Returns how many of its runs the next row may keep.
+  /// Returns how many of its `runs` the next row may keep.
   [[nodiscard]] std::size_t limit(std::size_t runs) const {
     const std::size_t credit = credit_ + kRunsPerRow, share = credit / 2;
     if (runs <= kUsualRow) return share;

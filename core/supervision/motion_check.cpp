@@ -10,11 +10,11 @@ namespace {
 constexpr float kCertainMotion = 0.9f;
 // A robot that was unseen for longer is judged anew.
 constexpr double kLongestGap_s = 0.2;
-// Time constants. Velocities: several frames, and more than the lag of the wheels. Powers: long enough that a single
-// collision does not decide.
+// Time constants. The velocity's is several frames, and more than the lag of the wheels. The power's is so long that a
+// single collision does not decide.
 constexpr float kVelocity_s = 0.15f, kPower_s = 0.5f;
-// Smallest commanded speeds that are judged: of both velocities together, and of one of them. Below, friction and noise
-// of the sightings hide the motion.
+// Smallest commanded speeds at which a robot is judged: of both velocities together, and of one of them. At lower
+// speeds, friction and noise of the sightings hide the motion.
 constexpr float kMinSpeed_mps = 0.1f, kMinPart_mps = 0.05f;
 // kStanding and kMoving are shares of the commanded power: a robot with less does not move, or hardly. kContradicting
 // is a share of the commanded and seen power together. The error's share is 1 for a robot that moves independently of
@@ -116,7 +116,7 @@ MotionCheck::Result MotionCheck::judge(Instant now) {
   const bool contradicts = counts.contradicting >= kMinRobots && 4 * counts.contradicting >= 3 * counts.commanded;
   if (!contradicts || !contradicts_) contradicts_since_ = now;
   contradicts_ = contradicts;
-  // One of several robots is blocked for a second in nearly every game.
+  // Two robots are required, because in nearly every game one of several is blocked for a second.
   const bool is_enough = counts.commanded >= std::min(seen, kMinRobots) && counts.commanded > 0;
   const bool stands = is_enough && counts.standing == counts.commanded;
   if (!stands || !stands_) stands_since_ = now;

@@ -11,12 +11,12 @@ namespace touchline {
 /// low-pass filter, so that noise of the sightings averages out and the lag of the wheels matters little. Their powers,
 /// averaged over about half a second, tell how a robot moves.
 ///
-/// A single robot that does not follow its commands is blocked, pushed, carried or broken. If nearly all robots do not,
-/// the picture and the commands do not belong together: the picture is old, the robots obey another sender, or motors
-/// are exchanged.
+/// A single robot that does not follow its commands is blocked, pushed, carried or broken. If nearly all robots do not
+/// follow theirs, the picture and the commands do not belong together: the picture is old, the robots obey another
+/// sender, or motors are exchanged.
 class MotionCheck {
  public:
-  /// `wheel_base_m`, `wheel_lag_s`: of the own robots.
+  /// `wheel_base_m`, `wheel_lag_s`: values of the own robots.
   void configure(double wheel_base_m, double wheel_lag_s);
   void restart();
 
@@ -26,10 +26,10 @@ class MotionCheck {
   };
   struct Result {
     Counts counts;
-    bool contradicts = false;  // they move, but not as commanded
-    bool stands = false;       // all of them stand
+    bool contradicts = false;  // the robots move, but not as commanded
+    bool stands = false;       // all robots stand
   };
-  /// `twist_of`: returns the commanded twist that acts on the robot with this id, RobotId -> Twist.
+  /// `twist_of` returns the commanded twist that acts on the robot with this id, RobotId -> Twist.
   template <class TwistOf>
   Result check(const Sightings& sightings, Instant now, TwistOf twist_of) {
     for (const RobotSighting& robot : sightings.robots) {
@@ -39,8 +39,8 @@ class MotionCheck {
   }
 
  private:
-  // Linear velocity, and angular velocity times half the wheel base, in m/s. Each is judged by itself: a robot that
-  // mostly drives ahead shows little of how it turns.
+  // Linear velocity, and angular velocity times half the wheel base, in m/s. Each is judged on its own, because a robot
+  // that mostly drives ahead shows little of how it turns.
   using Velocity = std::array<float, 2>;
   struct Power {
     float seen = 0.0f, commanded = 0.0f, error = 0.0f;
@@ -49,7 +49,7 @@ class MotionCheck {
     RobotId id = kUnknownId;
     Instant seen_at{};
     Pose pose;
-    Velocity wheels{};  // commanded, after the lag of the wheels
+    Velocity wheels{};  // commanded velocity after the lag of the wheels
     Velocity seen{}, commanded{};
     std::array<Power, 2> power{};
   };

@@ -9,14 +9,14 @@ namespace {
 // Smallest share of the field that must be recognizable. Games in the arena have 0.88 and more, the worst photograph of
 // a field in another light 0.21, pictures of random blocks at most 0.06.
 constexpr float kMinField = 0.125f;
-// Repeated pictures in a row that count. A repeated picture is already old when it is noticed, but a single one may be
-// a hiccup of the driver.
+// Number of consecutive repeated pictures that counts as a fault. A repeated picture is already old when it is noticed,
+// but a single one may be a hiccup of the driver.
 constexpr int kRepeatedFrames = 2;
-// Smallest number of robots that must be commanded to move. A single robot may be held or blocked; two rarely are at
-// the same time.
+// Smallest number of robots that must be commanded to move before an unchanged picture counts as a fault. A single
+// robot may be held or blocked; two rarely are at the same time.
 constexpr int kMinMoving = 2;
 
-// Hash of the sightings, which changes with every motion in the picture.
+// Returns a hash of the sightings, which changes with every motion in the picture.
 std::uint64_t hash_of(const Sightings& sightings) {
   std::uint64_t hash = 0;
   const auto add = [&](float value) {

@@ -8,12 +8,12 @@
 namespace touchline {
 
 struct PictureCheckSettings {
-  Duration oldest = std::chrono::milliseconds(200);  // robots must not be driven by an older picture
+  Duration oldest = std::chrono::milliseconds(200);  // largest age of a picture with which robots may drive
   int unusable_frames = 5;                           // see Persistence
 };
 
-/// A condition of single frames that must last. It begins when frames with it exceed frames without it by `frames`, and
-/// ends after as many frames without it. A flickering picture therefore neither stops robots nor lets them go.
+/// A condition of single frames that must persist. It begins when frames with it exceed frames without it by `frames`,
+/// and ends after as many frames without it. A flickering picture therefore neither stops robots nor lets them go.
 class Persistence {
  public:
   bool update(bool holds, int frames) {
@@ -34,14 +34,14 @@ class Persistence {
   bool is_lasting_ = false;
 };
 
-/// Decides whether a picture can be the truth: it does not repeat an earlier one, the step could process it, it shows
-/// the field, and its robots move as commanded. The object is large (fixed memory).
+/// Decides whether a picture can show the present: it does not repeat an earlier one, the step could process it, it
+/// shows the field, and its robots move as commanded. The object is large (fixed memory).
 class PictureCheck {
  public:
   struct Geometry {
     PixelFormat format = PixelFormat::kRgb24;
     std::uint16_t width_px = 0, height_px = 0;
-    double wheel_base_m = 0.07, wheel_lag_s = 0.08;  // of the own robots
+    double wheel_base_m = 0.07, wheel_lag_s = 0.08;  // values of the own robots
   };
   void configure(const Geometry& geometry);
   void set(const PictureCheckSettings& settings) { settings_ = settings; }

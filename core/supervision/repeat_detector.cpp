@@ -17,7 +17,7 @@ constexpr std::uint32_t kPeriod = 2048;
 // Longest usual repeat of a tile that is judged. If tiles usually repeat for longer, a frozen one would be noticed too
 // late.
 constexpr std::uint32_t kMaxUsualRepeat_ms = 1000;
-// From a command to a visible motion: delay of radio and camera, and the lag of the wheels.
+// Time from a command to a visible motion: delay of radio and camera, and lag of the wheels.
 constexpr std::uint32_t kReaction_ms = 200;
 
 // An odd factor with irregular bits (Knuth's golden ratio).
@@ -53,7 +53,7 @@ void RepeatDetector::configure(PixelFormat format, std::uint16_t width_px, std::
   active_ = tile_bytes >= sizeof(std::uint64_t) && height_px >= row_.size();
   if (!active_) return;
   for (std::size_t i = 0; i < offset_bytes_.size(); ++i) {
-    // Evenly distributed from the first to the last whole word of the tile.
+    // Words are evenly distributed from the first to the last whole word of the tile.
     const std::size_t column = i / kWordsPerRow, word = i % kWordsPerRow;
     const std::size_t within = (tile_bytes - sizeof(std::uint64_t)) * (2 * word + 1) / (2 * kWordsPerRow);
     offset_bytes_[i] = static_cast<std::uint32_t>(column * tile_bytes + within);
@@ -95,7 +95,7 @@ RepeatDetector::Result RepeatDetector::check(const Frame& frame, Duration limit,
   result.age = std::chrono::milliseconds(age);
   result.is_repeated = 2 * judged >= kTiles && old >= kMinOldTiles;
   result.is_replayed = result.is_repeated && 2 * changed > old;
-  // Ages during a fault are not usual ones.
+  // Ages during a fault do not count as usual.
   if (!result.is_repeated) {
     for (Tile& tile : tiles_) {
       for (Age& of : tile.ages) {
@@ -159,7 +159,7 @@ RepeatDetector::Time RepeatDetector::first_delivery(std::size_t strip, std::uint
   return content.first;
 }
 
-// A picture without noise repeats whenever nothing moves. Only the time counts during which robots must move.
+// A picture without noise repeats whenever nothing moves, so only the time counts during which robots must move.
 void RepeatDetector::check_still(std::uint64_t hash, Time now, Time limit, bool is_moving, Result& result) {
   const bool was_still = still_.age > limit + kReaction_ms + still_usual_.largest();
   if (hash != still_.hash) {

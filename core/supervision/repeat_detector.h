@@ -12,11 +12,11 @@ namespace touchline {
 /// buffers in turn. Between two pictures of a camera, noise changes at least one of many pixels.
 ///
 /// The picture is divided into tiles, and each tile has two ages. For the first, a hash of some of its pixels is
-/// compared with the previous frame's. For the second, the hash of its strip of four tiles is looked up among those of
-/// recent pictures, which tells when this content was first delivered. An age is judged only if this camera keeps it
-/// small. The tile must have been renewed often, and only the time beyond its largest usual age counts, because
-/// compressed video repeats tiles. Tiles of one value (black, or saturated) are ignored. In pictures without noise most
-/// tiles repeat, so they are not judged by tiles.
+/// compared with the previous frame's. For the second, the hash of its strip of four tiles is searched among those of
+/// recent pictures; this gives the time at which the content was first delivered. An age is judged only if this camera
+/// keeps it small. The tile must have been renewed often, and only the time beyond its largest usual age counts,
+/// because compressed video repeats tiles. Tiles of one value (black, or saturated) are ignored. In pictures without
+/// noise most tiles repeat, so they are not judged by tiles.
 ///
 /// The work is bounded: kTiles * kWordsPerTile loads per frame. The object is large (fixed memory).
 class RepeatDetector {
@@ -33,14 +33,14 @@ class RepeatDetector {
 
   struct Result {
     float share = 0.0f;        // share of the picture that repeats for longer than usual
-    Duration age{};            // the largest age in this share
+    Duration age{};            // largest age in this share
     bool is_repeated = false;  // the share is large enough to stop robots
     bool is_replayed = false;  // is_repeated, and the repeated content moves on: a delayed part, or old buffers in turn
     bool is_still = false;     // the whole picture, which has no noise, repeats although robots are driven
   };
-  /// `limit`: age of a picture from which on robots must stop. `is_moving`: robots have been commanded to move for so
-  /// long that they do; pictures without noise change only then. The frame has the configured format and size, and all
-  /// planes. `seen`: a hash of the sightings, which changes with every motion.
+  /// `limit`: age above which a picture must stop the robots. `is_moving`: robots have been commanded to move for long
+  /// enough to be moving; only then must a picture without noise change. The frame has the configured format and size,
+  /// and all planes. `seen`: a hash of the sightings, which changes with every motion.
   Result check(const Frame& frame, Duration limit, bool is_moving, std::uint64_t seen);
 
  private:
@@ -64,13 +64,13 @@ class RepeatDetector {
     [[nodiscard]] std::uint32_t renewals() const { return renewals_now + renewals_former; }
   };
   struct Age {
-    Time value = 0, former = 0;  // in this frame, and in the one before
+    Time value = 0, former = 0;  // age in this frame, and in the previous one
     Usual usual;
   };
   struct Tile {
     std::uint32_t hash = 0;
     Time changed = 0;
-    bool is_flat = false, is_changed = false;  // compared with the previous frame
+    bool is_flat = false, is_changed = false;  // is_changed: compared with the previous frame
     // Time since the content last changed, and since the strip's content was first delivered. With little noise, a
     // content recurs by chance. Then only the first age reveals a frozen picture.
     std::array<Age, 2> ages;
@@ -84,7 +84,7 @@ class RepeatDetector {
   [[nodiscard]] Time first_delivery(std::size_t strip, std::uint64_t hash, Time now);
   void check_still(std::uint64_t hash, Time now, Time limit, bool is_moving, Result& result);
 
-  std::array<std::uint32_t, kColumns * kWordsPerRow> offset_bytes_{};  // of the words, from the row's first byte
+  std::array<std::uint32_t, kColumns * kWordsPerRow> offset_bytes_{};  // offsets of the words from the row's first byte
   std::array<std::uint16_t, kRows * kRowsPerTile> row_{};
   bool active_ = false, started_ = false;
   Instant begin_{};

@@ -6,19 +6,19 @@ namespace touchline {
 namespace {
 
 constexpr int kMinFrames = 2;
-// A track is compared only if it was certain a moment ago.
+// Confidence that a track must have had a moment ago to be compared.
 constexpr float kCertain = 0.9f;
 constexpr double kRecent_s = 0.25;
-// A robot within this distance of its track has not jumped. The distance covers a confusion with a neighbor, and
-// driving at usual speed in a picture that was frozen for too short a time to stop robots. A picture that is turned
-// moves all robots except those within half this distance of its center.
+// A robot within this distance of its track has not jumped. The distance allows for a confusion with a neighbor, and
+// for driving at usual speed in a picture that was frozen too briefly to stop robots. A rotated picture moves all
+// robots except those within half this distance of its center.
 constexpr double kNear_m = 0.15;
 // Speed at which a robot may have left its track since it was last seen, by braking or a push.
 constexpr double kSpeed_mps = 1.5;
 // Speed at which the ball may have left its track since it was last seen, after a collision.
 constexpr double kBallSpeed_mps = 8.0;
-// Smallest number of tracks. An exchange of two robots' ids looks like a jump of two, hence three, or two robots and
-// the ball.
+// Smallest number of tracks that must have jumped. If two robots exchange their ids, two tracks jump without a fault;
+// three jumps are therefore required, or those of two robots and the ball.
 constexpr int kMinTracks = 3;
 
 double distance_m(FieldPoint a, FieldPoint b) {
@@ -26,7 +26,7 @@ double distance_m(FieldPoint a, FieldPoint b) {
                     static_cast<double>(a.y_m) - static_cast<double>(b.y_m));
 }
 
-// The predicted position, and how far from it the robot may be.
+// Predicted position, and the distance from it at which the robot may be.
 struct Expected {
   FieldPoint place;
   double radius_m = 0.0;

@@ -4,9 +4,9 @@
 
 namespace touchline {
 
-/// Detects that nearly all robots, and the ball, are suddenly seen elsewhere: the picture was turned, mirrored, or
-/// comes from another camera. Robots that are carried or covered vanish one after the other before they are seen
-/// elsewhere.
+/// Detects that nearly all robots, and the ball, are suddenly seen elsewhere: the picture was rotated, mirrored, or
+/// comes from another camera. (Robots that are carried or covered vanish one after the other before they are seen
+/// elsewhere.)
 class TrackJump {
  public:
   void restart() { frames_ = 0; }
@@ -15,7 +15,7 @@ class TrackJump {
   bool check(const Tracks& before, const Sightings& sightings, Instant now);
 
  private:
-  int frames_ = 0;  // in a row
+  int frames_ = 0;  // number of consecutive frames that contradict
 };
 
 }  // namespace touchline

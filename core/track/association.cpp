@@ -9,13 +9,13 @@
 namespace touchline {
 namespace {
 
-// Variance of the position that collisions add to the prediction's, each axis (20 mm).
+// Variance of the position, along each axis, that collisions add to the prediction's variance (20 mm).
 constexpr double kCollision2_m2 = 0.02 * 0.02;
 // Cost of a sighting whose id differs from the track's: minus twice the log
 // likelihood that the matcher shows a wrong id.
 constexpr double kWrongIdCost = 4.0;
 
-// No field of any league is larger. A larger value is an error of the previous stage.
+// Returns false for a position beyond the field of any league, which is an error of the previous stage.
 bool credible(const RobotSighting& sighting) {
   constexpr float kFar = 100.0f;
   const FieldPoint p = sighting.pose.position;
@@ -57,7 +57,8 @@ void Association::collect_pairs(const RobotSightings& sightings, const TrackedRo
       const Vector2 offset = to_vector(sightings[i].pose.position) - at;
       const double distance2 = dot(offset, offset);
       if (distance2 > reach * reach) continue;
-      // Twice the negative log density of a normal distribution in two dimensions, relative to a track without error.
+      // Cost: twice the negative log density of a normal distribution in two dimensions, relative to a track without
+      // error.
       const double excess = sigma * sigma / kCollision2_m2;
       const double cost = distance2 / (kCollision2_m2 * (1.0 + excess)) + 2.0 * std::log1p(excess);
       pairs_.push_back({static_cast<float>(other_id ? cost + kWrongIdCost : cost), static_cast<std::uint8_t>(i),
@@ -109,7 +110,7 @@ void Association::follow_ids(const RobotSightings& sightings, const TrackedRobot
   }
 }
 
-// Whether another sighting within the separation distance belongs to a track of this team.
+// Returns whether another sighting within the separation distance belongs to a track of this team.
 bool Association::is_occupied(std::size_t sighting, const RobotSightings& sightings,
                               const TrackParameters& parameters) const {
   for (std::size_t k = 0; k < sightings.size(); ++k) {

@@ -21,13 +21,13 @@ class Association {
 
   void associate(const RobotSightings& sightings, const TrackedRobots& robots, const TrackParameters& parameters);
 
-  /// Index of the sighting's track, or kNone.
+  /// Returns the index of the sighting's track, or kNone.
   [[nodiscard]] std::size_t robot_of(std::size_t sighting) const { return robot_of_[sighting]; }
-  /// True if only the id connects the sighting with its track.
+  /// Returns true if only the id connects the sighting with its track.
   [[nodiscard]] bool is_jump(std::size_t sighting) const { return is_jump_[sighting]; }
-  /// Id of the sighting; kUnknownId if another sighting has a better claim to this id.
+  /// Returns the id of the sighting; kUnknownId if another sighting has a better claim to this id.
   [[nodiscard]] RobotId id_of(std::size_t sighting) const { return id_of_[sighting]; }
-  /// False if no real field contains the sighting.
+  /// Returns false if no real field can contain the sighting.
   [[nodiscard]] bool is_usable(std::size_t sighting) const { return is_usable_[sighting]; }
 
  private:
@@ -46,8 +46,8 @@ class Association {
   std::array<std::size_t, kMaxRobots> robot_of_{};
   std::array<RobotId, kMaxRobots> id_of_{};
   std::array<bool, kMaxRobots> is_jump_{}, is_usable_{};
-  std::array<bool, kMaxRobots> served_{};             // by robot: has a sighting
-  FixedVector<Pair, kMaxRobots * kMaxRobots> pairs_;  // every sighting with every track
+  std::array<bool, kMaxRobots> served_{};             // for each robot: whether it has a sighting
+  FixedVector<Pair, kMaxRobots * kMaxRobots> pairs_;  // pairs of every sighting with every track
 };
 
 }  // namespace touchline

@@ -6,7 +6,7 @@
 namespace touchline {
 namespace {
 
-// No robot of any league is faster. The limits protect the filter state from overflow by an absurd command.
+// No robot of any league is faster than these limits. They protect the filter state from overflow by an absurd command.
 constexpr float kMaxSpeed = 20.0f, kMaxTurn = 200.0f;
 
 float bounded(float value, float bound) { return std::isnan(value) ? 0.0f : std::clamp(value, -bound, bound); }
@@ -29,7 +29,7 @@ void CommandHistory::add(const Commands& commands, Instant acts_at) {
   ++size_;
   added.acts_at = acts_at;
   added.count = 0;
-  if (commands.stop) return;  // no robot is listed, so all must stand still
+  if (commands.stop) return;  // then no robot is listed, so all must stand still
   for (const RobotCommand& robot : commands.robots) {
     added.ids[added.count] = robot.id;
     added.twists[added.count] = {bounded(robot.twist.v_mps, kMaxSpeed), bounded(robot.twist.w_radps, kMaxTurn)};

@@ -23,13 +23,13 @@ class CommandHistory {
   /// Removes commands that no longer act at `instant`.
   void forget_before(Instant instant);
 
-  /// The command of robot `id` that acts at `instant`; unknown before the first commands. A robot that is not listed
-  /// must stand still (docs/radio.md).
+  /// Returns the command of robot `id` that acts at `instant`; unknown before the first commands. A robot that is not
+  /// listed must stand still (docs/radio.md).
   [[nodiscard]] DriveInput at(Instant instant, RobotId id) const;
-  /// The first instant after `instant` at which other commands start to act, at most `limit`.
+  /// Returns the first instant after `instant` at which other commands start to act, at most `limit`.
   [[nodiscard]] Instant next_change(Instant instant, Instant limit) const;
 
-  /// Number of commands that were removed for lack of space although they could still act.
+  /// Returns the number of commands that were removed for lack of space although they could still act.
   [[nodiscard]] std::uint64_t dropped() const { return dropped_; }
 
  private:
@@ -39,7 +39,7 @@ class CommandHistory {
     std::array<RobotId, kMaxRobotsPerTeam> ids{};
     std::array<Twist, kMaxRobotsPerTeam> twists{};
   };
-  // The longest configurable delay (1 s) with the fastest camera of the leagues (240 Hz).
+  // Enough for the longest configurable delay (1 s) with the fastest camera of the leagues (240 Hz).
   static constexpr std::size_t kCapacity = 256;
 
   [[nodiscard]] const Entry& entry(std::size_t i) const { return entries_[(first_ + i) % kCapacity]; }

@@ -17,7 +17,8 @@ class ConsecutiveOutliers {
   };
 
   void clear() { count_ = 0; }
-  /// `reach_m`: largest distance between simultaneous sightings of one object. `max_speed_mps`: its largest speed.
+  /// `reach_m`: largest distance between simultaneous sightings of one object. `max_speed_mps`: the object's largest
+  /// speed.
   void add(const Outlier& outlier, double reach_m, double max_speed_mps) {
     const bool fits = count_ > 0 && within_reach(last_.pose.position, last_.when, outlier, reach_m, max_speed_mps);
     if (!fits) {
@@ -31,7 +32,7 @@ class ConsecutiveOutliers {
   [[nodiscard]] const Outlier& first() const { return first_; }
   [[nodiscard]] const Outlier& last() const { return last_; }
 
-  /// True if an object that was at `from` at time `then` can have reached the outlier.
+  /// Returns true if an object that was at `from` at time `then` can have reached the outlier.
   static bool within_reach(FieldPoint from, Instant then, const Outlier& outlier, double reach_m,
                            double max_speed_mps) {
     const double distance = std::hypot(static_cast<double>(outlier.pose.position.x_m - from.x_m),

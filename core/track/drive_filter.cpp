@@ -12,7 +12,7 @@ namespace touchline {
 
 namespace {
 
-// Below this velocity to the side, the tires grip within a slide step.
+// If the velocity to the side is smaller, the tires grip within a slide step.
 constexpr double kMinSlide_mps = 0.02;
 
 Eigen::Matrix3d matrix_of(const PoseCovariance& noise) {
@@ -30,8 +30,8 @@ Eigen::Vector2d position_innovation(FieldPoint sighted, const DriveFilter::State
   return {static_cast<double>(sighted.x_m) - x[0], static_cast<double>(sighted.y_m) - x[1]};
 }
 
-// Covariance of the innovation of a sighted pose. `with_lasting`: covariance of the predicted pose with the lasting
-// error.
+// Returns the covariance of the innovation of a sighted pose. `with_lasting`: covariance of the predicted pose with the
+// lasting error.
 Eigen::Matrix3d innovation_covariance(const Eigen::Matrix3d& state, const Eigen::Matrix3d& with_lasting,
                                       const PoseCovariance& noise, const PoseCovariance& lasting) {
   return state + with_lasting + with_lasting.transpose() + matrix_of(noise) + matrix_of(lasting);
@@ -181,7 +181,7 @@ void DriveFilter::update(FieldPoint patch, const RobotFilterParameters& paramete
   const double known = 0.5 * (p_[0] + p_[kStates + 1]);
   const double best = parameters.patch_sigma_m * parameters.patch_sigma_m;
   if (known <= best) return;
-  // The measurement noise with which eq. (6) reduces a variance `known` to `best`.
+  // Returns the measurement noise with which eq. (6) reduces a variance from `known` to `best`.
   const double variance = known * best / (known - best);
   drive::VectorMap x(x_.data());
   drive::MatrixMap p(p_.data());

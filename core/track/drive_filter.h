@@ -33,10 +33,10 @@ class DriveFilter {
     double v_mps = 0.0, w_radps = 0.0, v_sigma_mps = 0.0, w_sigma_radps = 0.0;
   };
 
-  /// Starts at the first sighting. `noise` and `lasting`: covariances of its two errors.
+  /// Starts at the first sighting. `noise` and `lasting`: covariances of the sighting's two errors.
   void start(const Pose& pose, const Velocity& velocity, const PoseCovariance& noise, const PoseCovariance& lasting);
   void start(const Pose& pose, const Velocity& velocity, double position_sigma_m, double heading_sigma_rad);
-  /// Keeps this part (0 to 1) of the lasting error. An independent new error replaces the rest.
+  /// Keeps this share (0 to 1) of the lasting error; an independent new error replaces the rest.
   void renew_lasting_error(double position_part, double heading_part);
   /// Predicts with eq. (5) and the model of eq. (8), linearized at the middle of the step, eq. (9). dt_s >= 0; long
   /// times are divided into steps.
@@ -66,15 +66,17 @@ class DriveFilter {
   /// Changes only the position.
   void shift_to(FieldPoint position);
 
-  /// Squared Mahalanobis distance of a sighted pose from the prediction (chi-square with 3 degrees of freedom).
-  /// `noise` and `lasting`: covariances of the sighting's errors; `noise` is positive definite.
+  /// Returns the squared Mahalanobis distance of a sighted pose from the prediction (chi-square with 3 degrees of
+  /// freedom). `noise` and `lasting`: covariances of the sighting's errors; `noise` is positive definite.
   [[nodiscard]] double distance2(const Pose& sighted, const PoseCovariance& noise,
                                  const PoseCovariance& lasting = {}) const;
-  /// A sighted pose compared with a prediction.
+  /// Comparison of a sighted pose with a prediction.
   struct Innovation {
-    double distance2 = 0.0;             // as distance2()
-    double predicted_share = 0.0;       // part of the innovation's variances that is not the sighting's noise, 0 to 1
-    double along = 0.0, heading = 0.0;  // of the position along the heading, and of the heading; in standard deviations
+    double distance2 = 0.0;  // as distance2()
+    // Share of the variance of the innovation that is not noise of the sighting, 0 to 1.
+    double predicted_share = 0.0;
+    // Innovations of the position along the heading, and of the heading, in standard deviations.
+    double along = 0.0, heading = 0.0;
   };
   /// Compares the sighted pose with the mixture that mixed() returns.
   [[nodiscard]] Innovation mixed_innovation(const DriveFilter& other, double weight, const Pose& sighted,
@@ -83,11 +85,12 @@ class DriveFilter {
   /// pose, without the constant term.
   double update(const Pose& sighted, const PoseCovariance& noise, const PoseCovariance& lasting = {});
 
-  /// Squared Mahalanobis distance of a team patch whose robot showed no heading (2 degrees of freedom).
+  /// Returns the squared Mahalanobis distance of the team patch of a robot whose heading was not seen (2 degrees of
+  /// freedom).
   [[nodiscard]] double distance2(FieldPoint patch, const RobotFilterParameters& parameters) const;
-  /// Updates the state with the position of a team patch. Its offset from the robot's center is unknown but constant,
-  /// hence a bias: many sightings contain no more information than one. The position's variance therefore never falls
-  /// below patch_sigma_m^2, and nothing changes if it is already smaller.
+  /// Updates the state with the position of a team patch. The patch's offset from the robot's center is unknown but
+  /// constant, so it is a bias: many sightings contain no more information than one. The position's variance therefore
+  /// never falls below patch_sigma_m^2, and nothing changes if it is already smaller.
   void update(FieldPoint patch, const RobotFilterParameters& parameters);
 
   [[nodiscard]] const State& state() const { return x_; }
@@ -97,16 +100,16 @@ class DriveFilter {
   [[nodiscard]] Pose pose() const { return pose_of(x_); }
   [[nodiscard]] bool slides() const { return slides_; }
   [[nodiscard]] Twist twist() const { return twist_of(x_); }
-  /// Standard deviation of state i.
+  /// Returns the standard deviation of state i.
   [[nodiscard]] double sigma(std::size_t i) const;
-  /// Covariance of x and y.
+  /// Returns the covariance of x and y.
   [[nodiscard]] double xy_covariance() const { return p_[1]; }
 
  private:
   enum class Extent { kState, kAll };
   void predict(double dt_s, const DriveInput& input, const RobotFilterParameters& parameters, Extent extent);
   void step(double dt_s, const DriveInput& input, const RobotFilterParameters& parameters, Extent extent);
-  // Friction between tires and floor, and noise of the velocity, each axis.
+  // Friction between tires and floor, and noise of the velocity along each axis.
   struct Sliding {
     double grip_mps2, noise_mps_rts;
   };
@@ -115,7 +118,7 @@ class DriveFilter {
   [[nodiscard]] bool exceeds_grip(double dt_s, const DriveInput& input, const RobotFilterParameters& parameters) const;
 
   bool slides_ = false;
-  double wheel_mps_ = 0.0;  // mean speed of the rims; it follows the command also while the robot slides
+  double wheel_mps_ = 0.0;  // mean speed of the rims, which follows the command even while the robot slides
   State x_{};
   Covariance p_{};
   LastingCovariance with_lasting_{};

@@ -6,7 +6,7 @@
 #include "core/track/drive_filter.h"
 #include "core/track/drive_matrices.h"
 
-// How a robot moves: the prediction of DriveFilter.
+// Prediction of DriveFilter: how a robot moves.
 namespace touchline {
 
 namespace {
@@ -24,7 +24,7 @@ struct Response {
 
 // Exact solution of dv/dt = (u - v) / lag with constant u.
 Response follow(double dt, double lag) {
-  // Mean over time t of the remaining fraction of the initial difference.
+  // Returns the mean over time t of the remaining fraction of the initial difference.
   const auto average = [lag](double t) { return lag / t * -std::expm1(-t / lag); };
   const double mean = lag > 0.0 ? average(dt) : 0.0;
   const double half = lag > 0.0 ? average(0.5 * dt) : 0.0;
@@ -37,7 +37,7 @@ Response coast(double dt) { return {1.0, 0.5 * dt, 1.0, 0.25 * dt, 1.0, dt}; }
 
 struct InputModel {
   Response response;
-  double v, w;          // input
+  double v, w;          // input velocities
   double v_var, w_var;  // variance of the input over the step: V of eq. (5)
 };
 
@@ -73,8 +73,8 @@ void add_changes_within_step(drive::Matrix& p, double dt, const DriveInput& inpu
   p(2, 2) += w * w * cube;
 }
 
-// A P A' for the symmetric matrix P. `times_a` multiplies A with a matrix, using only the few entries of A beside its
-// diagonal.
+// Computes A P A' for the symmetric matrix P. `times_a` multiplies A with a matrix, using only the few entries of A off
+// its diagonal.
 template <class TimesA>
 drive::Matrix propagated(const drive::MatrixMap& p, const TimesA& times_a) {
   drive::Matrix m = p;
@@ -120,7 +120,7 @@ void DriveFilter::predict_contact_state(double dt_s, const RobotFilterParameters
   if (dt_s > 0.0) slide(dt_s, {}, {0.0, parameters.contact_noise_mps_rts}, parameters, Extent::kState);
 }
 
-// True if the tires would need more than their friction at the beginning or the end of a step.
+// Returns true if the tires would need more than their friction at the beginning or the end of a step.
 bool DriveFilter::exceeds_grip(double dt, const DriveInput& input, const RobotFilterParameters& parameters) const {
   const InputModel u = input_model(dt, input, x_, parameters);
   const Response& r = u.response;
@@ -133,7 +133,7 @@ bool DriveFilter::exceeds_grip(double dt, const DriveInput& input, const RobotFi
 // to the velocity of the wheels. If both can become equal within the step, they do.
 void DriveFilter::slide(double dt, const DriveInput& input, const Sliding& sliding,
                         const RobotFilterParameters& parameters, Extent extent) {
-  // Friction stops an absurd velocity, from a wrong sighting, too slowly.
+  // Limit an absurd velocity (from a wrong sighting), which friction would stop too slowly.
   if (const double speed = std::hypot(x_[3], x_[5]); speed > parameters.max_speed_mps) {
     x_[3] *= parameters.max_speed_mps / speed;
     x_[5] *= parameters.max_speed_mps / speed;
@@ -142,7 +142,7 @@ void DriveFilter::slide(double dt, const DriveInput& input, const Sliding& slidi
   const Response& r = in.response;
   const double turned = dt * (r.mean_now * x_[4] + r.mean_input * in.w);
   const double c = std::cos(turned), s = std::sin(turned);
-  // The velocity in the frame of the robot at the end of the step.
+  // Velocity in the robot's frame at the end of the step.
   const double v = c * x_[3] + s * x_[5], u = c * x_[5] - s * x_[3];
   wheel_mps_ = input.known ? r.end_now * wheel_mps_ + r.end_input * in.v : wheel_mps_;
   const double missing_v = wheel_mps_ - v, missing_u = -u, missing = std::hypot(missing_v, missing_u);
@@ -162,7 +162,7 @@ void DriveFilter::slide(double dt, const DriveInput& input, const Sliding& slidi
     const double middle = theta + 0.5 * turned, by_w = dt * r.mean_now;
     const double ahead_x = dt * std::cos(middle), ahead_y = dt * std::sin(middle);
     // Linearizes the turn and then the friction, whose direction changes with the velocity.
-    Eigen::Matrix<double, 2, 3> by_velocity;  // of v and u by v, u and w
+    Eigen::Matrix<double, 2, 3> by_velocity;  // derivatives of v and u with respect to v, u and w
     by_velocity << c, s, by_w * u, -s, c, -by_w * v;
     if (slides_ && share > 0.0) {
       const Eigen::Vector2d direction(missing_v / missing, missing_u / missing);
@@ -202,13 +202,13 @@ void DriveFilter::step(double dt, const DriveInput& input, const RobotFilterPara
   const Response& r = u.response;
   const double v = r.mean_now * x_[3] + r.mean_input * u.v;
   const double w = r.mean_now * x_[4] + r.mean_input * u.w;
-  // Eq. (8): the heading at the middle of the step.
+  // Eq. (8) uses the heading at the middle of the step.
   const double half_w = r.half_now * x_[4] + r.half_input * u.w;
   const double middle = x_[2] + 0.5 * dt * half_w;
   const double c = std::cos(middle), s = std::sin(middle);
 
   if (extent == Extent::kAll) {
-    // Eq. (9), extended by the velocities.
+    // Eq. (9), extended by the velocities:
     const double turn_now = 0.5 * dt * dt * r.half_now * v, turn_input = 0.5 * dt * dt * r.half_input * v;
     const auto times_a = [&](auto& m) {
       m.row(0) += -dt * v * s * m.row(2) + dt * r.mean_now * c * m.row(3) - turn_now * s * m.row(4);

@@ -12,7 +12,7 @@ void PointFilter::start(FieldPoint position, const Velocity& velocity, double po
   p_ = position_sigma_m * position_sigma_m + lasting_;
   c_ = 0.0;
   q_ = velocity.sigma_mps * velocity.sigma_mps;
-  // Errors are the truth minus the estimate.
+  // The sign is negative, because errors are the truth minus the estimate.
   p_lasting_ = -lasting_;
   q_lasting_ = 0.0;
 }
@@ -44,7 +44,7 @@ void PointFilter::predict(double dt_s, const Noise& noise) {
 }
 
 // The change happens at a uniformly distributed time in the step. A ball bounces, so its velocity may change by more
-// than its displacement since the last sighting tells.
+// than its displacement since the last sighting shows.
 void PointFilter::disturb(double dt_s, double change_mps) {
   const double change = change_mps * change_mps;
   p_ += change * dt_s * dt_s / 3.0;

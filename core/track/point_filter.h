@@ -13,7 +13,7 @@ class PointFilter {
  public:
   struct Noise {
     double position_sigma_m = 0.0;  // standard deviation of a sighting along one axis, without its lasting error
-    double velocity_mps_rts = 0.0;  // change of the velocity in one second
+    double velocity_mps_rts = 0.0;  // standard deviation of the velocity's change in one second
     double damping_per_s = 0.0;     // lambda of eq. (10)
   };
   struct Velocity {
@@ -22,21 +22,21 @@ class PointFilter {
 
   /// `lasting_sigma_m`: standard deviation of the sighting's lasting error.
   void start(FieldPoint position, const Velocity& velocity, double position_sigma_m, double lasting_sigma_m = 0.0);
-  /// Keeps this part (0 to 1) of the lasting error. An independent new error with this standard deviation replaces the
+  /// Keeps this share (0 to 1) of the lasting error. An independent new error with this standard deviation replaces the
   /// rest.
   void renew_lasting_error(double part, double lasting_sigma_m);
-  /// Eq. (5) with the model of eq. (11); dt_s >= 0.
+  /// Predicts with eq. (5) and the model of eq. (11); dt_s >= 0.
   void predict(double dt_s, const Noise& noise);
-  /// Variance of the innovation along one axis.
+  /// Returns the variance of the innovation along one axis.
   [[nodiscard]] double innovation_variance(const Noise& noise) const;
-  /// Squared Mahalanobis distance of a sighting from the prediction (chi-square with 2 degrees of freedom).
+  /// Returns the squared Mahalanobis distance of a sighting from the prediction (chi-square with 2 degrees of freedom).
   [[nodiscard]] double distance2(FieldPoint sighted, const Noise& noise) const;
   /// Adds the uncertainty of an impact at an unknown instant during the last dt_s seconds. `change_mps`: standard
   /// deviation of the change of the velocity along each axis.
   void disturb(double dt_s, double change_mps);
   /// Changes only the position.
   void shift_to(FieldPoint position);
-  /// Eq. (6).
+  /// Updates the state with eq. (6).
   void update(FieldPoint sighted, const Noise& noise);
 
   [[nodiscard]] double x_m() const { return x_; }
@@ -51,9 +51,10 @@ class PointFilter {
 
  private:
   double x_ = 0.0, y_ = 0.0, vx_ = 0.0, vy_ = 0.0;
-  double p_ = 1.0, c_ = 0.0, q_ = 1.0;        // covariance of each axis: position, cross term, velocity
-  double lasting_ = 0.0;                      // variance of the lasting error of each axis
-  double p_lasting_ = 0.0, q_lasting_ = 0.0;  // covariance of the lasting error with those of position, velocity
+  double p_ = 1.0, c_ = 0.0, q_ = 1.0;  // covariance of each axis: position, cross term, velocity
+  double lasting_ = 0.0;                // variance of the lasting error of each axis
+  // Covariances of the lasting error with the errors of position and velocity.
+  double p_lasting_ = 0.0, q_lasting_ = 0.0;
 };
 
 }  // namespace touchline

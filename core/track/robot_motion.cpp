@@ -9,11 +9,11 @@ namespace touchline {
 namespace {
 
 // Rotation after which the correlation of the lasting errors of position and heading is 1/e. These errors depend on the
-// angles between the patches' edges and the pixel grid. Measured in games of the arena.
+// angles between the patches' edges and the pixel grid. The values were measured in games of the arena.
 constexpr double kPositionLasts_rad = 0.6, kHeadingLasts_rad = 0.1;
 // Below this correlation, lasting errors count as independent.
 constexpr double kMinErrorCorrelation = 0.1;
-// If the stated variance changes by more than this factor, the picture shows other parts of the robot.
+// If the stated variance changes by more than this factor, the sighting shows other parts of the robot.
 constexpr float kOtherSize = 4.0f;
 
 bool has_other_size(const PoseCovariance& a, const PoseCovariance& b) {
@@ -40,8 +40,8 @@ void RobotMotion::start(const Pose& pose, const DriveFilter::Velocity& velocity,
   lasting_ = noise.lasting;
 }
 
-// The correlation of the errors at two poses depends on these poses, not on the path or the time between them. The
-// length of the path would grow with the noise of a standing robot's sightings.
+// The correlation of the errors at two poses depends only on these poses, not on the path or the time between them. A
+// path length would grow with the noise of a standing robot's sightings.
 void RobotMotion::renew_lasting_error(const Pose& sighted, const SightingNoise& noise) {
   const Pose& since = lasting_since_;
   const double moved = std::hypot(static_cast<double>(sighted.position.x_m - since.position.x_m),
@@ -114,7 +114,7 @@ void RobotMotion::update(const Pose& sighted, const PoseCovariance& noise, const
   const double more = free_.update(sighted, noise, lasting_) - contact_.update(sighted, noise, lasting_);
   const double p = contact_probability_;
   const double contact = p / (p + (1.0 - p) * std::exp(std::clamp(more, -30.0, 30.0)));
-  // Joint probabilities of the model now and at the next sighting.
+  // Joint probabilities of the model now and the model at the next sighting.
   const double begins = (1.0 - contact) * -std::expm1(-unmixed_s_ * parameters.contacts_per_s);
   const double ends = contact * -std::expm1(-unmixed_s_ / parameters.contact_lasts_s);
   const double next = contact - ends + begins;

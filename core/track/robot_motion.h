@@ -8,7 +8,7 @@ namespace touchline {
 /// error). The bias decorrelates while the robot moves: after `lasts_m`, its correlation with the former bias is 1/e.
 struct SightingNoise {
   PoseCovariance white, lasting;
-  double lasts_m = 0.0;  // 0: the bias is independent in each picture
+  double lasts_m = 0.0;  // 0: the bias is independent from picture to picture
 };
 
 /// Two models of the motion of one robot: it follows its commands, or it is in contact with a wall or another robot and
@@ -30,16 +30,16 @@ class RobotMotion {
   void scale_covariance(double factor);
   void shift_to(FieldPoint position);
 
-  /// Compares a sighted pose with the prediction. `noise`: without the lasting errors.
+  /// Compares a sighted pose with the prediction. `noise`: covariance without the lasting errors.
   [[nodiscard]] DriveFilter::Innovation innovation(const Pose& sighted, const PoseCovariance& noise) const;
-  /// Also changes the probabilities of the models, and mixes them for the next prediction.
+  /// Updates the filters and the probabilities of the models, and mixes the models for the next prediction.
   void update(const Pose& sighted, const PoseCovariance& noise, const RobotFilterParameters& parameters);
   [[nodiscard]] double distance2(FieldPoint patch, const RobotFilterParameters& parameters) const;
   void update(FieldPoint patch, const RobotFilterParameters& parameters);
 
-  /// Probability that the robot is in contact.
+  /// Returns the probability that the robot is in contact.
   [[nodiscard]] double contact() const { return contact_probability_; }
-  /// Mean and covariance of the mixture of both models.
+  /// Returns mean and covariance of the mixture of both models.
   [[nodiscard]] DriveFilter both() const { return free_.mixed(contact_, contact_probability_); }
   [[nodiscard]] Pose pose() const { return DriveFilter::pose_of(state()); }
   [[nodiscard]] Twist twist() const { return DriveFilter::twist_of(state()); }
@@ -52,7 +52,7 @@ class RobotMotion {
   DriveFilter free_, contact_;
   double contact_probability_ = 0.0;
   double unmixed_s_ = 0.0;  // time predicted since the last update
-  // The lasting errors: their covariance, the pose since which they decorrelate, and the correlations that remain.
+  // The lasting errors: their covariance, the pose since which they decorrelate, and the correlations that are left.
   PoseCovariance lasting_;
   Pose lasting_since_;
   double same_position_ = 1.0, same_heading_ = 1.0;

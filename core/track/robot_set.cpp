@@ -88,16 +88,17 @@ void RobotSet::add_evidence(std::size_t robot, RobotId id, float confidence, Ins
   if (slot != TrackIdentity::kNoSlot) robots_[robot].identity().add(slot, confidence, now);
 }
 
-// Whether `robot`, a track without a sighting, gives way to `other` at one place: the older last sighting loses.
+// Returns whether `robot`, a track without a sighting, gives way to `other` at the same position: the track with the
+// older last sighting does.
 bool RobotSet::gives_way(std::size_t robot, std::size_t other) const {
   if (robots_[robot].life().lost() || robots_[other].life().lost()) return false;
   const Instant seen = robots_[robot].life().last_seen(), other_seen = robots_[other].life().last_seen();
   return seen != other_seen ? seen < other_seen : robot > other;
 }
 
-// Two robots cannot be at one place. If two tracks are, the one without a sighting has probably followed the other
-// robot. It ends if its own robot is unknown. Otherwise it moves beside the other track, because a hidden robot can
-// only be there.
+// Two robots cannot be at the same position. If two tracks are, the one without a sighting has probably followed the
+// other's robot. It ends if its own robot is unknown. Otherwise it moves beside the other track, because a hidden robot
+// can only be there.
 void RobotSet::separate(const TrackParameters& parameters) {
   const double min_m = parameters.separation_m;
   for (const bool is_last : {false, true}) {
@@ -113,7 +114,7 @@ void RobotSet::separate(const TrackParameters& parameters) {
           robots_[i].lose();
         } else {
           const Vector2 direction = apart > 0.0 ? (1.0 / apart) * offset : Vector2{1.0, 0.0};
-          // 0.1 % farther than needed, because of rounding.
+          // Add 0.1 % to the distance, because of rounding.
           robots_[i].shift_to(to_field_point(other + (1.001 * min_m) * direction));
         }
       }

@@ -16,14 +16,14 @@ class RobotSet {
   ///  - Sightings are associated with tracks (association.h), and add evidence for their ids (track_identity.h).
   ///  - Remaining sightings start tracks, unless a robot of their team was seen closer than two robots can be.
   ///  - Ids are assigned to all tracks of a team together (team_ids.h).
-  ///  - Two tracks of a team never share a sighting or a place: a track without a sighting gives way.
+  ///  - Two tracks of a team never share a sighting or a position: a track without a sighting gives way.
   void update(const FixedVector<RobotSighting, kMaxRobots>& sightings, Instant from, Instant now,
               const CommandHistory& commands, const TrackParameters& parameters);
   /// Lists the tracks: own team first, by id; unidentified ones last, by age.
   void report(Instant now, Instant action, const CommandHistory& commands, const TrackParameters& parameters,
               FixedVector<RobotTrack, kMaxRobots>& out) const;
 
-  /// Number of sightings that started no track for lack of space.
+  /// Returns the number of sightings that started no track for lack of space.
   [[nodiscard]] std::uint64_t dropped() const { return dropped_; }
 
  private:
@@ -42,8 +42,9 @@ class RobotSet {
   TrackedRobots robots_;
   std::array<TeamIds, 2> ids_;  // indexed by Team
   Association association_;
-  std::array<bool, kMaxRobots> served_{};  // by robot: has a sighting in this frame, accepted or not
-  std::array<bool, kMaxRobots> fused_{};   // by robot: the sighting was accepted
+  // For each robot: whether the robot has a sighting in this frame, accepted or not.
+  std::array<bool, kMaxRobots> served_{};
+  std::array<bool, kMaxRobots> fused_{};  // for each robot: whether its sighting was accepted
   std::uint32_t births_ = 0;
   std::uint64_t dropped_ = 0;
 };

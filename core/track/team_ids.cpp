@@ -7,7 +7,7 @@
 namespace touchline {
 namespace {
 
-// Log-odds from which on the margin of an id need not be exact: 95 %.
+// Margin of an id, in log-odds, above which it need not be exact: 95 %.
 constexpr float kClearMargin = 3.0f;
 
 }  // namespace

@@ -18,19 +18,20 @@ constexpr double kMaxInterval_s = 0.1;
 constexpr float kFullConfidence = 0.9f;
 // Confidences above this one are not credible for a single frame.
 constexpr float kMaxConfidence = 0.999f;
-// Memory while a robot is unseen. Another robot may have taken its place.
+// Time constant of the memory while a robot is unseen. It is short, because another robot may have taken this robot's
+// place.
 constexpr float kUnseenMemory_s = 0.3f;
 // An id with a lower probability is reported as unknown.
 constexpr float kMinProbability = 0.7f;
 
 float log_odds_of(float probability) { return std::log(probability / (1.0f - probability)); }
 
-// Log-odds of a single sighting; 0: no evidence.
+// Returns the log-odds of a single sighting; 0: no evidence.
 float log_odds_of_sighting(float confidence) {
   return confidence > 0.5f ? log_odds_of(std::min(confidence, kMaxConfidence)) : 0.0f;
 }
 
-// Part of a value that fades within an interval.
+// Returns the share of a value that fades within an interval.
 float share(float interval_s, float memory_s) { return 1.0f - std::exp(-interval_s / memory_s); }
 
 }  // namespace
@@ -85,7 +86,7 @@ void TrackIdentity::decide(const AssignedId& assigned) {
   is_sure_ = confidence_ >= kMinProbability;
 }
 
-// Sightings that agree are not independent. Even after a long time they count as two: if one is wrong with probability
+// Sightings that agree are not independent; even after a long time they count as two: if one is wrong with probability
 // p, both are wrong with p^2.
 float TrackIdentity::probability(float margin) const {
   const float proofs = 1.0f + evidence_[slot_] / kMaxEvidence;

@@ -27,7 +27,7 @@ class TrackIdentity {
   /// Sets the slot's evidence to zero, because the slot stands for another id from now on.
   void forget(std::size_t slot);
 
-  /// Log-odds of an id, including the bonus for the present id.
+  /// Returns the log-odds of an id, including the bonus for the present id.
   [[nodiscard]] float log_odds(std::size_t slot) const {
     return evidence_[slot] + (slot == slot_ ? continuity_ : 0.0f);
   }
@@ -35,16 +35,16 @@ class TrackIdentity {
   /// Takes this id from the best assignment of ids to all tracks of a team.
   void decide(const AssignedId& assigned);
 
-  /// Slot of the id; kNoSlot if the id is unknown or too doubtful.
+  /// Returns the slot of the id; kNoSlot if the id is unknown or too doubtful.
   [[nodiscard]] std::size_t slot() const { return is_sure_ ? slot_ : kNoSlot; }
-  /// Probability that the id is right.
+  /// Returns the probability that the id is right.
   [[nodiscard]] float confidence() const { return confidence_; }
 
  private:
   [[nodiscard]] float probability(float margin) const;
 
   std::array<float, kMaxRobotsPerTeam> evidence_{};
-  std::size_t slot_ = kNoSlot;  // in the last assignment
+  std::size_t slot_ = kNoSlot;  // slot in the last assignment
   bool is_sure_ = false;
   float confidence_ = 0.0f;
   float continuity_ = 0.0f;   // log-odds bonus for the present id

@@ -4,7 +4,7 @@
 
 namespace touchline {
 
-// Process noise is given as a spectral density, the standard deviation after one second, with a unit that contains
+// Process noise is given as a spectral density: the standard deviation after one second, in a unit that contains
 // 1/sqrt(s). It therefore does not depend on frame rate or lost frames. Klancar's V of eq. (5) at sampling time T is
 // density^2 / T.
 

@@ -7,8 +7,8 @@
 namespace touchline {
 namespace {
 
-// Longest time without a sighting that a bounce is tried for. After a longer time the ball may be anywhere, so its next
-// sightings must agree with each other.
+// Longest time without a sighting after which a bounce is considered. After a longer time the ball may be anywhere, so
+// its next sightings must agree with each other.
 constexpr double kLongestBounce_s = 0.05;
 
 // Longest useful prediction of the ball's position in the next frame.
@@ -17,8 +17,8 @@ constexpr double kMaxExpectation_s = 0.25;
 // A rolling ball needs little more process noise than a resting one.
 constexpr double kMinBallActivity = 1e-3;
 
-// Lasting errors count as independent below this correlation, or if their stated size changes by more than this factor:
-// the picture then shows other parts of the ball.
+// Lasting errors count as independent below this correlation, or if their stated size changes by more than this factor,
+// because the sighting then shows other parts of the ball.
 constexpr double kMinBallErrorCorrelation = 0.1, kOtherBallSize = 2.0;
 
 PointFilter::Noise ball_motion(const BallFilterParameters& p, double activity) {
@@ -62,8 +62,8 @@ void TrackedBall::start(const BallSighting& sighting, const PointFilter::Velocit
   same_ = 1.0;
 }
 
-// As for robots (robot_motion.cpp), the correlation of the errors at two positions depends on these positions, not on
-// the path.
+// As for robots (robot_motion.cpp), the correlation of the errors at two positions depends only on these positions, not
+// on the path.
 double TrackedBall::renew_lasting_error(const BallSighting& sighting, const Errors& errors) {
   const bool is_other = !(sighting.lasts_m > 0.0f) || errors.lasting_m > kOtherBallSize * lasting_m_ ||
                         lasting_m_ > kOtherBallSize * errors.lasting_m;
@@ -128,7 +128,7 @@ bool TrackedBall::fuse(const BallSighting& sighting, Instant now, const TrackPar
     const bool reachable = ConsecutiveOutliers::within_reach(last_position_, life_.last_seen(), outlier,
                                                              parameters.consistent_m, p.max_speed_mps);
     if (outliers_.count() < p.restart_after || !reachable) return false;
-    // After a bounce, the outliers give the new velocity.
+    // After a bounce, the new velocity follows from the outliers.
     const ConsecutiveOutliers::Outlier& first = outliers_.first();
     const double dt = seconds(now - first.when);
     PointFilter::Velocity velocity{0.0, 0.0, p.start_speed_sigma_mps};

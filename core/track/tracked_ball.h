@@ -30,19 +30,19 @@ class TrackedBall {
 
   bool fuse(const BallSighting& sighting, Instant now, const TrackParameters& parameters);
   void start(const BallSighting& sighting, const PointFilter::Velocity& velocity, const Errors& errors);
-  /// Decorrelates the lasting error by the motion to the sighting. Returns the part that remains since the last
+  /// Decorrelates the lasting error by the motion to the sighting. Returns the share that is left since the last
   /// sighting.
   double renew_lasting_error(const BallSighting& sighting, const Errors& errors);
 
   PointFilter filter_;
   LifeCycle life_;
   ConsecutiveOutliers outliers_;
-  FieldPoint last_position_;   // at the last sighting
-  float confidence_ = 0.0f;    // of the last sighting
+  FieldPoint last_position_;   // position at the last sighting
+  float confidence_ = 0.0f;    // confidence of the last sighting
   float innovation2_ = -1.0f;  // as in BallTrack
   Activity activity_;
-  // The lasting error: its standard deviation, the position since which it decorrelates, and the correlation that
-  // remains.
+  // The lasting error: its standard deviation, the position since which it decorrelates, and the correlation that is
+  // left.
   double lasting_m_ = 0.0;
   FieldPoint lasting_since_;
   double same_ = 1.0;

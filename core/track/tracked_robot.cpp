@@ -12,21 +12,21 @@ namespace {
 // Standard deviation of an unknown angle (uniform distribution over the circle).
 constexpr double kUnknownHeadingSigma = std::numbers::pi / std::numbers::sqrt3;
 
-// Largest position error that counts as right. With an id, it is as large as for a sighting; without an id, it is the
-// distance of the team patch from the center.
+// Largest position error of a track that counts as right. With an id, it is the same as for a sighting; without an id,
+// it is the distance of the team patch from the center.
 constexpr double kSamePlace_m = 0.02, kSameRobot_m = 0.05;
 
-// Typical position error, relative to the filter's standard deviation, which has to cover the worst robots. Measured in
-// rendered games in bad light, for robots that are hidden or show only their team patch.
+// Typical position error relative to the filter's standard deviation, which is chosen for the worst robots. It was
+// measured in rendered games in bad light, for robots that are hidden or show only their team patch.
 constexpr double kTypicalError = 0.6;
 
-// Probability that the error in two dimensions is below `reach_m` (Rayleigh distribution).
+// Returns the probability that the error in two dimensions is below `reach_m` (Rayleigh distribution).
 float probability_within(double reach_m, double sigma_m) {
   const double ratio = reach_m / (kTypicalError * sigma_m);
   return static_cast<float>(-std::expm1(-0.5 * ratio * ratio));
 }
 
-// From this probability of the id on, the prediction uses the commands to this id.
+// If the id has at least this probability, the prediction uses the commands to this id.
 constexpr float kSureOfCommands = 0.9f;
 
 // A sighting with a certain id is rejected only once: if two agree, they are no errors of the vision.
@@ -37,8 +37,8 @@ LifeCycle::Limits limits_of(const TrackParameters& p) {
   return {p.confirm_sightings, p.forget_new_after_s, p.lost_after_s};
 }
 
-// Weight of the newest squared innovation per degree of freedom in their running mean, and the mean from which on the
-// prediction counts less (1 in 1000 is larger).
+// Weight of the newest squared innovation (per degree of freedom) in a running mean. If this mean exceeds kSurprise,
+// the prediction gets less weight; with correct predictions, 1 in 1000 means is larger.
 constexpr double kNewestSurprise = 0.4, kSurprise = 3.0;
 
 // Lower limits of the process noise's factor (activity.h), for a standing robot and for one that drives at 1 m/s. With
@@ -47,8 +47,8 @@ constexpr double kNewestSurprise = 0.4, kSurprise = 3.0;
 // depends on the speed.
 constexpr double kMinActivity = 1e-3, kMinActivityAtSpeed = 0.3, kMinFreeActivityAtSpeed = 0.015;
 
-// Longest time without a sighting that a collision is tried for. After a longer time the robot may be anywhere, so its
-// next sightings must agree with each other.
+// Longest time without a sighting after which a collision is considered. After a longer time the robot may be anywhere,
+// so its next sightings must agree with each other.
 constexpr double kLongestImpact_s = 0.05;
 
 PointFilter::Noise point_motion(const RobotFilterParameters& p) { return {0.0, p.free_noise_mps_rts, 0.0}; }
@@ -64,7 +64,7 @@ PoseCovariance scaled(const PoseCovariance& c, double position, double heading) 
   return {xx * c.xx, xx * c.yy, tt * c.tt, xx * c.xy, xt * c.xt, xt * c.yt};
 }
 
-// Errors that the picture states, plus those of the parameters.
+// Returns the errors that the sighting states, plus those of the parameters.
 SightingNoise noise_of(const RobotSighting& sighting, const RobotFilterParameters& p) {
   SightingNoise noise{scaled(sighting.noise, 1.0f - sighting.lasting_share),
                       scaled(sighting.noise, sighting.lasting_share), static_cast<double>(sighting.lasts_m)};
@@ -203,7 +203,7 @@ bool TrackedRobot::fuse_pose(const RobotSighting& sighting, Instant now, const R
   const double speed = static_cast<double>(drive.twist().v_mps);
   const bool is_beyond_gate = distance2 > parameters.gate_pose;
   if (commands_known_) {
-    // Errors of the wheels act on both velocities.
+    // Errors of the wheels affect both velocities.
     const double lower_limit = std::min(1.0, kMinActivity + kMinActivityAtSpeed * speed * speed);
     for (FreeActivity* activity : {&drive_activity_, &turn_activity_}) {
       activity->follow(distance2 / 3.0, is_beyond_gate, innovation.predicted_share, lower_limit);

@@ -22,7 +22,7 @@ class TrackedRobot {
   void predict(Instant from, Instant to, const CommandHistory* commands, const TrackParameters& parameters);
   /// Like predict(), but only for pose() and twist().
   void look_ahead(Instant from, Instant to, const CommandHistory* commands, const TrackParameters& parameters);
-  /// Gates the sighting, then updates or resets the filter. False if the sighting was rejected.
+  /// Gates the sighting, then updates or resets the filter. Returns false if the sighting was rejected.
   bool fuse(const RobotSighting& sighting, Instant now, const TrackParameters& parameters);
   void missed(Instant now, const TrackParameters& parameters);
   void lose() { life_.lose(); }
@@ -38,7 +38,7 @@ class TrackedRobot {
   [[nodiscard]] std::uint32_t birth() const { return birth_; }
   [[nodiscard]] const LifeCycle& life() const { return life_; }
   [[nodiscard]] FieldPoint position() const;
-  /// The larger of the standard deviations of x and y.
+  /// Returns the larger of the standard deviations of x and y.
   [[nodiscard]] double position_sigma_m() const;
   /// Fills all fields except those at the time of the action.
   [[nodiscard]] RobotTrack report(const TrackParameters& parameters) const;
@@ -58,18 +58,18 @@ class TrackedRobot {
 
   Team team_ = Team::kOwn;
   RobotId id_ = kUnknownId;
-  std::uint32_t birth_ = 0;  // distinguishes tracks without id
+  std::uint32_t birth_ = 0;  // order of birth, which distinguishes tracks without id
   bool heading_known_ = false;
-  bool commands_known_ = false;  // in the last prediction with a heading
+  bool commands_known_ = false;  // whether commands were known in the last prediction with a heading
   RobotMotion drive_;
   PointFilter point_;
   LifeCycle life_;
   ConsecutiveOutliers outliers_;
-  FieldPoint last_position_;                     // at the last sighting
-  float confidence_ = 0.0f;                      // of the last sighting
+  FieldPoint last_position_;                     // position at the last sighting
+  float confidence_ = 0.0f;                      // confidence of the last sighting
   float innovation2_ = -1.0f;                    // as in RobotTrack
   double surprise_ = 0.0;                        // mean of the last squared innovations per degree of freedom
-  FreeActivity drive_activity_, turn_activity_;  // of the linear and of the angular velocity
+  FreeActivity drive_activity_, turn_activity_;  // activities of the linear and of the angular velocity
   TrackIdentity identity_;
 };
 

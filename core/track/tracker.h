@@ -24,16 +24,18 @@ class Tracker {
   /// are ignored. If time jumps back so far that every track would be lost, the tracker is reset.
   void update(const Sightings& sightings, Instant capture_time, Instant action_time, Tracks& out);
 
-  /// The ball at the time of the next frame; unknown if it was not seen for long.
+  /// Returns the ball's expected position in the next frame; unknown if the ball was not seen for long.
   [[nodiscard]] ExpectedBall expected_ball(Instant capture_time) const;
 
   /// Longest useful prediction. The pipeline's action delay is at most this long.
   static constexpr Duration kMaxPrediction = std::chrono::seconds(1);
 
-  /// The commanded twist that acts on an own robot at `instant`, which is not before the last update; zero if unknown.
+  /// Returns the commanded twist that acts on an own robot at `instant`, which is not before the last update; zero if
+  /// unknown.
   [[nodiscard]] Twist command_at(Instant instant, RobotId id) const { return commands_.at(instant, id).twist; }
 
-  /// Number of sightings without a free track, and of commands that were removed too early for lack of space.
+  /// Returns the number of sightings without a free track, and of commands that were removed too early for lack of
+  /// space.
   [[nodiscard]] std::uint64_t dropped() const { return robots_.dropped() + commands_.dropped(); }
 
  private:

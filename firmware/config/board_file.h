@@ -55,15 +55,16 @@ struct RealtimeSettings {
 /// [faults] of the board file: time limits after a fault.
 struct FaultSettings {
   double stop_after_s = 0.2;
-  // The default lasts less than stop_after_s at the rates of the leagues (30 to 90 Hz), because an unusable frame tells
-  // no more than a missing one. Single unusable frames happen in a game, when a hand or a flash covers the field.
+  // The default takes less time than stop_after_s at the rates of the leagues (30 to 90 Hz), because an unusable frame
+  // gives no more information than a missing one. Single unusable frames happen in a game, when a hand or a flash
+  // covers the field.
   int unusable_frames = 5;
   double camera_timeout_s = 1.0;
   double reopen_after_s = 0.5;
   double leave_after_s = 0.0;
   double referee_timeout_s = 1.0;
-  // A cable that is plugged in at once is back within this time: the first attempt to reopen the radio follows after
-  // 0.5 s and takes some tenths of a second.
+  // If a cable is plugged in again at once, the radio works again within this time: the first attempt to reopen it
+  // follows after 0.5 s and takes some tenths of a second.
   double radio_outage_s = 1.0;
   bool resume_after_emergency = false;
 
@@ -112,7 +113,7 @@ struct FaultSettings {
 struct BoardFile {
   int version = kFileVersion;
   std::string name;
-  std::string venue, team;  // relative to the board file
+  std::string venue, team;  // paths relative to the board file
   hal::CameraSettings camera;
   hal::RadioSettings radio;
   hal::GpioSettings gpio;

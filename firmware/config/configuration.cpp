@@ -75,11 +75,12 @@ void check_rate(Configuration& configuration, ErrorList& errors) {
   }
 }
 
-// No sensor exposes shorter than one row, which the fastest take 9 us for (OV9281); V4L2 counts in 100 us. Lamps of
-// less than 1000 K do not shine. Smaller numbers are therefore meant in other units.
+// Values below these limits must be meant in other units. No sensor exposes for less than one row, which takes at least
+// 9 us (OV9281), and V4L2 counts in steps of 100 us. Lamps below 1000 K do not shine.
 constexpr int kShortestExposure_us = 10, kLowestWhiteBalance_k = 1000;
 
-// Refuses values that no camera supports. The camera itself reports at its opening what it does not support.
+// Rejects values that no camera supports. When it is opened, the camera itself reports the values that it does not
+// support.
 void check_exposure(const Configuration& configuration, ErrorList& errors) {
   const hal::CameraSettings& camera = configuration.board.camera;
   const auto add = [&](const char* key, const std::string& message) {
@@ -106,13 +107,13 @@ void check_exposure(const Configuration& configuration, ErrorList& errors) {
   }
 }
 
-// Overrides, sorted by file.
+// Overrides by file.
 struct SortedOverrides {
   std::vector<Override> board, venue, team;
 };
 
-// The first part of a key tells its file ("camera": board), or names it ("venue.light.map"). A key that belongs to no
-// file is an error.
+// Sorts the overrides: the first part of a key implies its file ("camera": board) or names it ("venue.light.map"). A
+// key that belongs to no file is an error.
 SortedOverrides sort_overrides(const std::vector<std::string>& texts, ErrorList& errors) {
   SortedOverrides out;
   for (const std::string& text : texts) {
@@ -209,7 +210,7 @@ Result<void> resolve(const InputFormat& input, Configuration& configuration) {
   errors.add(resolve_venue(configuration.venue, configuration.venue_where, input, configuration.pipeline));
   errors.add(resolve_team(configuration.team, configuration.team_where, configuration.venue, configuration.venue_where,
                           configuration.pipeline));
-  // Checks of the core assume that all values were resolved.
+  // The core's own checks assume that all values were resolved.
   if (errors.empty()) add_core_refusals(configuration, errors);
   return errors.result();
 }

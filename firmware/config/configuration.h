@@ -15,8 +15,8 @@ namespace touchline::config {
 
 /// Paths of the three files. Without a board file, venue and team must be given.
 struct FilePaths {
-  std::string board, venue, team;      // empty venue or team: as the board file says
-  std::vector<std::string> overrides;  // "key=value", see --set
+  std::string board, venue, team;      // empty venue or team: the path in the board file is used
+  std::vector<std::string> overrides;  // "key=value", as for --set
 };
 
 /// Content of the three files, and the core's parameters derived from it. Large: do not put it on the stack.
@@ -28,9 +28,9 @@ struct Configuration {
   PipelineParameters pipeline;
 };
 
-/// Loads the three files. Format and size of the pictures are those of the board file. Opens no device.
-/// kNotFound: the board file cannot be read; kInconsistent: errors in the files. The message has a line for each error.
-/// After kInconsistent, `out` has the values that were read.
+/// Loads the three files. Format and size of the pictures come from the board file. Opens no device. kNotFound: the
+/// board file cannot be read; kInconsistent: errors in the files. The message has a line for each error. After
+/// kInconsistent, `out` has the values that were read.
 Result<void> load(const FilePaths& paths, Configuration& out);
 
 /// Loads the board file alone, for tools that need no venue yet. Errors as for load().
@@ -42,7 +42,7 @@ std::string_view kernel_word(const BoardFile& board);
 
 /// Loads venue and team alone, for tools that read pictures. Call resolve() when the format of the pictures is known.
 Result<void> load_venue_and_team(const FilePaths& paths, Configuration& out);
-/// Returns those of `overrides` that load_venue_and_team() accepts: all but those of the board file.
+/// Returns the overrides that load_venue_and_team() accepts: all except those for the board file.
 std::vector<std::string> venue_and_team_overrides(const std::vector<std::string>& overrides);
 /// Checks venue and team for these pictures and fills `configuration.pipeline`. Errors of resolve_venue() and
 /// resolve_team().

@@ -15,19 +15,19 @@
 namespace touchline::config {
 namespace {
 
-// Checks a stage of the pipeline or a part of it: the section of a file that configures the stage, and the answer of
-// the stage.
+// A rule of a stage of the pipeline: the section of a file that configures the stage, and the status with which the
+// stage accepts or rejects it.
 struct CoreRule {
   std::string_view stage;  // only the first broken rule of a stage is reported
   const Locations Configuration::*file;
   std::string (*key)(const PipelineParameters& parameters);
-  std::string_view message;  // what to correct; empty: only the status of the core is known
+  std::string_view message;  // what to correct; empty: only the core's status is known
   Status (*check)(const PipelineParameters& parameters);
 };
 
 template <class Stage>
 std::unique_ptr<Stage> make() {
-  return std::make_unique<Stage>();  // stages are too large for the stack
+  return std::make_unique<Stage>();  // on the heap, because stages are too large for the stack
 }
 
 std::string model_key(const PipelineParameters& p) {

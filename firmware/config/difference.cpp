@@ -70,7 +70,7 @@ class ValueLister {
   std::vector<KeyValue> values_;
 };
 
-// `present`: the value before or after, whichever exists.
+// `present`: the value before or after the change, whichever exists.
 Change change_of(FileKind file, const KeyValue& present, const KeyValue* before, const KeyValue* after) {
   Change change{file, present.key, {}, {}, present.reload};
   if (present.is_element) return change;

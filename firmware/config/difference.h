@@ -15,10 +15,10 @@ enum class FileKind : std::uint8_t { kBoard, kVenue, kTeam };
 /// A key whose value has changed.
 struct Change {
   FileKind file = FileKind::kBoard;
-  // "camera.exposure_us"; an element of a list counts as one key: "color.orange" if elements have names, otherwise
-  // "own.robot[0]".
+  // Path such as "camera.exposure_us"; an element of a list counts as one key: "color.orange" if elements have names,
+  // otherwise "own.robot[0]".
   std::string key;
-  std::string before, after;  // in TOML; both empty for an element of a list, which has too many values to show
+  std::string before, after;  // values in TOML; both empty for an element of a list, which has too many values to show
   Reload reload = Reload::kRestart;
 };
 
@@ -26,7 +26,7 @@ struct Change {
 /// their file. A light map counts as changed (`light.map`) if its picture has changed under the same name.
 std::vector<Change> difference(const Configuration& before, const Configuration& after);
 
-/// For example "camera.exposure_us 5000 -> 4000" or "color.orange".
+/// Returns text such as "camera.exposure_us 5000 -> 4000" or "color.orange".
 std::string text_of(const Change& change);
 
 }  // namespace touchline::config

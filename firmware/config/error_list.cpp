@@ -6,14 +6,14 @@
 namespace touchline::config {
 namespace {
 
-// Names and values of a file may contain any character. Those that control a terminal, or begin a line that seems to be
-// another message, are shown as numbers.
+// Replaces control characters by numbers: names and values of a file may contain any character, even those that control
+// a terminal or begin a line which looks like another message.
 std::string printable(std::string_view text) {
   std::string out;
   for (std::size_t i = 0; i < text.size(); ++i) {
     const auto c = static_cast<unsigned char>(text[i]);
     const auto next = i + 1 < text.size() ? static_cast<unsigned char>(text[i + 1]) : 0U;
-    // U+0080 to U+009F, in UTF-8, are control characters too.
+    // U+0080 to U+009F (two bytes in UTF-8) are control characters, too.
     const bool is_c1 = c == 0xc2 && next >= 0x80 && next <= 0x9f;
     if (c >= ' ' && c != 0x7f && !is_c1) {
       out += text[i];

@@ -33,7 +33,7 @@ Result<void> back_up(const std::string& path) {
   if (!text.has_value() || ::stat(path.c_str(), &former) != 0) return {};
   std::error_code error;
   const std::filesystem::path target = std::filesystem::canonical(path, error);
-  // Does not follow a symbolic link that somebody has planted under this name.
+  // Do not follow a symbolic link that somebody may have created under this name.
   const hal::OutputOptions options{.follow_links = false, .mode = former.st_mode & 0777};
   return hal::write_file((error ? path : target.string()) + ".bak", *text, options);
 }

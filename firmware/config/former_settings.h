@@ -5,14 +5,14 @@
 
 namespace touchline::config {
 
-/// A key or a word that earlier versions knew.
+/// A key, or a word for it, that earlier versions knew.
 struct FormerSetting {
   std::string_view key;   // path without list indices, "scan.kernel"
-  std::string_view word;  // the former value; empty: the key itself is gone
+  std::string_view word;  // the former value; empty: the key itself was removed
   std::string_view advice;
 };
 
-/// Advice for files that were written for an earlier version. It replaces "unknown key" or "is not one of".
+/// Advice for files that were written for an earlier version. It is shown instead of "unknown key" or "is not one of".
 inline constexpr std::array kFormerSettings{
     FormerSetting{"scan.kernel", "avx512",
                   "the kernels for AVX-512 are gone, because they were no faster than those for AVX2; remove the line"},
@@ -20,7 +20,7 @@ inline constexpr std::array kFormerSettings{
     FormerSetting{"adaptation.most_shift", "", "is called max_shift now; rename the key"},
 };
 
-/// The advice, or "" if no earlier version knew the key, or this word for it.
+/// Returns the advice, or "" if no earlier version knew the key, or this word for it.
 constexpr std::string_view former_setting(std::string_view key, std::string_view word = "") {
   for (const FormerSetting& setting : kFormerSettings) {
     if (setting.key == key && setting.word == word) return setting.advice;

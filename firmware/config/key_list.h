@@ -17,7 +17,7 @@ struct KeyInfo {
   std::string type;          // "integer", "number", "text", "true or false", "one of a, b", "list of ..."
   std::string limits;        // range and unit, or the unit alone
   std::string initial;       // default value in TOML; empty for sections
-  bool is_required = false;  // the key must be present if the section around it is; the default is of no use then
+  bool is_required = false;  // if the section around the key is present, the key must be, too; its default is not used
   Reload reload = Reload::kRestart;
   std::string help;
 };
@@ -30,9 +30,9 @@ class KeyLister {
   static std::vector<KeyInfo> keys_of_file() {
     std::vector<KeyInfo> keys = keys_of<File>();
     for (KeyInfo& key : keys) {
-      std::string pattern = key.path;  // without the marks of lists
+      std::string pattern = key.path;  // path without the marks of lists
       for (std::size_t at = 0; (at = pattern.find("[]")) != std::string::npos;) pattern.erase(at, 2);
-      key.is_required = pattern == "version" ||  // read_toml() asks for it before anything else
+      key.is_required = pattern == "version" ||  // read_toml() checks the version before anything else
                         std::find(File::kRequired.begin(), File::kRequired.end(), pattern) != File::kRequired.end();
     }
     return keys;

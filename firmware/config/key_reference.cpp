@@ -27,7 +27,7 @@ std::vector<FileKeys> all_files() {
           {"team.toml", KeyLister::keys_of_file<TeamFile>()}};
 }
 
-// One word for the column "Reload"; empty: the key needs a restart.
+// Returns a word for the column "Reload"; empty: the key needs a restart.
 std::string_view reload_word(Reload reload) {
   switch (reload) {
     case Reload::kInherit:
@@ -49,7 +49,7 @@ std::string_view reload_word(Reload reload) {
 
 bool is_section(const KeyInfo& key) { return key.type == "section" || key.type == "list of sections"; }
 
-// "[own]" or "[[own.robot]]".
+// Returns "[own]" or "[[own.robot]]".
 std::string header_of(const KeyInfo& section) {
   std::string path = section.path;
   for (std::size_t at = path.find("[]"); at != std::string::npos; at = path.find("[]")) path.erase(at, 2);
@@ -96,7 +96,7 @@ std::string lower_case(std::string text) {
   return text;
 }
 
-// Text that the terminal shows for one key or layout, and the text in which words are searched.
+// Text that the terminal shows for one key or layout, and the text that is searched for words.
 struct Entry {
   std::string file, name, text, searched;
 };
@@ -120,7 +120,8 @@ std::vector<Entry> all_entries() {
   return entries;
 }
 
-// Names the first word that occurs nowhere, and the nearest part of a path: "exposure_us" of "camera.exposure_us".
+// Returns a text that names the first word found nowhere, and the most similar part of a path: "exposure_us" of
+// "camera.exposure_us".
 std::string nothing_found(std::span<const std::string> words) {
   const std::vector<Entry> entries = all_entries();
   for (const std::string& word : words) {

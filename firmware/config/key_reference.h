@@ -9,8 +9,8 @@
 namespace touchline::config {
 
 /// Returns text for the terminal: two or three lines for each key of the three files and each standard layout whose
-/// file, path or meaning contains all of `words`, in upper or lower case. kNotFound: nothing contains them; the text
-/// says which word is unknown.
+/// file, path or meaning contains all of `words`, in upper or lower case. kNotFound: no key or layout contains the
+/// words; the text says which word is unknown.
 Result<std::string> key_reference_text(std::span<const std::string> words);
 
 /// Returns the text for docs/files.md: a table for each section of the three files.

@@ -56,7 +56,7 @@ std::optional<MarkerLayout> chosen_layout(const TeamFile& file, const TeamEntry&
 }
 
 float body_turn_rad(const MarkerLayout& layout) {
-  constexpr int kSteps = 90;  // steps of a degree
+  constexpr int kSteps = 90;  // steps of one degree
   const auto half_side = [&](float turn_rad) {
     const float c = std::cos(turn_rad), s = std::sin(turn_rad);
     float most = 0;

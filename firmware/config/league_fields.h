@@ -13,10 +13,11 @@ struct LeagueField {
   FieldParameters field;
 };
 
-/// Rules of FIRA MiroSot middle league, IEEE very small size, and RoboCup small size (divisions A and B). The figures
-/// are those of VSSSLeague/VSSReferee (src/utils/types/field/field_default_5v5.h and field_default_3v3.h; its lines are
-/// drawn 6 mm wide, the rules say 3 mm) and of the default geometry of RoboCup-SSL/ssl-game-controller. MiroSot's goal
-/// area, 0.15 m x 0.5 m, lies inside the penalty area; only the larger one, the penalty area, is published.
+/// Fields according to the rules of FIRA MiroSot middle league, IEEE very small size, and RoboCup small size (divisions
+/// A and B). The figures come from VSSSLeague/VSSReferee (src/utils/types/field/field_default_5v5.h and
+/// field_default_3v3.h; its lines are drawn 6 mm wide, the rules say 3 mm) and from the default geometry of
+/// RoboCup-SSL/ssl-game-controller. MiroSot's goal area, 0.15 m x 0.5 m, lies inside the penalty area; only the larger
+/// one, the penalty area, is published.
 inline constexpr std::array kLeagueFields{LeagueField{"mirosot-middle",
                                                       {.length_m = 2.2f,
                                                        .width_m = 1.8f,
@@ -54,7 +55,7 @@ inline constexpr std::array kLeagueFields{LeagueField{"mirosot-middle",
                                                        .penalty_area_depth_m = 1.0f,
                                                        .penalty_area_width_m = 2.0f}}};
 
-/// `name` must be one of the table.
+/// Returns a field by name; `name` must be in the table.
 constexpr const FieldParameters& league_field(std::string_view name) {
   std::size_t i = 0;
   while (kLeagueFields.at(i).name != name) ++i;

@@ -5,8 +5,8 @@
 namespace touchline::config {
 namespace {
 
-// Limit of pixels above which a file is refused before memory is allocated for it. Smaller files with a wrong size are
-// refused later, with their size in the message.
+// Number of pixels above which a file is rejected before memory is allocated for it. Smaller files with a wrong size
+// are rejected later, with their size in the message.
 constexpr std::int64_t kMaxPixels = 1 << 20;
 // Ratio of the value in the file to a sum of four pixels.
 constexpr std::uint16_t kReferenceScale = 64;

@@ -37,7 +37,7 @@ Result<std::string> write_light(const std::string& venue, std::string_view png, 
   const auto changed_file = [&] {
     return replace_section(former, "light", "[light]\n" + TomlWriter::text_of(entry, false));
   };
-  // An invalid file is reported before anything is written.
+  // Report an invalid file before anything is written.
   Result<std::string> changed = changed_file();
   if (!changed.ok()) return prefixed(venue, std::move(changed).error());
   TOUCHLINE_TRY_ASSIGN(entry.map, write_venue_picture(venue, "light", map_of(former), png));
@@ -49,7 +49,7 @@ Result<std::string> write_light(const std::string& venue, std::string_view png, 
 Result<std::string> write_venue_picture(const std::string& venue, const std::string& kind, const std::string& in_use,
                                         std::string_view png) {
   const std::string name = free_name(venue, kind, in_use);
-  // The previous backup may name the picture that is about to be replaced.
+  // Write the backup first, because the previous one may name the picture that is about to be replaced.
   TOUCHLINE_TRY(back_up(venue));
   TOUCHLINE_TRY(hal::write_file((fs::path(venue).parent_path() / name).string(), png));
   return name;

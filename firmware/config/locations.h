@@ -7,15 +7,15 @@
 
 namespace touchline::config {
 
-/// Stores file and line of each key, for the messages of checks after reading.
+/// Stores file and line of each key, for messages of checks that follow the reading.
 class Locations {
  public:
   explicit Locations(std::string file = {}) : file_(std::move(file)) {}
   void note(std::string_view key_path, std::string_view where) {
     where_.insert_or_assign(std::string(key_path), where);
   }
-  /// "file:line" of the key, or of the nearest table around it ("own.robot[1].colors", "own.robot[1]", ...), or the
-  /// file.
+  /// Returns "file:line" of the key, or of the nearest table around it ("own.robot[1].colors", "own.robot[1]", ...), or
+  /// the file.
   [[nodiscard]] const std::string& of(std::string_view key_path) const;
   [[nodiscard]] bool has(std::string_view key_path) const { return where_.find(key_path) != where_.end(); }
   [[nodiscard]] const std::string& file() const { return file_; }

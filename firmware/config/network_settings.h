@@ -8,26 +8,26 @@
 
 #include "core/parameter.h"
 
-// Section [network] of the board file: what other programs receive from Touchline, and what it receives from them.
+// Section [network] of the board file: messages that Touchline sends to other programs and receives from them.
 namespace touchline::config {
 
 enum class OutputProtocol : std::uint8_t { kSslVision, kSslTracked, kFirasim, kJson };
 enum class InputProtocol : std::uint8_t { kFirasim, kJson, kSslReferee, kVsssReferee };
 
-/// Word of a protocol in the board file and on the command line, and the usual address in the league of the protocol.
+/// Word for a protocol in the board file and on the command line, and the usual address of the protocol in its league.
 template <class Protocol>
 struct ProtocolInfo {
   Protocol protocol;
   std::string_view word, default_address;
 };
 
-// The address of JSON is PlotJuggler's UDP port.
+// The usual address of JSON is PlotJuggler's UDP port.
 inline constexpr std::array<ProtocolInfo<OutputProtocol>, 4> kOutputProtocolTable{
     {{OutputProtocol::kSslVision, "ssl-vision", "udp://224.5.23.2:10006"},
      {OutputProtocol::kSslTracked, "ssl-tracked", "udp://224.5.23.2:10010"},
      {OutputProtocol::kFirasim, "firasim", "udp://224.0.0.1:10002"},
      {OutputProtocol::kJson, "json", "udp://127.0.0.1:9870"}}};
-// Commands are received at all addresses of this computer; `senders` decides whose commands are obeyed.
+// Commands are received on all addresses of this computer; `senders` decides whose commands are obeyed.
 inline constexpr std::array<ProtocolInfo<InputProtocol>, 4> kInputProtocolTable{
     {{InputProtocol::kFirasim, "firasim", "udp://0.0.0.0:20011"},
      {InputProtocol::kJson, "json", "udp://0.0.0.0:20012"},

@@ -55,7 +55,7 @@ std::span<const std::pair<std::string_view, Rgb>> usual_paints() { return kPaint
 
 std::optional<Rgb> usual_rgb(const std::string& name) {
   std::string word;
-  std::vector<std::size_t> ends;  // of the words in `word`, without the last one
+  std::vector<std::size_t> ends;  // ends of the words in `word`, without the last one
   for (const char c : name) {
     if (std::isalpha(static_cast<unsigned char>(c)) != 0) {
       word += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));

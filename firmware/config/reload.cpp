@@ -7,7 +7,8 @@
 namespace touchline::config {
 namespace {
 
-// Boxes, maps and polygons are valid for one picture size, one format and one list of colors.
+// Returns whether both have the same picture size, format and list of colors, for which boxes, maps and polygons are
+// valid.
 bool same_pictures_and_colors(const Configuration& a, const Configuration& b) {
   const ScanParameters &x = a.pipeline.scan, &y = b.pipeline.scan;
   return x.format == y.format && x.width_px == y.width_px && x.height_px == y.height_px &&
@@ -42,7 +43,7 @@ Result<ReloadChanges> apply_reloadable(const Configuration& next, Configuration&
   }
   running.pipeline.control = running.team.control;
   if (!changes.concern(Reload::kThresholds)) return changes;
-  running.venue_where = next.venue_where;  // the path of the light map is relative to the venue file
+  running.venue_where = next.venue_where;  // needed because the path of the light map is relative to the venue file
   const ScanParameters& scan = running.pipeline.scan;
   const InputFormat input{scan.format, scan.width_px, scan.height_px, "the running camera"};
   TOUCHLINE_TRY(resolve(input, running));

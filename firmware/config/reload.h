@@ -17,14 +17,14 @@ struct ReloadChanges {
   std::vector<Change> need_restart;
 
   [[nodiscard]] bool empty() const { return applied.empty() && need_restart.empty(); }
-  /// Returns whether the part `by` of the program has to act on one of the changes.
+  /// Returns whether a change concerns part `by` of the program, which must act on it.
   [[nodiscard]] bool concern(Reload by) const;
 };
 
 /// Copies the values that can change while robots play from `next` to `running`; all other values of `running` stay.
 /// Both must have been loaded without errors. Thresholds, light map and region of interest also need a restart if the
-/// new files are for pictures of another size or format or have another list of colors. kInconsistent: the combination
-/// of old and new values is contradictory; `running` must not be used.
+/// new files have another picture size or format, or another list of colors. kInconsistent: old and new values
+/// contradict each other; `running` must not be used.
 Result<ReloadChanges> apply_reloadable(const Configuration& next, Configuration& running);
 
 }  // namespace touchline::config

@@ -16,7 +16,7 @@ struct InputFormat {
   PixelFormat format = PixelFormat::kRgb24;
   std::uint16_t width_px = 0, height_px = 0;
   std::string source;       // for messages: "the camera of boards/mock/board.toml", or a folder
-  std::string_view word{};  // for messages: camera.format; empty: that of `format`
+  std::string_view word{};  // word of camera.format for messages; empty: the word of `format`
 };
 
 /// Fills the parameters that the venue defines: scan, camera, field. Reads the light map. Color ids count from 1 in the

@@ -144,8 +144,8 @@ void resolve_region_of_interest(const VenueFile& venue, const Locations& where, 
                  " cross or touch; give the corners in their order around the region");
 }
 
-// Fills the limits of the adaptation and the typical values of the colors. The adaptation changes the light map;
-// without a map in the venue file it starts with a uniform one.
+// Fills the limits of the adaptation and the typical values of the colors. The adaptation changes the light map, so it
+// starts with a uniform one if the venue file has none.
 void resolve_adaptation(const VenueFile& venue, const Locations& where, PipelineParameters& out, ErrorList& errors) {
   out.adaptation = venue.adaptation;
   for (std::size_t i = 0; i < venue.color.size() && i < kMaxColors; ++i) {
@@ -212,7 +212,7 @@ Result<void> resolve_venue(const VenueFile& venue, const Locations& where, const
   }
 
   resolve_adaptation(venue, where, out, errors);
-  // Pictures of another size were reported above.
+  // Skip pictures of another size, which were reported above.
   const bool same_size = venue.picture.width_px == input.width_px && venue.picture.height_px == input.height_px;
   if (!venue.light.reference.empty() && same_size) {
     const auto path = std::filesystem::path(where.file()).parent_path() / venue.light.reference;

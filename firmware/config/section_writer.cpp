@@ -9,10 +9,10 @@
 namespace touchline::config {
 namespace {
 
-// Finds the lines that can be a header, which begin outside strings and lists.
+// Finds the lines that can be headers: those that begin outside strings and lists.
 class LineScanner {
  public:
-  /// True if the line begins outside of any value. Call it for each line in order.
+  /// Returns true if the line begins outside any value. Call it for each line in order.
   bool begins_outside(std::string_view line) {
     const bool outside = !in_string_ && depth_ == 0;
     scan(line);
@@ -47,7 +47,8 @@ class LineScanner {
         --depth_;
       }
     }
-    if (in_string_ && delimiter_.size() == 1) in_string_ = false;  // not valid TOML; the parser reports it
+    // The text is not valid TOML, which the parser reports.
+    if (in_string_ && delimiter_.size() == 1) in_string_ = false;
   }
 
   bool in_string_ = false, quote_is_literal_ = false;
@@ -174,7 +175,7 @@ Result<std::string> replace_section(const std::string& text, std::string_view se
     if (!out.empty()) out += line_end;
     out += replacement;
   }
-  // LineScanner only knows lines. The parser checks that nothing but this section has changed.
+  // LineScanner knows only lines, so let the parser check that nothing but this section has changed.
   const Result<toml::table> after = parse(out, "the changed file");
   if (after.ok() && same_but(before, after.value(), section) && same_at(added, after.value(), section)) return out;
   const std::string cause = after.ok() ? std::string() : " (" + after.text() + ")";

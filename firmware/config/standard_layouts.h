@@ -11,7 +11,7 @@ namespace touchline::config {
 /// A marker layout that team files can name without declaring it.
 struct StandardLayout {
   std::string_view name;
-  std::string_view help;  // what the robot's top looks like, and the order of the identification patches
+  std::string_view help;  // description of the robot's top, and the order of the identification patches
   MarkerLayout layout;
 };
 

@@ -89,7 +89,7 @@ struct RobotEntry {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
-    // Range of RobotId and of the radio packet (docs/radio.md).
+    // The range is that of RobotId and of the radio packet (docs/radio.md).
     visit.number(self.id, {.name = "id", .range = {0, 127}, .help = "Id of the robot in reports and radio packets"});
     visit.texts(self.colors, {.name = "colors", .help = "Colors of the identification patches, in the layout's order"});
     visit.text(self.address, {.name = "address",
@@ -164,7 +164,7 @@ struct TeamFile {
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
     visit.number(self.version, {.name = "version", .range = kVersionRange, .help = "Version of the file format"});
-    // Range of TeamNumber and of the radio packet.
+    // The range is that of TeamNumber and of the radio packet.
     visit.number(
         self.team_number,
         {.name = "team_number",

@@ -17,7 +17,7 @@ std::optional<toml::table> parse_value(const Override& override) {
     try {
       toml::table parsed = toml::parse("value = " + value + "\n", option_text(override));
       if (parsed.size() == 1) return parsed;
-      return std::nullopt;  // a line break in the value started another key
+      return std::nullopt;  // a line break in the value began another key
     } catch (const toml::parse_error&) {
       return std::nullopt;
     }
@@ -28,7 +28,7 @@ std::optional<toml::table> parse_value(const Override& override) {
 
 struct Step {
   std::string key;
-  std::optional<std::size_t> index;  // of a list's element: key[index]
+  std::optional<std::size_t> index;  // index of a list's element: key[index]
 };
 
 bool parse_steps(std::string_view path, std::vector<Step>& steps) {

@@ -12,16 +12,16 @@
 
 namespace touchline::config {
 
-/// One `--set key=value`.
+/// A setting of the command line, `--set key=value`.
 struct Override {
   std::string key;    // path of the key: "camera.exposure_us", "color[2].name"
-  std::string value;  // TOML; anything else is read as a string
+  std::string value;  // value in TOML; text that is no TOML is read as a string
 };
 
-/// Parses a file and checks its version. kNotFound: see read_toml(). `remedy` is added to the message if there is no
-/// file.
+/// Parses a file and checks its version. kNotFound: as for read_toml(). `remedy` is added to the message if the file
+/// does not exist.
 Result<toml::table> parse_file(const std::string& path, std::string_view remedy);
-/// Parses `content`, the content of the file `path`, in the same way.
+/// As above for `content`, the content of the file `path`.
 Result<toml::table> parse_text(std::string_view content, const std::string& path);
 
 /// Stores the value in the table. The reader checks it later like a value from the file.

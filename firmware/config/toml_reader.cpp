@@ -42,7 +42,7 @@ std::string TomlReader::pattern_of(std::string_view key) const { return dotted(l
 std::string TomlReader::where(const toml::node& node) const { return where(node.source()); }
 std::string TomlReader::where(const toml::source_region& source) const {
   std::string file = source.path ? *source.path : locations_.file();
-  // The source of a value from the command line is its option.
+  // A value from the command line has its option as the source.
   if (file.starts_with("--") || source.begin.line == 0) return file;
   return file + ":" + std::to_string(source.begin.line);
 }
@@ -123,7 +123,7 @@ bool TomlReader::take_number(const toml::node& node, const std::string& path, bo
     refuse_type(node, path, integral ? "an integer" : "a number");
     return false;
   }
-  if (value >= range.low && value <= range.high) return true;  // a NaN fails
+  if (value >= range.low && value <= range.high) return true;  // false for NaN
   const std::string limits = range_text(range, unit);
   errors_.add(where(node), path, shown + (limits.empty() ? " is not a finite number" : " is out of range: " + limits));
   return false;

@@ -19,8 +19,8 @@ namespace touchline::config {
 /// to the list with its line, and reading continues, so that all errors of a file are reported together.
 class TomlReader {
  public:
-  /// `required`: paths of keys that must be present if the table around them is present, without list indices
-  /// ("color.box.low").
+  /// `required`: paths, without list indices ("color.box.low"), of keys that must be present if the table around them
+  /// is.
   TomlReader(const toml::table& root, std::span<const std::string_view> required, Locations& locations,
              ErrorList& errors);
 
@@ -141,7 +141,7 @@ class TomlReader {
 
   struct Level {
     const toml::table* table = nullptr;
-    std::string path, pattern;            // "own.robot[1]" and "own.robot"
+    std::string path, pattern;            // for example "own.robot[1]" and "own.robot"
     std::vector<std::string_view> known;  // keys of the struct
   };
 

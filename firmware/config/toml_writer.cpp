@@ -5,7 +5,7 @@ namespace touchline::config {
 void TomlWriter::line(const Key& key, std::string_view value, std::string_view words) {
   std::string text = std::string(key.name) + " = " + std::string(value);
   if (comments_) {
-    constexpr std::size_t kCommentColumn = 34;  // most keys with their values are shorter
+    constexpr std::size_t kCommentColumn = 34;  // column of comments; most keys with their values are shorter
     if (text.size() < kCommentColumn) text.resize(kCommentColumn, ' ');
     text.append("  # ").append(key.help);
     const std::string limits = words.empty() ? limits_text(key) : std::string(words);

@@ -14,7 +14,7 @@ namespace touchline::config {
 /// TomlReader reads back the same values.
 class TomlWriter {
  public:
-  /// Without `comments`: keys and values only.
+  /// Without `comments`, writes only keys and values.
   explicit TomlWriter(bool comments = true) : comments_(comments) {}
 
   template <class Struct>
@@ -48,7 +48,7 @@ class TomlWriter {
     std::string_view help = key.help;
     for (const auto& value : values) {
       table(key.name, "[[", "]]", value, help);
-      help = {};  // once is enough
+      help = {};  // write the help only once
     }
   }
 

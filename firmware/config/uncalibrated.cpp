@@ -12,9 +12,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Size of the field and height of the camera that most teams have.
+// Size of the field and height of the camera in most teams' rooms.
 constexpr float kUsualLengthM = 1.5f, kUsualWidthM = 1.3f, kUsualHeightM = 2.0f;
-// Ratio of focal length to picture width with which the field fills most of the picture.
+// Focal length relative to the picture width at which the field fills most of the picture.
 constexpr float kFocalOfWidth = 0.9f;
 
 // Compares the sizes as resolve_venue() does.
@@ -53,7 +53,7 @@ void do_without_calibration(Configuration& configuration) {
   PipelineParameters& out = configuration.pipeline;
   const KernelChoice kernel = out.scan.kernel;
   const float low_battery_v = out.low_battery_v;
-  out = *std::make_unique<PipelineParameters>();  // too large for the stack
+  out = *std::make_unique<PipelineParameters>();  // on the heap, because it is too large for the stack
   out.scan.kernel = kernel;
   out.low_battery_v = low_battery_v;
   out.scan.format = hal::pixel_format(picture.format);
@@ -72,7 +72,7 @@ void do_without_calibration(Configuration& configuration) {
   model.fx_px = model.fy_px = kFocalOfWidth * static_cast<float>(picture.width_px);
   model.cx_px = static_cast<float>(picture.width_px) / 2;
   model.cy_px = static_cast<float>(picture.height_px) / 2;
-  model.rotation_rad = {std::numbers::pi_v<float>, 0.0f, 0.0f};  // looks down
+  model.rotation_rad = {std::numbers::pi_v<float>, 0.0f, 0.0f};  // the camera looks down
   model.position_m = {0.0f, 0.0f, std::max(kUsualHeightM, field.length_m)};
   out.camera = {};
   out.camera.kind = CameraModelKind::kFull;

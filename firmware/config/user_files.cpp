@@ -14,7 +14,8 @@ std::string environment(const char* name) {
   return value != nullptr ? value : "";
 }
 
-/// `variable`/touchline, or `below_home`/touchline of the home folder. The specification ignores relative paths.
+/// Returns the folder touchline in the folder that `variable` names, or in `below_home` of the home folder. The
+/// specification ignores relative paths.
 fs::path user_folder(const char* variable, const char* below_home) {
   const fs::path chosen = environment(variable);
   return (chosen.is_absolute() ? chosen : fs::path(environment("HOME")) / below_home) / "touchline";

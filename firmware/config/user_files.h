@@ -6,8 +6,8 @@
 
 namespace touchline::config {
 
-/// Returns the path of a file with the user's state, such as the console's token: in $STATE_DIRECTORY (of a service),
-/// or in $XDG_STATE_HOME/touchline, by default ~/.local/state/touchline (XDG base directory specification).
+/// Returns the path of a file with the user's state, such as the console's token. The folder is $STATE_DIRECTORY (for a
+/// service), or $XDG_STATE_HOME/touchline, by default ~/.local/state/touchline (XDG base directory specification).
 std::string user_state_file(const std::string& name);
 
 /// Returns the board file that is used if none is named: board.toml in the working folder, in

@@ -29,7 +29,7 @@ std::size_t offset_of(const std::string& text, const std::vector<std::size_t>& l
   return offset;
 }
 
-// Replaces a value. A comment behind the value stays in its column if there is room.
+// Replaces a value. A comment after the value keeps its column if there is room.
 void replace_and_align(std::string& text, std::size_t begin, std::size_t end, const std::string& value) {
   std::size_t spaces = end;
   while (spaces < text.size() && text[spaces] == ' ') ++spaces;
@@ -59,7 +59,7 @@ std::size_t line_after(const toml::table& table, bool is_root) {
   return line;
 }
 
-// Returns the table that the parser must read after the change.
+// Returns the table that the parser must read from the changed text.
 Result<toml::table> changed(toml::table root, const std::string& table, const std::string& key,
                             const std::string& value) {
   if (!value.empty()) {
@@ -106,8 +106,8 @@ Result<std::string> replace_value(const std::string& text, const std::string& ta
     const toml::table before = toml::parse(text);
     TOUCHLINE_TRY_ASSIGN(const toml::table wanted, changed(before, table, key, value));
     std::string out = edited(text, before, table, key, value);
-    // Only the parser knows every way to write a table: an edit after which the parser does not read the wanted table
-    // is refused.
+    // Reject an edit if the parser does not read the wanted table from it, because only the parser knows every way to
+    // write a table.
     if (toml::parse(out) == wanted) return out;
   } catch (const toml::parse_error& fault) {
     return failure(ErrorCode::kInconsistent, "line %u: %s", fault.source().begin.line,

@@ -16,10 +16,10 @@
 
 namespace touchline::config {
 
-/// [picture]: the picture that the calibration was made for.
+/// [picture]: size of the pictures for which the calibration was made.
 struct PictureEntry {
   std::uint16_t width_px = 640, height_px = 480;
-  // Defaults that exclude single pixels and single rows, because no patch is so small.
+  // The defaults exclude single pixels and single rows, because no patch is so small.
   std::uint32_t min_area_px = 2, min_height_px = 2;
 
   template <class Self, class Visitor>
@@ -133,8 +133,8 @@ struct ColorsEntry {
   }
 };
 
-/// [noise]: scatter of the poses of standing objects that their pictures do not show, for example because the camera
-/// shakes.
+/// [noise]: scatter of the poses of robots and ball at rest beyond the noise that the pictures show, for example
+/// because the camera shakes.
 struct NoiseEntry {
   double robot_position_m = 0.0, robot_heading_rad = 0.0, ball_position_m = 0.0;
 

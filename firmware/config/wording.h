@@ -11,7 +11,8 @@
 // Formats numbers, ranges and lists of words for messages, dumps and documentation.
 namespace touchline::config {
 
-/// The shortest text in TOML that reads back as the same value. A floating-point number has a point or an exponent.
+/// Returns the shortest text in TOML that reads back as the same value. A floating-point number has a point or an
+/// exponent.
 std::string number_text(double value);
 std::string number_text(float value);
 std::string number_text(long long value);
@@ -24,12 +25,12 @@ std::string value_text(T value) {
   }
 }
 
-/// "0 to 10 m", "at least 0 m", "at most 1", or "" for an unlimited range.
+/// Returns "0 to 10 m", "at least 0 m", "at most 1", or "" for an unlimited range.
 std::string range_text(Range range, std::string_view unit);
-/// The range with its unit, or the unit alone.
+/// Returns the range with its unit, or the unit alone.
 std::string limits_text(const Key& key);
 
-/// "a, b, c".
+/// Returns "a, b, c".
 std::string joined(std::span<const std::string_view> words);
 template <class Choices>
 std::vector<std::string_view> words_of(const Choices& choices) {
@@ -38,7 +39,7 @@ std::vector<std::string_view> words_of(const Choices& choices) {
   for (const auto& choice : choices) words.push_back(choice.word);
   return words;
 }
-/// The word for a value; empty if it has none.
+/// Returns the word for a value; empty if it has none.
 template <class Enum, class Choices>
 std::string_view word_of(Enum value, const Choices& choices) {
   for (const auto& choice : choices) {
@@ -47,20 +48,21 @@ std::string_view word_of(Enum value, const Choices& choices) {
   return {};
 }
 
-/// Returns the known word with the smallest edit distance, or one that begins with `word`. "" if more than a third of
-/// the letters differ.
+/// Returns the known word with the smallest edit distance, or a known word that begins with `word`. Returns "" if more
+/// than a third of the letters differ.
 std::string_view nearest_word(std::string_view word, std::span<const std::string_view> known);
 
-/// `; did you mean "x"?`, `; known <what>: a, b, c` if no word is similar, or "" if there are no known words.
+/// Returns `; did you mean "x"?`, or `; known <what>: a, b, c` if no word is similar, or "" if there are no known
+/// words.
 std::string suggestion(std::string_view word, std::span<const std::string_view> known, std::string_view what);
 
-/// The key of an element of a list: "list[0]".
+/// Returns the key of an element of a list: "list[0]".
 std::string element(std::string_view list, std::size_t index);
 
-/// A text as a TOML basic string.
+/// Returns a text as a TOML basic string.
 std::string toml_string(std::string_view text);
 
-/// A list of numbers or texts in TOML: "[1, 2, 3]".
+/// Returns a list of numbers or texts in TOML: "[1, 2, 3]".
 template <class Container>
 std::string list_text(const Container& values) {
   std::string list;

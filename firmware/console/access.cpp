@@ -23,7 +23,7 @@ bool equal_ignoring_case(std::string_view a, std::string_view b) {
   });
 }
 
-// "name:8642" -> "name"; "[::1]:8642" -> "[::1]".
+// Removes the port: "name:8642" gives "name", "[::1]:8642" gives "[::1]".
 std::string_view without_port(std::string_view host) {
   const std::size_t colon = host.rfind(':');
   const std::size_t bracket = host.rfind(']');
@@ -60,7 +60,7 @@ bool is_origin_permitted(const RequestOrigin& request, bool is_navigation) {
     const std::size_t scheme = request.origin.find("://");
     return scheme != std::string_view::npos && equal_ignoring_case(request.origin.substr(scheme + 3), request.host);
   }
-  // Pictures and links carry no Origin.
+  // Browsers send no Origin for pictures and links.
   return is_navigation || request.fetch_site.empty() || request.fetch_site == "same-origin" ||
          request.fetch_site == "none";
 }
@@ -75,7 +75,7 @@ bool equal_in_constant_time(std::string_view given, std::string_view expected) {
     const char c = i < given.size() ? given[i] : '\0';
     difference |= static_cast<unsigned>(static_cast<unsigned char>(c) ^ static_cast<unsigned char>(expected[i]));
   }
-  // A volatile read keeps the compiler from leaving the loop early.
+  // A volatile read prevents the compiler from leaving the loop early.
   const volatile unsigned result = difference;
   return result == 0;
 }
@@ -111,7 +111,7 @@ Result<std::string> read_token(const std::string& path) {
 }
 
 Result<std::string> make_token(const std::string& path) {
-  std::error_code ignored;  // open() reports what is missing
+  std::error_code ignored;  // open() below reports an error
   std::filesystem::create_directories(std::filesystem::path(path).parent_path(), ignored);
   const int file = ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0600);
   if (file < 0 && errno == EEXIST) return read_token(path);

@@ -10,9 +10,10 @@
 // reach it without permission.
 namespace touchline::console {
 
-/// What a browser says about the origin of a request. A member is empty if the browser does not say it.
+/// Headers by which a browser describes the origin of a request. A member is empty if the browser did not send the
+/// header.
 struct RequestOrigin {
-  std::string_view host;        // header Host: what stands in the browser's address line
+  std::string_view host;        // header Host: the host in the browser's address line
   std::string_view origin;      // header Origin: the site whose page sent the request
   std::string_view fetch_site;  // header Sec-Fetch-Site
   std::string_view cookie;      // header Cookie
@@ -20,37 +21,39 @@ struct RequestOrigin {
 };
 
 struct AccessRules {
-  std::vector<std::string> hosts;      // permitted names beside localhost and addresses in numbers
-  std::string token;                   // token that clients on other computers need; empty: they are refused
+  std::vector<std::string> hosts;      // permitted names in addition to localhost and addresses in numbers
+  std::string token;                   // token that clients on other computers need; empty: such clients are rejected
   std::vector<std::string> origins{};  // origins of other programs' pages that may watch with Foxglove's protocol
 };
 
 inline constexpr std::string_view kTokenCookie = "touchline_token";
 
-/// Whether the address, such as 127.0.0.1 or ::1, belongs to this computer's loopback.
+/// Returns whether the address, such as 127.0.0.1 or ::1, belongs to this computer's loopback.
 bool is_loopback(std::string_view address);
 
 /// Returns whether a browser may have sent this request on behalf of this console's page. A name that is not listed may
-/// belong to a site that made the name point to this computer (DNS rebinding); an address in numbers is safe from this.
+/// belong to a site that made the name point to this computer (DNS rebinding); this is impossible for an address in
+/// numbers.
 bool is_host_permitted(std::string_view host, const std::vector<std::string>& hosts);
-/// Whether the request comes from the console's own page, or from no page at all. `is_navigation`: a request for the
-/// page itself, to which other sites may link.
+/// Returns whether the request comes from the console's own page, or from no page at all. `is_navigation`: a request
+/// for the page itself, to which other sites may link.
 bool is_origin_permitted(const RequestOrigin& request, bool is_navigation);
 /// Returns whether a page of this origin may watch, although it is not the console's page.
 bool is_viewer_permitted(std::string_view origin, const std::vector<std::string>& origins);
 /// Returns whether the two texts are equal. Takes the same time for all texts of the length of `expected`.
 bool equal_in_constant_time(std::string_view given, std::string_view expected);
-/// The token in a Cookie header; "" if there is none.
+/// Returns the token in a Cookie header; "" if there is none.
 std::string_view token_of_cookie(std::string_view cookie);
-/// Whether this is the token.
+/// Returns whether this is the token.
 bool is_token(std::string_view given, const AccessRules& rules);
-/// Whether the client is on this computer or has the token.
+/// Returns whether the client is on this computer or has the token.
 bool has_access(const RequestOrigin& request, const AccessRules& rules);
 
-/// The token in the file, 64 hexadecimal digits. kNotFound, kCorruptFrame.
+/// Reads the token in the file, 64 hexadecimal digits. kNotFound: there is no file; kCorruptFrame: it contains no
+/// token.
 Result<std::string> read_token(const std::string& path);
-/// The token in the file; makes the file, readable by its owner only, if it does not exist. Errors of read_token() and
-/// of writing.
+/// Reads the token in the file; if the file does not exist, makes it, readable only by its owner. Errors of
+/// read_token() and of writing.
 Result<std::string> make_token(const std::string& path);
 
 }  // namespace touchline::console

@@ -11,7 +11,7 @@ void AnswerWorker::start(std::function<MadeAnswer()> make) {
     auto answer = std::make_shared<MadeAnswer>();
     try {
       *answer = make();
-    } catch (const std::exception&) {  // memory is short
+    } catch (const std::exception&) {  // out of memory
       *answer = {};
     }
     return [this, answer] {
@@ -19,7 +19,7 @@ void AnswerWorker::start(std::function<MadeAnswer()> make) {
       is_done_ = true;
     };
   });
-  is_busy_ = true;  // not before run(), which may throw
+  is_busy_ = true;  // set only after run(), which may throw
   is_done_ = false;
 }
 

@@ -7,20 +7,20 @@
 
 namespace touchline::console {
 
-/// The body of an answer, and the name of the file in which a browser stores it (without extension, "": none).
+/// Body of an answer, and the name under which a browser stores it (without extension, "": not stored).
 struct MadeAnswer {
   std::string name, bytes;
 };
 
-/// Makes answers that take long, one at a time, on a thread of the lowest priority. For the console's thread.
+/// Makes slow answers, one at a time, on a thread of the lowest priority. Only the console's thread may use it.
 class AnswerWorker {
  public:
   /// Returns whether an answer is being made or waits for take().
   [[nodiscard]] bool is_busy() const { return is_busy_; }
-  /// Whether take() has an answer.
+  /// Returns whether take() has an answer.
   [[nodiscard]] bool is_done();
-  /// Call it only if it is not busy. `make` owns all that it uses; if it throws, the answer is empty. Throws
-  /// std::system_error if there is no thread.
+  /// Call it only if it is not busy. `make` must own everything that it uses; if it throws, the answer is empty. Throws
+  /// std::system_error if no thread can be started.
   void start(std::function<MadeAnswer()> make);
   /// Returns the answer; call it after is_done().
   MadeAnswer take();

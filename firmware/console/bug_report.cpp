@@ -15,9 +15,9 @@
 namespace touchline::console {
 namespace {
 
-// A light map has at most some 100 KB; this leaves room for any picture with one pixel per cell.
+// A light map has at most some 100 KB; the limit allows for any picture with one pixel per cell.
 constexpr std::size_t kMaxVenuePictureBytes = std::size_t{8} << 20;
-// Buffer for one state; that of 22 robots has 12 KB.
+// Buffer for one state; a state of 22 robots has 12 KB.
 constexpr std::size_t kStateBytes = std::size_t{64} * 1024;
 
 constexpr const char* kReadme =
@@ -36,7 +36,7 @@ constexpr const char* kReadme =
     "To recognize the picture again, in this folder:\n"
     "touchline-replay picture.png --venue files/venue.toml --team files/team.toml --out -\n";
 
-/// Adds files to the archive without the secret.
+/// Adds files to the archive, without the secret.
 class ReportFiles {
  public:
   explicit ReportFiles(const BugReportContent& content)
@@ -104,7 +104,7 @@ void add_results(ReportFiles& files, const BugReportContent& content) {
 void add_events(ReportFiles& files, const BugReportContent& content) {
   std::string text, line;
   for (const Event& event : content.events) {
-    // Escaping makes at most six bytes of one, as in "\u001f".
+    // Escaping replaces a byte by at most six, as in "\u001f".
     line.resize(6 * event.text.size() + 256);
     report::JsonWriter json(line);
     write_event(json, event);
@@ -131,7 +131,7 @@ void add_configuration(ReportFiles& files, const config::Configuration& configur
   for (const std::string& name : {light.map, light.reference}) {
     if (name.empty()) continue;
     const Result<std::string> bytes = hal::read_file((folder / name).string(), kMaxVenuePictureBytes);
-    // A venue may name any file; only pictures leave the board.
+    // A venue may name any file, so check that it is a picture before it leaves the board.
     const bool is_picture = bytes.ok() && bytes.value().starts_with("\x89PNG\r\n\x1a\n");
     if (is_picture) {
       files.add_bytes("files/" + std::filesystem::path(name).filename().string(), bytes.value());

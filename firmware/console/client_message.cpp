@@ -29,10 +29,10 @@ constexpr std::array<MessageWord, 14> kMessageWords{{{"watch", MessageKind::kWat
                                                      {"probe", MessageKind::kProbe},
                                                      {"score", MessageKind::kScore},
                                                      {"move", MessageKind::kMove}}};
-// Of a team in a game.
+// Largest number of goals of a team in a game.
 constexpr std::int64_t kMaxGoals = 999;
 
-// Reads members of an object and keeps the first error. Unknown members are ignored, so that a newer page may send
+// Reads members of an object and keeps the first error. Unknown members are ignored, because a newer page may send
 // more.
 class MemberReader {
  public:
@@ -146,7 +146,8 @@ void read_adaptation(MemberReader& reader, ClientMessage& out) {
 }
 
 void read_start(MemberReader& reader, ClientMessage& out) {
-  if (!reader.has("stop_number")) return;  // the hub answers it: older pages show only answers with their number
+  // Without it, the hub rejects the start; its answer has the request's number, which older pages need to show it.
+  if (!reader.has("stop_number")) return;
   constexpr std::int64_t kLargest = std::numeric_limits<std::uint32_t>::max();
   out.stop_number = static_cast<std::uint32_t>(reader.integer("stop_number", 0, kLargest));
 }

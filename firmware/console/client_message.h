@@ -12,16 +12,16 @@
 
 namespace touchline::console {
 
-// Limits of a message's size. Most messages have at most 200 bytes; only the driver sends longer ones, the parts of a
-// setup that it imports.
+// Limits of a message's size. Most messages have at most 200 bytes; only the driver's are longer, when it imports the
+// parts of a setup.
 inline constexpr std::size_t kMaxClientMessageBytes = 4096, kMaxDriverMessageBytes = 65536;
 // Limit of nesting: a deeper message could exhaust the stack of a recursive reader.
 inline constexpr int kMaxMessageDepth = 32;
 inline constexpr double kMaxStateRateHz = 60.0, kMaxPictureRateHz = 60.0;
-// Limits of a driven robot's speed; larger values are errors. The limits of the drive are applied later.
+// Limits of a driven robot's speed; larger values are rejected as errors. The limits of the drive are applied later.
 inline constexpr double kMaxDriveSpeed_mps = 10.0, kMaxDriveTurn_radps = 100.0;
 
-/// Which parts of PictureFindings a client watches.
+/// Parts of PictureFindings that a client watches.
 struct WatchedFindings {
   bool classes = false, regions = false, light = false;
 
@@ -49,32 +49,32 @@ struct ClientMessage {
   Kind kind = Kind::kPing;
   std::optional<std::int64_t> request;  // number that the answer repeats
 
-  // kWatch. A rate of 0: none.
+  // for kWatch. A rate of 0 requests no messages of this kind.
   bool watches_setup = false;
   double state_hz = 0.0, picture_hz = 0.0;
-  std::uint16_t picture_width_px = 0;  // the widest picture; 0: as wide as the camera's
+  std::uint16_t picture_width_px = 0;  // largest width of the pictures; 0: as wide as the camera's
 
-  WatchedFindings findings;  // beside the picture
+  WatchedFindings findings;  // findings to be sent with the picture
 
-  PixelPoint pixel;            // of kProbe; of kMove: where the object is
-  PixelPoint to;               // of kMove
-  std::optional<Score> score;  // of kScore; nullopt: no longer known
+  PixelPoint pixel;            // for kProbe; for kMove: position of the object
+  PixelPoint to;               // for kMove: new position
+  std::optional<Score> score;  // for kScore; nullopt: no longer known
 
-  std::uint64_t number = 0;  // of kSeen: the picture
+  std::uint64_t number = 0;  // for kSeen: number of the picture
 
-  std::optional<std::uint32_t> stop_number;  // of kStart: the stop that it ends
+  std::optional<std::uint32_t> stop_number;  // for kStart: number of the stop that it ends
 
-  // kDrive
+  // for kDrive
   RobotId id = kUnknownId;
   Twist twist;
-  bool gives_back = false;  // the client drives this robot no longer
+  bool gives_back = false;  // the client no longer drives this robot
 
-  AdaptationMode adaptation = AdaptationMode::kFollow;  // of kAdaptation
+  AdaptationMode adaptation = AdaptationMode::kFollow;  // for kAdaptation
 };
 
-/// kCorruptFrame: not a JSON object; kInconsistent: type or member that is unknown, absent or of another kind;
-/// kOutOfRange: a value, or objects within more than kMaxMessageDepth objects. `text` of any length and content.
-/// Members of kSetup are not checked: they are for the setup program.
+/// kCorruptFrame: the text is not a JSON object; kInconsistent: type or a member is unknown, missing or of the wrong
+/// kind; kOutOfRange: a value is out of range, or objects are nested deeper than kMaxMessageDepth. `text` may have any
+/// length and content. Members of kSetup are not checked, because they are for the setup program.
 Result<ClientMessage> parse_client_message(std::string_view text);
 
 }  // namespace touchline::console

@@ -9,7 +9,7 @@ namespace touchline::console {
 
 namespace {
 
-// Further ports to try, for use beside a service and the programs of other clones.
+// Number of further ports to try, for use beside a service and the programs of other clones.
 constexpr std::uint16_t kFurtherPorts = 9;
 
 Scene scene_of(const Session& session, const std::string& version) {
@@ -71,7 +71,7 @@ void Console::work(const Print& print) {
     try {
       server_->serve();
       run_task();
-    } catch (const std::exception& error) {  // memory is short: the game goes on
+    } catch (const std::exception& error) {  // out of memory: the game goes on without the console
       if (!std::exchange(is_reported, true)) print("console: failed: " + std::string(error.what()));
     }
   }
@@ -94,7 +94,7 @@ void Console::run_task() {
   const std::scoped_lock lock(task_mutex_);
   if (!task_) return;
   const std::function<void()> task = std::exchange(task_, nullptr);
-  task_done_.notify_all();  // whoever waits goes on when the lock is free
+  task_done_.notify_all();  // the waiting thread continues when the lock is free
   task();
 }
 

@@ -16,8 +16,8 @@
 
 namespace touchline::console {
 
-/// The console of one run: what it exchanges with the loop, and its thread. Nothing that goes wrong here reaches the
-/// loop: robots driven from the console stop when the thread ends, because their commands become too old.
+/// The console of one run: its connections to the loop, and its thread. A failure in it does not reach the loop: if the
+/// thread ends, robots driven from the console stop, because their commands become too old.
 class Console {
  public:
   explicit Console(ConsolePlan plan) : plan_(std::move(plan)) {}
@@ -33,19 +33,19 @@ class Console {
   /// Failures are printed. `adaptation` may be null.
   void start(Session& session, AdaptationRequests* adaptation, const std::string& version, const Print& print);
   /// Replaces the session that the console shows; call it after the next one's Session::open() and before its loop
-  /// runs. `error` says why it is not the requested session, or is "".
+  /// runs. `error` says why the next session is not the requested one, or is "".
   void begin_session(const Session& session, const std::string& error);
   /// Call it before start().
   void set_use_files(UseFiles use) { use_files_ = std::move(use); }
   /// Ends the thread.
   void stop();
 
-  /// "console: http://127.0.0.1:8642\n"; "" if the console is not served. If other computers may use it and
+  /// Returns "console: http://127.0.0.1:8642\n"; "" if the console is not served. If other computers may use it and
   /// `is_terminal` is true, the text also contains their login links. The links contain the token, so they are printed
-  /// only to a terminal, which nobody else reads.
+  /// only to a terminal, which only its user reads.
   [[nodiscard]] std::string start_text(bool is_terminal) const;
   [[nodiscard]] SharedReports& reports() { return reports_; }
-  /// 0: it is not served.
+  /// Returns the port; 0 if the console is not served.
   [[nodiscard]] std::uint16_t port() const { return port_; }
 
  private:
@@ -57,7 +57,7 @@ class Console {
   PictureExchange pictures_;
   ConsoleLink loop_;
   SharedReports reports_;
-  // Shared with the session, which may outlive the console.
+  // The session shares this object, because it may outlive the console.
   const std::shared_ptr<ArenaObjects> arena_objects_ = std::make_shared<ArenaObjects>();
   SnapshotRing* snapshots_ = nullptr;
   std::unique_ptr<Hub> hub_;
@@ -66,7 +66,7 @@ class Console {
   std::string version_, token_;
   std::mutex task_mutex_;
   std::condition_variable task_done_;
-  std::function<void()> task_;  // for the console's thread
+  std::function<void()> task_;  // task for the console's thread
   std::uint16_t port_ = 0;
   std::atomic<bool> end_{false};
   std::thread thread_;

@@ -22,8 +22,8 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr int kThumbnailWidth = 320, kQuality = 70;
-// Number of the frame that becomes the small picture. The automatic exposure of a newly opened camera settles within a
-// few frames.
+// Number of the frame that is used for the small picture. The automatic exposure of a newly opened camera settles
+// within a few frames.
 constexpr int kThumbnailFrame = 4;
 constexpr Duration kPatience = 2s;
 

@@ -9,7 +9,7 @@ Result<void> Driving::require_driver(ClientNumber client) const {
   return failure(ErrorCode::kPermission, "this client does not have control: take over first");
 }
 
-// Replaces the commands by zero, because a command from before a stop must not move a robot after the stop.
+// Replaces the commands by zero, because a command given before a stop must not move a robot after it.
 void Driving::let_robots_stand() {
   changed_ = true;
   for (ExternalCommand& command : input_.commands) command.twist = {};

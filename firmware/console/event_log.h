@@ -13,15 +13,16 @@
 
 namespace touchline::console {
 
-/// A line that the terminal shows as well.
+/// A line of the log, which the terminal also shows.
 struct Event {
-  std::uint64_t number = 0;  // 1, 2, ...
+  std::uint64_t number = 0;  // number of the event, counted from 1
   double time_s = 0.0;       // Unix time
-  std::string_view level;    // "info", "warning" or "error"; a literal
+  std::string_view level;    // "info", "warning" or "error"; points to a literal
   std::string text;
 };
 
-/// The last lines of the log, for clients that connect later. For any thread but the loop's, because it locks.
+/// The last lines of the log, for clients that connect later. Any thread except the loop's may use it, because it
+/// locks.
 class EventLog {
  public:
   void add(std::string_view level, std::string text) {
@@ -39,7 +40,7 @@ class EventLog {
     return std::nullopt;
   }
 
-  /// Oldest first.
+  /// Returns all kept events, oldest first.
   [[nodiscard]] std::vector<Event> all() const {
     const std::scoped_lock lock(mutex_);
     return {events_.begin(), events_.end()};

@@ -16,8 +16,8 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr int kLowestNice = 19;
-// Time for jobs at the end of the program. Reading some small files takes milliseconds; a job that takes longer is
-// abandoned.
+// Time to wait for a running job at the end of the program. Reading some small files takes milliseconds; a job that
+// takes longer is abandoned.
 constexpr auto kEndPatience = 200ms;
 
 }  // namespace
@@ -50,8 +50,8 @@ void FileThread::run(Job job) {
 }
 
 void FileThread::work(const std::shared_ptr<Shared>& shared, Priority priority) {
-  // On Linux, this sets the priority of this thread only. If the system refuses it, the job costs other threads some
-  // time.
+  // On Linux, this sets the priority of this thread only. If the system refuses this, the job may slow down other
+  // threads.
   if (priority == Priority::kLowest) static_cast<void>(::setpriority(PRIO_PROCESS, 0, kLowestNice));
   std::unique_lock lock(shared->mutex);
   for (;;) {

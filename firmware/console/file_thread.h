@@ -5,25 +5,25 @@
 
 namespace touchline::console {
 
-/// A thread for everything that may wait for a disk or a device. The console's thread passes on every stop, so it never
-/// waits for them itself.
+/// A thread for all work that may wait for a disk or a device. The console's thread passes on every stop, so it must
+/// never wait for these itself.
 class FileThread {
  public:
-  /// What the console's thread does with the result of a job.
+  /// Uses the result of a job, on the console's thread.
   using Finish = std::function<void()>;
-  /// Called on the file thread, one after the other. A job owns all that it uses: if the disk blocks, it may outlive
-  /// this object. It throws nothing.
+  /// Work that is done on the file thread, one job after the other. A job must own everything that it uses, because it
+  /// may outlive this object if the disk blocks. It must not throw.
   using Job = std::function<Finish()>;
   enum class Priority { kNormal, kLowest };
 
   explicit FileThread(Priority priority = Priority::kNormal);
-  /// Waits a moment for the job that runs; one that is blocked does not hold up the end of the program.
+  /// Waits a moment for the running job; a job that is blocked does not delay the end of the program.
   ~FileThread();
   FileThread(const FileThread&) = delete;
   FileThread& operator=(const FileThread&) = delete;
 
-  /// Queues a job. The caller keeps the number of its jobs small. The thread begins with the first one. Throws
-  /// std::system_error if there is none.
+  /// Queues a job. The caller must keep the number of its jobs small. The first job starts the thread. Throws
+  /// std::system_error if no thread can be started.
   void run(Job job);
   /// Calls the Finish of each job that has ended since the last call. Never waits.
   void finish();

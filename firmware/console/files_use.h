@@ -8,13 +8,14 @@
 
 namespace touchline::console {
 
-/// Says when the files that the setup program has ordered are in use.
+/// When the files that the setup program has ordered are used.
 enum class FilesUse : std::uint8_t {
-  kAtOnce,         // the running session has adopted them
-  kInNextSession,  // another session with them follows this one
+  kAtOnce,         // the running session has adopted the files
+  kInNextSession,  // the next session will use the files
 };
 
-/// Loads these files, or the saved ones if they are empty. Called on a FileThread, whose rules for jobs hold.
+/// Loads these files, or the saved ones if they are empty. It is called on a FileThread, so the rules for its jobs
+/// apply.
 using UseFiles = std::function<Result<FilesUse>(const config::FilePaths& draft)>;
 
 }  // namespace touchline::console

@@ -37,7 +37,8 @@ bool has(const PixelBox& box, std::uint16_t u, std::uint16_t v) {
   return u >= box.left && u <= box.right && v >= box.top && v <= box.bottom;
 }
 
-// The smallest region of the pixel's color in whose box the pixel is: runs are not copied.
+// Writes the smallest region of the pixel's color whose box contains the pixel; the box is used because runs are not
+// copied.
 void write_region_at(JsonWriter& json, const PictureFindings& findings, std::uint16_t u, std::uint16_t v,
                      ColorId color) {
   json.key("region");

@@ -17,7 +17,8 @@ static_assert(kMaxColors < kOutsideClass);
 /// Maximum number of regions in a message. A field with 22 robots has about 130.
 inline constexpr std::size_t kMaxShownRegions = 400;
 
-/// Appends values in raster order, each run of equal ones as its length (u16, little-endian) and the value (u8).
+/// Appends values in raster order; each run of equal values is written as its length (u16, little-endian) and the value
+/// (u8).
 class RunLengthWriter {
  public:
   explicit RunLengthWriter(std::vector<std::byte>& out) : out_(out) {}
@@ -31,13 +32,13 @@ class RunLengthWriter {
   std::uint16_t count_ = 0;
 };
 
-/// Appends the classes of a picture made smaller by `divisor`: of the pixel in the middle of each block. They need
-/// about 2 ms for 640 x 480 pixels.
+/// Appends the classes of a picture reduced by `divisor`: for each block, the class of the pixel in its middle. This
+/// takes about 2 ms for 640 x 480 pixels.
 void append_classes(const Frame& frame, const PixelClassifier& classifier, int divisor, std::vector<std::byte>& out);
-/// Appends the level of each tile of the light map, as mean of its channels; one neutral tile without a light map.
+/// Appends the light level of each tile, averaged over its channels; without a light map, one neutral tile.
 void append_light(const PixelClassifier& classifier, std::vector<std::byte>& out);
 
-/// The regions; if there are too many, those that were examined and the larger ones.
+/// Writes the regions; if there are too many, only those that were examined and the larger ones.
 void write_regions(report::JsonWriter& json, const PictureFindings& findings, std::uint64_t number);
 
 /// Answers request `to` about the pixel, which is in the frame.

@@ -12,7 +12,7 @@
 
 namespace touchline::console {
 
-/// Subprotocols of Foxglove's WebSocket protocol, version 1, under its old and its new name. The parts that this server
+/// Subprotocol of Foxglove's WebSocket protocol, version 1, under its old and its new name. The parts that this server
 /// uses are the same in both.
 inline constexpr std::array kFoxgloveSubprotocols{"foxglove.websocket.v1", "foxglove.sdk.v1"};
 /// Maximum number of errors that wait for a client; further errors are lost.
@@ -26,12 +26,13 @@ constexpr std::size_t index_of(FoxgloveChannel channel) { return static_cast<std
 /// State of a client of Foxglove's protocol: its subscriptions, and the messages that it gets next.
 class FoxgloveClient {
  public:
-  /// Carries out a message: subscribe or unsubscribe. kCorruptFrame: not a JSON object; kInconsistent: a member that is
-  /// absent or of another kind; kNotFound: no such channel; kUnsupported: anything else, because clients may only look.
+  /// Carries out a message: subscribe or unsubscribe. kCorruptFrame: the text is not a JSON object; kInconsistent: a
+  /// member is missing or of the wrong kind; kNotFound: there is no such channel; kUnsupported: any other message,
+  /// because these clients may only watch.
   Result<void> receive(std::string_view text);
 
   [[nodiscard]] bool has(FoxgloveChannel channel) const { return subscriptions_[index_of(channel)].has_value(); }
-  /// The client's number for its subscription, if has().
+  /// Returns the client's number for its subscription; requires has().
   [[nodiscard]] std::uint32_t subscription(FoxgloveChannel channel) const {
     return subscriptions_[index_of(channel)].value_or(0);
   }
@@ -40,10 +41,10 @@ class FoxgloveClient {
   bool wants_field = true;  // lines of the field, which are sent once after each subscription
   std::deque<std::string> errors;
 
-  // Messages that belong to one frame are sent one after the other.
+  // Frame whose messages are being sent, one after the other.
   std::uint64_t frame = 0;
   std::array<bool, kFoxgloveChannels> due{};
-  PictureLevel level;  // of the frame's picture, and with it of the annotations
+  PictureLevel level;  // level of the frame's picture, which also applies to the annotations
 
  private:
   Result<void> subscribe(std::uint32_t id, std::uint32_t channel);

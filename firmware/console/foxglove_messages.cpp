@@ -95,7 +95,7 @@ Rgb color_of_team(const Scene& scene, Team team) {
 void write_ball_circle(JsonWriter& json, const FoxgloveFrame& frame, int divisor) {
   const BallParameters& parameters = frame.scene.configuration->pipeline.marker.ball;
   const BallSighting& ball = frame.snapshot.ball;
-  // As wide as the ball appears where it is.
+  // The circle is as wide as the ball appears at its position.
   const PixelPoint beside =
       frame.scene.model.to_pixel({ball.position.x_m + parameters.radius_m, ball.position.y_m}, parameters.radius_m);
   const PixelPoint center = frame.scene.model.to_pixel(ball.position, parameters.radius_m);
@@ -144,7 +144,7 @@ void begin_entity(JsonWriter& json, std::string_view id, double captured_s) {
   write_time(json, "timestamp", captured_s);
   write_word(json, "frame_id", "field");
   write_word(json, "id", id);
-  write_time(json, "lifetime", 0.0);  // until it is replaced
+  write_time(json, "lifetime", 0.0);  // 0: until it is replaced
   json.key("frame_locked");
   json.boolean(false);
 }

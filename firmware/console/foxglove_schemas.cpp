@@ -20,7 +20,7 @@ std::string object_type(std::string_view title, std::initializer_list<std::pair<
 
 std::string list_type(const std::string& element) { return R"({"type":"array","items":)" + element + "}"; }
 
-// Foxglove knows these two by their titles.
+// Foxglove recognizes times and durations by their titles.
 std::string time_type(std::string_view title = "time") {
   return object_type(title, {{"sec", integer_type}, {"nsec", integer_type}});
 }
@@ -106,7 +106,7 @@ std::string scene_type() {
   return object_type("foxglove.SceneUpdate", {{"deletions", list_type(deletion)}, {"entities", list_type(entity)}});
 }
 
-// Members of the message `state`, as far as panels for plots need them.
+// Returns the schema of those members of the message `state` that panels for plots need.
 std::string state_type() {
   const std::string ball =
       object_type("touchline.BallTrack",

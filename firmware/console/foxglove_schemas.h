@@ -6,7 +6,7 @@
 
 namespace touchline::console {
 
-/// Where a channel is found and what its messages look like.
+/// Name of a channel and schema of its messages.
 struct FoxgloveSchema {
   std::string_view topic, name;
   std::string text;  // JSON schema of the members that are sent

@@ -10,7 +10,7 @@ void FrameFeed::read() {
 }
 
 const Snapshot* FrameFeed::find(std::uint64_t number) const {
-  // The slot of the next snapshot may have been begun.
+  // Skip the slot of the next snapshot, because writing to it may have begun.
   for (std::uint64_t back = 1; back < kKept && back <= count_; ++back) {
     const Snapshot& snapshot = slot(count_ - back);
     if (snapshot.number == number) return &snapshot;
@@ -37,7 +37,7 @@ void FrameFeed::count(const Snapshot& snapshot) {
   if (frame_period_ > Duration::zero() && processing > frame_period_) ++missed_deadlines_;
   const Snapshot* const before = newest();
   if (before == nullptr || snapshot.number != before->number + 1) return;
-  // Signed: a camera that was reopened counts from the beginning.
+  // The type is signed, because a reopened camera counts from the beginning.
   const auto step = static_cast<std::int32_t>(snapshot.frame_sequence - before->frame_sequence);
   if (step > 1) lost_frames_ += static_cast<std::uint64_t>(step - 1);
 }

@@ -55,7 +55,8 @@ void write_camera(JsonWriter& json, const hal::CameraInfo& camera) {
   json.end_object();
 }
 
-/// Pixels of a grid of points on the field at the heights of floor and markers, so that the page needs no camera model.
+/// Writes the pixels of a grid of points on the field at the heights of floor and markers, so that the page needs no
+/// camera model.
 void write_projection(JsonWriter& json, const Scene& scene) {
   const MarkerParameters& marker = scene.configuration->pipeline.marker;
   const FieldParameters& field = marker.field;
@@ -113,7 +114,7 @@ void write_patch(JsonWriter& json, const Scene& scene, const PatchPlace& place, 
   write_rgb(json, rgb_of(scene, color));
   write_number(json, "x_m", place.x_m, kMeterStep);
   write_number(json, "y_m", place.y_m, kMeterStep);
-  // Radius of the circle with the same area.
+  // The radius is that of a circle with the same area.
   write_number(json, "radius_m", std::sqrt(area_m2(place) / 3.14159265f), kMeterStep);
   json.end_object();
 }
@@ -201,7 +202,7 @@ Scene scene_of(std::shared_ptr<const config::Configuration> configuration, const
   scene.configuration = std::move(configuration);
   scene.camera = camera;
   scene.version = std::move(version);
-  // Checked when the files were read.
+  // cannot fail, because the model was checked when the files were read
   static_cast<void>(scene.model.configure(scene.configuration->pipeline.camera));
   const auto path = [](const config::Locations& where) {
     std::error_code unknown;

@@ -158,7 +158,7 @@ bool Hub::receive(Client& client, std::string_view text, Instant arrived, Instan
   if (client.foxglove != nullptr) return receive_foxglove(client, text, now);
   driving_.hear(client.number, arrived);
   const Result<ClientMessage> message = parse_client_message(text);
-  // An error is answered even if the request has no number, because it would otherwise stay unknown.
+  // An error is answered even if the request has no number, because the client would otherwise not learn of it.
   Answer answer;
   bool is_answered = true;
   if (message.ok() && client.is_stop_line && message.value().kind != ClientMessage::Kind::kStop &&
@@ -223,7 +223,7 @@ Result<void> Hub::obey(Client& client, const ClientMessage& message, Instant arr
     case Kind::kDrive:
       if (message.gives_back) return driving_.give_back(client.number, message.id);
       return driving_.drive(client.number, message.id, message.twist, arrived);
-    case Kind::kSetup:  // see pass_to_setup()
+    case Kind::kSetup:  // handled in pass_to_setup()
       return {};
     case Kind::kUseSaved:
       return leave_setup(client, message.request.value_or(0));
@@ -289,7 +289,7 @@ bool Hub::is_picture_due(const Client& client, Instant now) const {
   return client.picture_period > Duration::zero() && now >= client.next_picture && may_send;
 }
 
-// A picture that is older than the last state would make the overlays jump back.
+// A picture older than the last state sent would make the overlays jump back.
 bool Hub::has_fresh_picture(const Client& client) const {
   return pictures_.frame() != nullptr && pictures_.number() >= client.pictures_until &&
          pictures_.number() + 1 >= client.states_until && feed_.find(pictures_.number()) != nullptr;
@@ -415,7 +415,7 @@ BugReportContent Hub::bug_report_content(std::uint64_t from, Instant now) {
   if (!has_picture(from)) return content;
   content.frame = *pictures_.frame();
   const std::size_t bytes = picture_layout(content.frame.format, content.frame.width_px, content.frame.height_px).bytes;
-  // The exchange keeps the planes one after the other without padding.
+  // PictureExchange keeps the planes one after the other without padding.
   content.pixels.assign(content.frame.plane[0], content.frame.plane[0] + bytes);
   return content;
 }

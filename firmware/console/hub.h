@@ -31,8 +31,8 @@
 
 namespace touchline::console {
 
-// Places for a team at the field and some viewers. Each may have a second connection for Stop. Programs on this
-// computer need no token, so some places are kept for clients with the token.
+// Largest number of clients: a team at the field and some viewers. Each may have a second connection, used only for
+// Stop. Programs on this computer need no token, so some places are kept for clients with the token.
 inline constexpr std::size_t kMaxClients = 16, kPlacesForToken = 4;
 
 /// Passes reports from the printer's thread to the console.
@@ -43,14 +43,14 @@ class SharedReports {
     report_ = report;
     ++count_;
   }
-  /// Replaces the reasons to halt, which have changed since the last status.
+  /// Replaces the reasons to halt, if they have changed since the last status.
   void set_halt(const HaltReport& halt) {
     const std::scoped_lock lock(mutex_);
     report_.halt = halt.halt;
     report_.stop_number = halt.stop_number;
     ++count_;
   }
-  /// Number of reports.
+  /// Returns the number of reports.
   [[nodiscard]] std::uint64_t count() const {
     const std::scoped_lock lock(mutex_);
     return count_;
@@ -67,8 +67,8 @@ class SharedReports {
   std::uint64_t count_ = 0;
 };
 
-/// A message for a client. `bytes` has room for kMessagePrefix bytes in front of it and is valid until the next call of
-/// the hub.
+/// A message for a client. `bytes` is preceded by kMessagePrefix free bytes and is valid until the next call of the
+/// hub.
 struct Outgoing {
   std::span<std::byte> bytes;
   bool is_binary = false;
@@ -91,65 +91,65 @@ struct HubLinks {
   PictureExchange& pictures;
   ConsoleLink& loop;
   SharedReports& reports;
-  AdaptationRequests* adaptation;  // null: none
-  Print print;                     // for a line of the log
-  UseFiles use_files{};            // empty: impossible
+  AdaptationRequests* adaptation;  // null: there is no adaptation
+  Print print;                     // prints a line of the log
+  UseFiles use_files{};            // empty: other files cannot be used
   ArenaObjects* arena = nullptr;   // null: the field is real
 };
 
 struct HubSettings {
-  double picture_rate_hz = 15.0;  // the highest
-  std::string setup_socket;       // of the setup program; "": there is none
+  double picture_rate_hz = 15.0;  // highest rate of pictures
+  std::string setup_socket;       // socket of the setup program; "": there is none
 };
 
-/// Ids of the robots of the own team.
+/// Returns the ids of the own team's robots.
 std::vector<RobotId> own_robots(const Scene& scene);
-/// Zero: the rate is zero.
+/// Returns the period; zero if the rate is zero.
 Duration period_of_rate(double rate_hz);
 
-/// The console without its sockets: decides which client gets which message, and passes on what clients want. For one
-/// thread.
+/// The console without its sockets: decides which client gets which message, and carries out the clients' requests.
+/// Only one thread may use it.
 class Hub {
  public:
   Hub(const HubLinks& links, Scene scene, const HubSettings& settings);
 
-  /// Shows another session, which has begun. `error` says why it is not the requested session, or is "".
+  /// Shows another session, which has begun. `error` says why this is not the requested session, or is "".
   void begin_session(Scene scene, const std::string& error);
   /// Call it every few milliseconds while somebody watches, else a few times a second.
   void tick(Instant now);
-  /// Adds a client. Null: there are too many clients.
+  /// Adds a client. Returns null if there are too many clients.
   Client* connect(Instant now, ClientProtocol protocol, bool has_token);
   /// Returns the Stop connection that has been silent for the longest time if there is no room for another one;
   /// otherwise null.
   [[nodiscard]] const Client* surplus_stop_line() const;
   void disconnect(Client& client);
-  /// Handles a message. `arrived` is the time at which it arrived at the socket, where it may have waited. False: the
-  /// client breaks the rules so badly that it has to be disconnected.
+  /// Handles a message of a client. `arrived` is the time at which the message arrived at the socket, where it may have
+  /// waited. Returns false if the client violates the rules so badly that it must be disconnected.
   bool receive(Client& client, std::string_view text, Instant arrived, Instant now);
-  /// Whether there is a message for the client.
+  /// Returns whether there is a message for the client.
   [[nodiscard]] bool has_message(const Client& client, Instant now) const;
-  /// The next message, the most urgent one first. Empty: there is none.
+  /// Returns the next message, the most urgent one first. Empty if there is none.
   Outgoing next_message(Client& client, Instant now);
 
   /// Returns the longest permitted message of the client.
   [[nodiscard]] std::size_t max_message_bytes(const Client& client) const {
     return driving_.driver() == client.number ? kMaxDriverMessageBytes : kMaxClientMessageBytes;
   }
-  /// Whether somebody watches states or pictures, so that tick() has to be called often.
+  /// Returns whether somebody watches states or pictures, so that tick() must be called often.
   [[nodiscard]] bool is_watched() const;
-  /// Asks for a picture, for requests without WebSocket.
+  /// Requests a picture, for HTTP requests without WebSocket.
   void request_picture(Instant now) { pictures_.request(now); }
   /// Returns the lowest number that the next picture can have.
   [[nodiscard]] std::uint64_t next_picture_number() const;
-  /// Whether the current picture's number is at least `from`.
+  /// Returns whether the current picture's number is at least `from`.
   [[nodiscard]] bool has_picture(std::uint64_t from) const {
     return pictures_.frame() != nullptr && pictures_.number() >= from;
   }
-  /// JPEG of the current picture, if has_picture(); else empty. kMessagePrefix + kPictureHeaderBytes in front of it may
-  /// be written to. Valid until the next call.
+  /// Returns the JPEG of the current picture if has_picture(from); else an empty span. The kMessagePrefix +
+  /// kPictureHeaderBytes bytes in front of it may be written. It is valid until the next call.
   std::span<std::byte> current_jpeg(std::uint64_t from);
   [[nodiscard]] std::uint64_t picture_number() const { return pictures_.number(); }
-  /// The file of the loop's camera; "": it has none.
+  /// Returns the device file of the loop's camera; "" if it has none.
   [[nodiscard]] std::string used_camera() const;
   std::string metrics();
   /// Returns the content for a bug report of this moment, with the current picture if has_picture(from). Copies up to 7
@@ -159,7 +159,7 @@ class Hub {
   /// Returns the number of clients, without Stop connections.
   [[nodiscard]] std::size_t clients() const { return count_clients(false); }
   [[nodiscard]] const Driving& driving() const { return driving_; }
-  /// Thread for work that may wait for a disk. The results of its jobs are used in tick().
+  /// Thread for work that may wait for a disk. tick() uses the results of its jobs.
   [[nodiscard]] FileThread& file_thread() { return files_; }
 
  private:
@@ -181,14 +181,14 @@ class Hub {
   Result<void> leave_setup(const Client& client, std::int64_t request);
   void answer(const SetupOrder& order, const std::string& error);
   [[nodiscard]] ConsoleInput input_now() const;
-  /// Whether the setup program will answer; else `answer` has the error.
+  /// Returns whether the setup program will answer; otherwise `answer` has the error.
   bool pass_to_setup(const Client& client, std::string_view text, const ClientMessage& message, Answer& answer);
   Outgoing setup_message(Client& client);
   void announce_driver();
   [[nodiscard]] bool is_picture_due(const Client& client, Instant now) const;
   [[nodiscard]] bool has_fresh_picture(const Client& client) const;
   [[nodiscard]] bool is_state_due(const Client& client, Instant now) const;
-  /// Writes JSON; `header` bytes of the message in front of it are the caller's.
+  /// Writes JSON after `header` bytes, which the caller fills.
   template <class Write>
   Outgoing text_message(const Write& write, std::size_t header = 0) {
     for (;;) {
@@ -204,18 +204,18 @@ class Hub {
   void put_header(std::byte* to, const Frame& frame, std::uint8_t kind, std::uint16_t width, std::uint16_t height,
                   std::uint32_t special) const;
 
-  // hub_findings.cpp
+  // Functions in hub_findings.cpp.
   Result<void> accept_probe(Client& client, const ClientMessage& message, Instant now);
   /// Answers questions about pixels with an error if no picture has answered them in time.
   void expire_probes(Instant now);
   [[nodiscard]] bool has_probe_answer(const Client& client) const;
   Outgoing probe_message(Client& client);
-  /// Returns the next message with findings of the current picture. Empty: all were sent.
+  /// Returns the next message with findings of the current picture. Empty if all were sent.
   Outgoing findings_message(Client& client);
   Outgoing classes_message(const Frame& frame, const PixelClassifier& classifier, int divisor);
   Outgoing light_message(const Frame& frame, const PixelClassifier& classifier);
 
-  // hub_foxglove.cpp
+  // Functions in hub_foxglove.cpp.
   bool receive_foxglove(Client& client, std::string_view text, Instant now);
   [[nodiscard]] bool has_foxglove_picture(const Client& client, Instant now) const;
   [[nodiscard]] bool has_foxglove_message(const Client& client, Instant now) const;
@@ -236,20 +236,20 @@ class Hub {
   FileThread files_;
   MachineMonitor monitor_{files_};
   hal::UnixTimeOffset unix_time_ = hal::measure_unix_time_offset();
-  const std::string session_name_;  // for Foxglove: another one after a restart
+  const std::string session_name_;  // name for Foxglove, which differs after a restart
   Instant next_second_{};
   std::list<Client> clients_;
   SetupRelay setup_;
-  std::optional<SetupOrder> order_;  // in progress: its files are being loaded, or its session is about to begin
-  bool is_held_ = false;             // a draft is or was in use, and the saved files are not in use again
+  std::optional<SetupOrder> order_;  // order in progress: its files are being loaded, or its session is about to begin
+  bool is_held_ = false;             // a draft is or was in use, and the saved files are not yet in use again
   bool is_trying_ = false;           // robots play with the draft
   SetupWish wish_ = SetupWish::kNone;
   ClientNumber last_number_ = 0, last_stop_line_ = ClientNumber{1} << 31;
-  StatusReport report_;  // the newest
+  StatusReport report_;  // newest report
   std::uint64_t reports_read_ = 0;
-  Instant heard_from_loop_{};  // when it came
+  Instant heard_from_loop_{};  // arrival time of the newest report
   bool is_picture_failure_reported_ = false;
-  std::optional<Score> told_score_;  // by a client, if no referee tells it
+  std::optional<Score> told_score_;  // score told by a client, used if no referee tells it
   std::vector<std::byte> text_, binary_;
   std::shared_ptr<Parcel> parcel_;  // message of the setup program that is being sent
 };

@@ -3,13 +3,13 @@
 #include "firmware/console/hub.h"
 #include "firmware/console/picture_scaler.h"
 
-// What the hub says about single pictures beside their JPEG: how they were understood.
+// Messages of the hub about single pictures, in addition to their JPEG: how they were understood.
 namespace touchline::console {
 namespace {
 
 using namespace std::chrono_literals;
 
-// A camera that delivers 5 pictures a second answers in half of that.
+// Limit for an answer; a camera with 5 pictures a second needs less than half of it.
 constexpr Duration kProbeTime = 2s;
 
 }  // namespace
@@ -17,7 +17,7 @@ constexpr Duration kProbeTime = 2s;
 Result<void> Hub::accept_probe(Client& client, const ClientMessage& message, Instant now) {
   if (client.probes.size() >= kMaxWaitingProbes)
     return failure(ErrorCode::kBusy, "too many pixels are asked for at a time; wait for the answers");
-  // Rounds to a pixel, as write_probe() does.
+  // Round to a pixel in the same way as write_probe().
   if (message.pixel.u_px >= static_cast<float>(scene_.camera.width_px) - 0.5f ||
       message.pixel.v_px >= static_cast<float>(scene_.camera.height_px) - 0.5f) {
     return failure(ErrorCode::kOutOfRange, "the pixel is outside the camera's picture");
@@ -46,7 +46,7 @@ Outgoing Hub::probe_message(Client& client) {
   const PictureFindings* const findings = pictures_.findings();
   if (picture == nullptr || findings == nullptr) return {};
   const Frame& frame = *picture;
-  PixelPoint pixel = probe.pixel;  // another session's camera may be smaller
+  PixelPoint pixel = probe.pixel;  // limited, because another session's camera may be smaller
   pixel.u_px = std::min(pixel.u_px, static_cast<float>(frame.width_px - 1));
   pixel.v_px = std::min(pixel.v_px, static_cast<float>(frame.height_px - 1));
   return text_message(

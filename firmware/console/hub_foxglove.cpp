@@ -3,11 +3,11 @@
 #include "firmware/console/foxglove_messages.h"
 #include "firmware/console/hub.h"
 
-// The hub's side of Foxglove's protocol. The same frames, pictures and limits as for the page.
+// Functions of the hub for Foxglove's protocol. Frames, pictures and limits are the same as for the page.
 namespace touchline::console {
 namespace {
 
-// Opcode, number of the subscription and time in nanoseconds, little-endian.
+// Header of a message: opcode, number of the subscription, and time in nanoseconds, little-endian.
 constexpr std::size_t kDataHeaderBytes = 13;
 constexpr std::uint8_t kDataOpcode = 1;
 constexpr double kFoxgloveStateHz = 15.0;
@@ -53,7 +53,7 @@ void Hub::begin_foxglove_frame(Client& client, Instant now) {
   foxglove.level = client.link.level();
   if (is_picture) {
     add(FoxgloveChannel::kPicture);
-    // They belong to the picture, so that they come with it.
+    // Annotations belong to the picture, so they are sent with it.
     add(FoxgloveChannel::kAnnotations);
     advance(client.next_picture, client.picture_period, now);
     client.pictures_until = foxglove.frame + 1;
@@ -86,7 +86,7 @@ Outgoing Hub::next_foxglove_message(Client& client, Instant now) {
   if (due == foxglove.due.end()) return {};
   *due = false;
   const Snapshot* const snapshot = feed_.find(foxglove.frame);
-  if (snapshot == nullptr) {  // the client is slower than the frames that are kept
+  if (snapshot == nullptr) {  // the client is so slow that its frame is no longer kept
     foxglove.due = {};
     return {};
   }
@@ -118,7 +118,8 @@ Outgoing Hub::foxglove_data(Client& client, FoxgloveChannel channel, const Snaps
   const Outgoing message =
       data_message(client, channel, frame, [&](auto& json) { write_foxglove_picture(json, jpeg, frame.captured_s); });
   client.link.sent(foxglove.frame, message.bytes.size(), client.written + message.bytes.size(), now);
-  // These clients never say that they have a picture; is_picture_due() goes by what the kernel says.
+  // These clients never acknowledge a picture, so count it as seen; is_picture_due() uses what the kernel knows about
+  // the connection.
   client.link.seen(foxglove.frame);
   return message;
 }

@@ -5,7 +5,7 @@
 
 #include "firmware/console/hub.h"
 
-// The hub's part of the setup.
+// Functions of the hub for the guided setup.
 namespace touchline::console {
 namespace {
 
@@ -55,7 +55,7 @@ void Hub::begin_session(Scene scene, const std::string& error) {
   driving_.set_robots(own_robots(scene_));
   end_try("the loop has started anew");
   const bool is_saved = !scene_.is_draft && scene_.is_calibrated && error.empty();
-  // Robots that stood because of a draft start when a person says so.
+  // Robots that stood because of a draft start only when a person says so.
   if (is_saved && std::exchange(is_held_, false)) driving_.stop_after_setup();
   is_held_ = is_held_ || scene_.is_draft || !scene_.is_calibrated;
   for (Client& client : clients_) client.wants_hello = true;
@@ -71,7 +71,7 @@ void Hub::obey(const SetupOrder& order) {
   using Kind = SetupOrder::Kind;
   if (order.kind == Kind::kUseDraft || order.kind == Kind::kUseSaved) {
     const Result<void> used = use(order);
-    if (used.ok()) return;  // answered, or begin_session() will
+    if (used.ok()) return;  // the order is answered, or begin_session() will answer it
     setup_.answer(order, used.text(), scene_.is_calibrated);
     links_.print("console: setup: " + used.text());
     return;
@@ -94,7 +94,7 @@ void Hub::obey(const SetupOrder& order) {
 
 void Hub::end_try(const char* reason) {
   if (!std::exchange(is_trying_, false)) return;
-  // This answer belongs to no request: it tells the page that robots no longer play.
+  // This answer belongs to no request; it tells the page that robots no longer play with the draft.
   if (setup_.is_running()) setup_.answer({SetupOrder::Kind::kTry, 0, {}}, reason, scene_.is_calibrated);
 }
 
@@ -103,7 +103,7 @@ Result<void> Hub::use(const SetupOrder& order) {
   if (order_) return failure(ErrorCode::kBusy, "%s", kLoadingFiles);
   if (order.kind == SetupOrder::Kind::kUseDraft) is_held_ = true;
   end_try("the files have changed");
-  // Robots stand already while the files are being read.
+  // From here on robots stand, even while the files are being read.
   order_ = order;
   update_setup_wish(hal::MonotonicClock::read());
   pass_on();
@@ -119,7 +119,7 @@ Result<void> Hub::use(const SetupOrder& order) {
 }
 
 void Hub::end_use(const Result<FilesUse>& used) {
-  // In this case begin_session() answers, or has answered already.
+  // In the latter case begin_session() answers, or has answered already.
   if (!order_ || (used.ok() && used.value() == FilesUse::kInNextSession)) return;
   answer(*std::exchange(order_, std::nullopt), used.text());
   if (!used.ok()) links_.print("console: setup: " + used.text());
@@ -153,7 +153,7 @@ ConsoleInput Hub::input_now() const {
   ConsoleInput input = driving_.input();
   input.setup = wish_;
   if (wish_ != SetupWish::kPermit || is_trying_) return input;
-  // One robot is driven with a draft: the others stand.
+  // With a draft only one robot is driven; the others stand.
   const Instant now = hal::MonotonicClock::read();
   for (const RobotId id : driving_.robots()) {
     const bool is_driven = std::any_of(input.commands.begin(), input.commands.end(),
@@ -161,7 +161,7 @@ ConsoleInput Hub::input_now() const {
     ExternalCommand stand;
     stand.id = id;
     stand.received = now;
-    // There are no more robots than commands.
+    // cannot be full, because there are no more robots than commands
     if (!is_driven) static_cast<void>(input.commands.push_back(stand));
   }
   return input;

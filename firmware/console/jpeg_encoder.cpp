@@ -15,7 +15,7 @@
 namespace touchline::console {
 namespace {
 
-// Rows and columns of a block of samples with 2 x 2 pixels of chroma.
+// Rows and columns of pixels in a block of chroma samples, each of which covers 2 x 2 pixels.
 constexpr std::size_t kBlockRows = std::size_t{2} * DCTSIZE;
 
 constexpr std::size_t padded(std::size_t samples, std::size_t multiple) {
@@ -73,7 +73,8 @@ JpegEncoder::Library::Library() {
   jpeg.dest = &destination;
 }
 
-// Planes with all values, whose rows consist of whole blocks.
+// Returns whether the planes use all values and their rows consist of whole blocks, so that the library can read them
+// directly.
 bool JpegEncoder::Library::fits_directly(const Frame& frame, int divisor) {
   const PixelFormatInfo& info = info_of(frame.format);
   return divisor == 1 && info.packing == Packing::kPlanar && info.space == ColorSpace::kYuvFullRange &&

@@ -10,7 +10,7 @@
 namespace touchline::console {
 
 /// Compresses pictures of any PixelFormat to JPEG. Planar YUV and RGB of full size go to the library without a copy of
-/// the picture. Needs memory for some rows and for the library; the amount does not depend on the content.
+/// the picture. It needs memory for some rows and for the library, independent of the picture's content.
 class JpegEncoder {
  public:
   JpegEncoder();
@@ -18,8 +18,9 @@ class JpegEncoder {
   JpegEncoder(const JpegEncoder&) = delete;
   JpegEncoder& operator=(const JpegEncoder&) = delete;
 
-  /// Writes a JPEG of the frame, made smaller by `divisor` (1 to 8), into `out` and returns its size in bytes.
-  /// `quality`: 1 to 100. kFull: it does not fit; kOutOfRange: nothing is left of the picture; kIo: the library's text.
+  /// Writes a JPEG of the frame, reduced by `divisor` (1 to 8), into `out` and returns its size in bytes. `quality`: 1
+  /// to 100. kFull: `out` is too small; kOutOfRange: the reduced picture has no pixels; kIo: the library failed, with
+  /// its text.
   Result<std::size_t> encode(const Frame& frame, int divisor, int quality, std::span<std::byte> out);
 
  private:

@@ -8,7 +8,8 @@
 
 namespace touchline::console {
 
-/// Counts of latencies in bins of 1/16 octave from 1/16 ms to 4 s, coarse enough to be sent every second.
+/// Counts of latencies in bins of 1/16 octave from 1/16 ms to 4 s. Bins are coarse, because the counts are sent every
+/// second.
 class LatencyBins {
  public:
   static constexpr std::size_t kBinsOfOctave = 16, kBins = 16 * kBinsOfOctave;
@@ -29,7 +30,7 @@ class LatencyBins {
   Duration max_{};
 };
 
-/// Counts latencies since the start, and those of the last minute in steps of a second.
+/// Counts latencies since the start, and the latencies of the last minute in steps of a second.
 class LatencyWindow {
  public:
   static constexpr std::size_t kSeconds = 60;

@@ -5,13 +5,13 @@
 namespace touchline::console {
 namespace {
 
-// Each step has about 0.6 times the bytes of the one before.
+// A combination of size and quality; each has about 0.6 times the bytes of the previous one.
 struct LadderStep {
   int factor, quality;
 };
 constexpr std::array<LadderStep, 7> kLadder{{{1, 80}, {1, 60}, {1, 40}, {2, 60}, {2, 40}, {4, 50}, {4, 30}}};
 constexpr int kMaxDivisor = 8;
-// A larger picture is tried after half a second without delay.
+// Number of fast deliveries after which a larger picture is tried: half a second without delay.
 constexpr int kGoodBeforeLarger = 8;
 
 }  // namespace
@@ -41,7 +41,7 @@ void LinkControl::delivered(std::uint64_t position, Instant now, Duration round_
   std::size_t done = 0;
   for (; done < measured_ && on_the_way_[done].end <= position; ++done) {
     const OnTheWay& picture = on_the_way_[done];
-    // A picture that waited for the one before it took the link only afterwards.
+    // If a picture waited for the previous one, its transfer began only when that one had arrived.
     const bool has_waited = picture.sent + round_trip < last_delivered_;
     judge(has_waited ? now - last_delivered_ : now - picture.sent - round_trip, picture.bytes);
     last_delivered_ = now;

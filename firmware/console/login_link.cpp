@@ -10,7 +10,7 @@
 namespace touchline::console {
 namespace {
 
-// Width of the quiet zone in modules. The standard asks for four, but readers manage with two.
+// Width of the empty border around the code in modules. The standard asks for four, but readers manage with two.
 constexpr int kQuietZone = 2;
 
 }  // namespace

@@ -22,7 +22,7 @@ double processor_time_s() {
 }
 
 std::optional<double> temperature_c() {
-  // Temperature in thousandths of a degree; on single-board computers it is that of the processor.
+  // Temperature in thousandths of a degree; on single-board computers this zone is the processor's.
   const std::unique_ptr<std::FILE, FileCloser> file(std::fopen("/sys/class/thermal/thermal_zone0/temp", "re"));
   long value = 0;
   if (file == nullptr || std::fscanf(file.get(), "%ld", &value) != 1) return std::nullopt;
@@ -44,7 +44,7 @@ void MachineMonitor::measure(Instant now) {
   if (has_before && passed_s > 0.0) status_.cpu_percent = 100.0 * (cpu_s - cpu_s_) / passed_s;
   cpu_s_ = cpu_s;
   measured_ = now;
-  if (is_reading_) {  // a second was not enough
+  if (is_reading_) {  // the last reading has not ended within a second
     status_.temperature_c.reset();
     return;
   }

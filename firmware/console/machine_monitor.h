@@ -6,11 +6,11 @@
 
 namespace touchline::console {
 
-/// Measures processor time, memory and temperature of this program's computer. For the console's thread.
+/// Measures processor time, memory and temperature of the computer on which this program runs. Only the console's
+/// thread may use it.
 class MachineMonitor {
  public:
-  /// `files` reads the kernel's files, because a sensor may be slow. Its jobs call nothing of this object after the end
-  /// of the object.
+  /// `files` reads the kernel's files, because a sensor may be slow. Its jobs do not use this object after its end.
   explicit MachineMonitor(FileThread& files) : files_(files) {}
   ~MachineMonitor() = default;
   MachineMonitor(const MachineMonitor&) = delete;

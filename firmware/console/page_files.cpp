@@ -13,7 +13,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The built page has some 10 files and half a megabyte. Assets of earlier builds stay until this is full.
+// Limits for the files that are kept; a built page has about 10 files and half a megabyte. Assets of earlier builds are
+// kept until a limit is reached.
 constexpr std::size_t kMaxPageFiles = 500, kMaxPageBytes = std::size_t{16} << 20;
 // Number of parent folders to search, enough to reach the sources from build/PRESET/firmware.
 constexpr int kFoldersAbove = 5;
@@ -57,7 +58,7 @@ PageFiles::PageFiles(const std::string& folder, const PageFiles* former) {
   };
   if (former != nullptr) std::for_each(former->files_.begin(), former->files_.end(), add_asset);
   if (const PageFile* const index = find("/index.html")) add("/", *index);
-  // Browsers ask for this name where no page names an icon, such as for a picture alone.
+  // Browsers request this name if no page names an icon, for example for a picture on its own.
   if (const PageFile* const icon = find("/favicon.svg")) add("/favicon.ico", *icon);
 }
 
@@ -80,7 +81,7 @@ std::string find_page_folder() {
   const fs::path installed = folder.parent_path() / "share/touchline/console";
   if (has_page(installed)) return installed.string();
   for (int i = 0; i < kFoldersAbove && folder.has_relative_path(); ++i, folder = folder.parent_path()) {
-    // The folder counts even if the page is not built yet, because it may be built while the program runs.
+    // The folder is used even if the page is not built yet, because it may be built while the program runs.
     const fs::path sources = folder / "tools/console";
     if (fs::is_directory(sources, error)) return (sources / "dist").string();
   }

@@ -6,7 +6,7 @@
 namespace touchline::console {
 namespace {
 
-// JPEG uses the full range (JFIF 1.02).
+// Maps limited range to full range, which JPEG uses (JFIF 1.02).
 std::array<std::uint8_t, 256> to_full_range(std::size_t channel) {
   std::array<std::uint8_t, 256> table{};
   for (std::size_t i = 0; i < table.size(); ++i) {
@@ -30,7 +30,7 @@ void repeat_last(std::span<std::uint8_t> row, std::size_t used) {
 
 }  // namespace
 
-// Means of side x side pixels; each sample is read once, also if several pixels share it.
+// Computes means of side x side pixels; each sample is read once, even if several pixels share it.
 void PictureScaler::mean_row(std::size_t channel, std::size_t v, std::size_t side, std::size_t count, std::uint8_t* out,
                              std::size_t step) const {
   const ChannelLayout& layout = info_of(frame_.format).channel[channel];

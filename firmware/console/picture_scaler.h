@@ -9,13 +9,13 @@
 
 namespace touchline::console {
 
-/// Size of a picture whose pixels are means of divisor x divisor pixels of the camera; remaining pixels at the right
-/// and lower border are left out.
+/// Returns the size of a picture whose pixels are means of divisor x divisor pixels of the camera; surplus pixels at
+/// the right and lower edge are dropped.
 constexpr std::uint16_t scaled(std::uint16_t size_px, int divisor) {
   return static_cast<std::uint16_t>(size_px / divisor);
 }
 
-/// Computes rows of a smaller picture with all values from 0 to 255 (as in JPEG).
+/// Computes rows of a reduced picture, with the full range of values from 0 to 255 (as in JPEG).
 ///
 /// R, G, B: packed. YUV: a row of luma, or of chroma, which always has half the width and half the height.
 class PictureScaler {
@@ -26,11 +26,11 @@ class PictureScaler {
   [[nodiscard]] std::uint16_t width_px() const { return scaled(frame_.width_px, divisor_); }
   [[nodiscard]] std::uint16_t height_px() const { return scaled(frame_.height_px, divisor_); }
 
-  /// Row v of the smaller picture as R, G, B. `out`: 3 * width_px() bytes.
+  /// Writes row v of the reduced picture as R, G, B. `out`: 3 * width_px() bytes.
   void rgb_row(std::size_t v, std::span<std::uint8_t> out) const;
-  /// Row of luma. `out`: at least width_px() bytes; the rest repeats the last one.
+  /// Writes a row of luma. `out`: at least width_px() bytes; the rest repeats the last one.
   void luma_row(std::size_t v, std::span<std::uint8_t> out) const;
-  /// Row of U (channel 1) or V (channel 2). `out` as for luma, with half the width rounded up.
+  /// Writes a row of U (channel 1) or V (channel 2). `out` is as for luma, with half the width rounded up.
   void chroma_row(std::size_t v, std::size_t channel, std::span<std::uint8_t> out) const;
 
  private:

@@ -5,13 +5,13 @@
 namespace touchline::console {
 namespace {
 
-// Room for a JPEG in addition to a byte per pixel. At a quality of 80, noise needs about 0.6 bytes a pixel.
+// Size of a JPEG's buffer beyond a byte per pixel. At a quality of 80, noise needs about 0.6 bytes a pixel.
 constexpr std::size_t kExtraBytes = std::size_t{64} * 1024;
 
 }  // namespace
 
 void PictureSource::request(Instant now, bool with_findings) {
-  // Frames do not come exactly on time.
+  // Allow for a tolerance, because frames do not arrive exactly on time.
   if (is_outstanding_ || now - requested_ < shortest_period_ - shortest_period_ / 8) return;
   requested_ = now;
   is_outstanding_ = true;

@@ -11,7 +11,7 @@ namespace touchline::console {
 inline constexpr int kProtocol = 1;
 /// The WebSocket subprotocol.
 inline constexpr const char* kSubprotocol = "touchline.1";
-// Of a page's second connection, which carries nothing but Stop.
+// Subprotocol of a page's second connection, which carries only Stop.
 inline constexpr const char* kStopSubprotocol = "touchline.stop.1";
 
 constexpr std::string_view word_of(Team team) { return team == Team::kOwn ? "own" : "opponent"; }

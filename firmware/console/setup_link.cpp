@@ -14,15 +14,16 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr Duration kConnectPause = 1s;
-// Time after which a program that neither reads nor answers is given up. Even a busy program reads its socket.
+// If the setup program neither reads nor answers for this time, the connection is closed. Even a busy program reads its
+// socket.
 constexpr Duration kSilenceLimit = 5s;
 constexpr std::size_t kFrameHeaderBytes = 8;
-// Enough for several pages on which persons drag corners.
+// Enough for several pages on which people drag corners.
 constexpr std::size_t kMaxWaitingMessages = 256;
 // Limits of one call, so that the console's other clients do not wait. With a call every 8 ms, this still allows more
 // than 100 MB/s.
 constexpr std::size_t kReadBytes = std::size_t{64} * 1024, kMaxReads = 16;
-// The kernel's usual 200 KiB are a third of a small picture.
+// The kernel's default of 200 KiB is only a third of a small picture.
 constexpr int kSendBufferBytes = 1024 * 1024;
 
 std::uint32_t length_at(std::span<const std::byte> bytes, std::size_t offset) {
@@ -37,7 +38,7 @@ void append_length(std::vector<std::byte>& to, std::size_t length) {
   for (std::size_t i = 0; i < sizeof(std::uint32_t); ++i) to.push_back(static_cast<std::byte>(length >> (8 * i)));
 }
 
-// Returns the connected socket; it is not open if the program is not there.
+// Returns the connected socket; it is not open if the program is not running.
 hal::Descriptor connected_to(const std::string& path) {
   sockaddr_un address{};
   address.sun_family = AF_UNIX;
@@ -73,7 +74,7 @@ void SetupLink::connect(Instant now) {
   next_attempt_ = now + kConnectPause;
   if (path_.empty() || std::exchange(is_connecting_, true)) return;
   files_.run([this, path = path_]() -> FileThread::Finish {
-    // A function object must be copyable.
+    // The socket is in a shared pointer, because a function object must be copyable.
     const auto socket = std::make_shared<hal::Descriptor>(connected_to(path));
     return [this, socket] { begin(std::move(*socket)); };
   });

@@ -12,8 +12,8 @@ namespace {
 using Json = nlohmann::json;
 using namespace std::chrono_literals;
 
-// Shortest period between two pictures for the setup program. Each copy takes memory and time of the console's thread,
-// not of the loop, and a person needs no more pictures.
+// Shortest period between two pictures for the setup program. A copy takes memory and time of the console's thread,
+// though not of the loop, and a person needs no more pictures.
 constexpr Duration kFramePeriod = 200ms;
 constexpr int kMaxFrames = 100;
 // Maximum number of commands without an answer. A page sends a command only after the answer to the previous one.
@@ -42,7 +42,7 @@ void put(Client& client, const std::shared_ptr<Parcel>& parcel) {
   if (oldest != client.parcels.end()) client.parcels.erase(oldest);
 }
 
-// 0: there is no such member, or it is no number that fits.
+// Returns 0 if there is no such member, or it is no number in range.
 std::int64_t integer_of(const Json& object, const char* name) {
   const auto found = object.find(name);
   if (found == object.end() || !found->is_number_unsigned()) return 0;
@@ -110,7 +110,7 @@ Result<void> SetupRelay::pass_command(const Client& client, std::string_view tex
   if (requests_.size() >= kMaxRequests) return failure(ErrorCode::kBusy, "the setup program has not answered yet");
   Json message = Json::parse(text, nullptr, false);
   if (!message.is_object()) return failure(ErrorCode::kCorruptFrame, "the message is not a JSON object");
-  // Replaces what a page may have written there: only the server knows who speaks.
+  // Overwrite a number that a page may have sent, because only the server knows which client it is.
   message["client"] = client.number;
   if (!link_.send(text_of(message))) return failure(ErrorCode::kBusy, "the setup program does not read its messages");
   if (request != 0) requests_.push_back({client.number, request});
@@ -245,7 +245,7 @@ void SetupRelay::pass_answer(SetupMessage&& message, ClientNumber to, std::int64
   Client* const client = find(to);
   if (client == nullptr) return;
   const auto parcel = parcel_of(message.text);
-  parcel->is_answer = answered > 0;  // so that no more than kMaxRequests of them wait
+  parcel->is_answer = answered > 0;  // an answer must not be dropped; at most kMaxRequests of them wait
   put(*client, parcel);
 }
 

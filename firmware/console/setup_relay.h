@@ -23,44 +23,44 @@ namespace touchline::console {
 struct SetupOrder {
   enum class Kind : std::uint8_t { kUseSaved, kUseDraft, kTry, kEndTry } kind = Kind::kUseSaved;
   std::int64_t request = 0;
-  config::FilePaths files;     // of kUseDraft
-  ClientNumber client = 0;     // client that gave the order; 0: the setup program gave it
-  std::int64_t to_client = 0;  // number of its request; 0: it is told errors only
+  config::FilePaths files;     // files, for kUseDraft
+  ClientNumber client = 0;     // client that gave the order; 0: the setup program itself
+  std::int64_t to_client = 0;  // number of the client's request; 0: the client is told only errors
 };
 
 /// Passes messages between the clients of the console and the setup program (docs/console-protocol.md). Requests of the
 /// setup program to the firmware itself are not passed on: the relay keeps them, for example as orders (next_order(),
-/// answer()). For the console's thread.
+/// answer()). Only the console's thread may use it.
 class SetupRelay {
  public:
-  /// `socket`: of the setup program; "": there is none. `clients` outlives the relay.
+  /// `socket`: socket of the setup program; "": there is none. `clients` must outlive the relay.
   SetupRelay(std::string socket, std::list<Client>& clients, network::Print print, FileThread& files);
 
   /// Sets the first message to the program; "{}" until it is set.
   void set_hello(std::string text);
-  /// Exchanges what can be exchanged at the moment.
+  /// Reads and writes as much as is possible without waiting.
   void serve(Instant now);
-  /// Passes a command of a client on with the client's number. `request`: 0 if it wants no answer. kDisconnected: the
-  /// program is not there; kBusy: it does not read; kCorruptFrame: `text` is not a JSON object.
+  /// Passes on a command of a client, with the client's number. `request` is 0 if the client wants no answer.
+  /// kDisconnected: the program does not run; kBusy: it does not read; kCorruptFrame: `text` is not a JSON object.
   Result<void> pass_command(const Client& client, std::string_view text, std::int64_t request);
-  /// The client begins or ends to watch.
+  /// Records that the client begins or ends to watch.
   void watch(Client& client, bool watches);
   /// Returns the next order of the program; empty if there is none.
   std::optional<SetupOrder> next_order();
-  /// The answer to an order. `error`: "" if it was obeyed.
+  /// Answers an order. `error` is "" if the order was carried out.
   void answer(const SetupOrder& order, const std::string& error, bool is_calibrated);
   void tell_driver(std::optional<ClientNumber> driver);
   void forget(ClientNumber client);
 
-  /// Whether the program has said something since it was connected.
+  /// Returns whether the program has sent a message since it was connected.
   [[nodiscard]] bool is_running() const { return link_.is_running(); }
-  /// Whether serve() has to be called often.
+  /// Returns whether serve() must be called often.
   [[nodiscard]] bool is_busy() const;
-  /// Whether the program waits for a picture, which may be sent now.
+  /// Returns whether the program waits for a picture that may be sent now.
   [[nodiscard]] bool wants_frame(Instant now) const;
-  /// The number that the next picture has at least.
+  /// Returns the lowest number that the next picture can have.
   [[nodiscard]] std::uint64_t next_frame() const { return next_frame_; }
-  /// Sends a picture without padding, as PictureExchange has it.
+  /// Sends a picture without padding, in the form of PictureExchange.
   void send_frame(const Frame& frame, std::uint64_t number, double captured_unix_s, Instant now);
 
  private:
@@ -83,12 +83,12 @@ class SetupRelay {
   const network::Print print_;
   std::string hello_ = "{}";
   std::optional<ClientNumber> driver_;
-  std::uint64_t begun_ = 0;  // SetupLink::connections() for which begin() was called
+  std::uint64_t begun_ = 0;  // value of SetupLink::connections() for which begin() was called
   bool was_running_ = false;
-  std::string reported_;  // the last error in the log
+  std::string reported_;  // last error that was logged
   std::shared_ptr<Parcel> state_;
   std::deque<SetupOrder> orders_;
-  std::vector<Request> requests_;  // that the program has not answered
+  std::vector<Request> requests_;  // requests that the program has not answered
   int frames_wanted_ = 0;
   Instant next_frame_time_{};
   std::uint64_t next_frame_ = 0;

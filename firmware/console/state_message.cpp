@@ -270,8 +270,8 @@ std::array<PixelPoint, 4> outline_px(const Scene& scene, const RobotSighting& ro
 }
 
 double captured_unix_s(const Snapshot& snapshot, const hal::UnixTimeOffset& unix_time) {
-  // Converts the capture to the machine's clock, for simulated time: the capture is as long before the packet on both
-  // clocks.
+  // For simulated time, convert the capture to the machine's clock: on both clocks, the capture is equally long before
+  // the packet.
   return seconds(unix_time.to_unix(snapshot.machine_sent - (snapshot.sent - snapshot.captured)));
 }
 

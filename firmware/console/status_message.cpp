@@ -85,7 +85,7 @@ std::string_view word_of_mode(AdaptationMode mode) {
   return mode == AdaptationMode::kOff ? "off" : "follow";
 }
 
-// A metric with its type, which Prometheus wants before the value.
+// Adds a metric with its type, which Prometheus expects before the value.
 void add_metric(std::string& text, const char* name, const char* type, double value) {
   std::array<char, 256> line{};
   std::snprintf(line.data(), line.size(), "# TYPE touchline_%s %s\ntouchline_%s %.10g\n", name, type, name, value);
@@ -100,7 +100,7 @@ void add_histogram(std::string& text, const LatencyBins& latency) {
   for (std::size_t bin = 0; bin < LatencyBins::kBins; ++bin) {
     count += latency.of(bin);
     sum_ms += latency.of(bin) * LatencyBins::upper_edge_ms(bin);
-    // One bucket an octave is enough there.
+    // One bucket per octave is enough for Prometheus.
     if ((bin + 1) % LatencyBins::kBinsOfOctave != 0) continue;
     std::snprintf(line.data(), line.size(), "touchline_latency_seconds_bucket{le=\"%.9g\"} %" PRIu64 "\n",
                   LatencyBins::upper_edge_ms(bin) / 1e3, count);

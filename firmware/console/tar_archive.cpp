@@ -11,7 +11,7 @@ namespace touchline::console {
 namespace {
 
 constexpr std::size_t kTarBlock = 512;
-// Places in the header.
+// Offsets in the header.
 constexpr std::size_t kTarName = 0, kTarNameBytes = 100, kTarMode = 100, kTarUser = 108, kTarGroup = 116,
                       kTarSize = 124, kTarTime = 136, kTarChecksum = 148, kTarChecksumBytes = 8, kTarType = 156,
                       kTarMagic = 257;
@@ -38,7 +38,7 @@ TarHeader header_of_file(const std::string& name, std::size_t bytes, std::int64_
   put_octal(header, kTarTime, 11, static_cast<std::uint64_t>(std::max<std::int64_t>(time_s, 0)));
   header[kTarType] = '0';
   put_text(header, kTarMagic, std::string_view("ustar\00000", 8));
-  // The sum is computed as if its own place contained spaces.
+  // The checksum is computed as if its own field contained spaces.
   std::fill_n(header.begin() + kTarChecksum, kTarChecksumBytes, ' ');
   std::uint64_t sum = 0;
   for (const char c : header) sum += static_cast<unsigned char>(c);
@@ -50,7 +50,7 @@ TarHeader header_of_file(const std::string& name, std::size_t bytes, std::int64_
 }  // namespace
 
 TarArchive::TarArchive(std::string folder, std::int64_t time_s) : folder_(std::move(folder)), time_s_(time_s) {
-  // 16 more than the largest window: with the header and the checksum of gzip.
+  // window bits: the largest window, plus 16 for the header and the checksum of gzip
   constexpr int kWindowBits = 15 + 16, kMemoryLevel = 8;
   if (deflateInit2(&stream_, Z_DEFAULT_COMPRESSION, Z_DEFLATED, kWindowBits, kMemoryLevel, Z_DEFAULT_STRATEGY) !=
       Z_OK) {
@@ -75,7 +75,7 @@ std::string TarArchive::finish() {
 
 void TarArchive::compress(std::string_view bytes, int flush) {
   std::array<char, std::size_t{16} * 1024> out;
-  // zlib reads only, but its member is not const.
+  // zlib only reads through this member, although it is not const.
   stream_.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(bytes.data()));
   stream_.avail_in = static_cast<uInt>(bytes.size());
   do {

@@ -46,7 +46,7 @@ std::string value_in(const std::string& text, std::string_view key) {
 std::string system_text() {
   utsname name{};
   if (::uname(&name) != 0) return {};
-  // Not nodename: the computer's name says nothing about the bug.
+  // Leave out nodename, because the computer's name is irrelevant to the bug.
   return std::string(name.sysname) + " " + name.release + " " + name.version + " " + name.machine;
 }
 

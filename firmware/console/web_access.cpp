@@ -33,7 +33,7 @@ std::optional<WebServer::Implementation::Refusal> WebServer::Implementation::che
   const std::string host = header_of(connection, WSI_TOKEN_HOST), origin = header_of(connection, WSI_TOKEN_ORIGIN),
                     cookie = header_of(connection, WSI_TOKEN_HTTP_COOKIE), site = fetch_site_of(connection),
                     peer = peer_of(connection);
-  // An Origin that was not copied because it is too long must not count as absent.
+  // If an Origin was not copied because it is too long, it must not count as absent.
   const bool has_unread_origin = origin.empty() && lws_hdr_total_length(connection, WSI_TOKEN_ORIGIN) > 0;
   const RequestOrigin request{host, origin, site, cookie, peer};
   if (!is_host_permitted(host, settings_.access.hosts)) {
@@ -41,12 +41,12 @@ std::optional<WebServer::Implementation::Refusal> WebServer::Implementation::che
                    "This name of the computer is not known. Use its address in numbers, or add the name to "
                    "console.hosts in board.toml.\n"};
   }
-  // Foxglove is a page of another origin. Its protocol only looks.
+  // Foxglove's page has another origin; this is permitted, because its protocol can only watch.
   const bool is_viewer = purpose == Purpose::kFoxglove && is_viewer_permitted(origin, settings_.access.origins);
   if (has_unread_origin || !(is_viewer || is_origin_permitted(request, purpose == Purpose::kNavigation))) {
     return Refusal{HTTP_STATUS_FORBIDDEN, "Requests from other sites are refused.\n"};
   }
-  // Foxglove has no cookie of ours.
+  // Foxglove cannot have our cookie, so its token is in the address.
   const bool has_token = purpose == Purpose::kFoxglove && is_token(token_argument_of(connection), settings_.access);
   if (!has_token && !has_access(request, settings_.access)) {
     return Refusal{HTTP_STATUS_UNAUTHORIZED,
@@ -68,7 +68,7 @@ int WebServer::Implementation::login(lws* connection) {
   }
   const std::string cookie = std::string(kTokenCookie) + "=" + settings_.access.token +
                              "; Path=/; Max-Age=31536000; HttpOnly; SameSite=Strict";
-  // The answer is a page, because a redirect after a link from another site would not carry the cookie.
+  // The answer is a page instead of a redirect, which would not carry the cookie if a link on another site led here.
   constexpr std::string_view kPage =
       R"(<!doctype html><html lang="en"><meta charset="utf-8"><meta http-equiv="refresh" content="0; url=/"><a href="/">Console</a></html>)";
   return answer(connection, HTTP_STATUS_OK, "text/html; charset=utf-8", kPage,

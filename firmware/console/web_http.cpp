@@ -16,13 +16,13 @@ constexpr const char* kPlainText = "text/plain; charset=utf-8";
 constexpr const char* kHtml = "text/html; charset=utf-8";
 // Longest wait for a picture; after that, none is shown.
 constexpr Duration kPictureWait = 3s;
-// Maximum number of streams, which cost as much as WebSockets with pictures.
+// Maximum number of picture streams, each of which costs as much as a WebSocket with pictures.
 constexpr std::ptrdiff_t kMaxStreams = 4;
 constexpr std::size_t kHeaderRoom = 2048;
-// Size of the parts of a body. A client that reads one part within the server's patience is not given up.
+// Size of the parts of a body. A client that reads one part within the server's time limit is kept.
 constexpr std::size_t kBodyPart = std::size_t{32} * 1024;
 
-// Memory for the headers of an answer, as libwebsockets fills it.
+// Buffer for the headers of an answer, which libwebsockets fills.
 struct HeaderBuffer {
   std::array<unsigned char, LWS_PRE + kHeaderRoom> bytes{};
   unsigned char* begin = bytes.data() + LWS_PRE;
@@ -57,7 +57,7 @@ int WebServer::Implementation::on_http(lws* connection, lws_callback_reasons rea
 }
 
 int WebServer::Implementation::begin_request(lws* connection, std::string_view path) {
-  // With HEAD a page finds out why its connection was refused.
+  // HEAD must work, because a page uses it to find out why its connection was refused.
   const bool is_head = lws_hdr_total_length(connection, WSI_TOKEN_HEAD_URI) > 0;
   if (!is_head && lws_hdr_total_length(connection, WSI_TOKEN_GET_URI) == 0) {
     return answer(connection, HTTP_STATUS_METHOD_NOT_ALLOWED, kPlainText, "Only GET and HEAD are possible.\n");
@@ -92,14 +92,14 @@ int WebServer::Implementation::serve_page(lws* connection, const PageFile& file,
                 {.cache_control = is_asset ? kForever : "no-cache"});
 }
 
-// The page may have been built meanwhile: the next request gets it.
+// Reads the page's files again, because the page may have been built in the meantime.
 void WebServer::Implementation::read_files_again() {
   if (std::exchange(reads_files_, true)) return;
   hub_.file_thread().run([this, folder = settings_.page_folder, former = files_]() -> FileThread::Finish {
     std::shared_ptr<const PageFiles> files;
     try {
       files = std::make_shared<const PageFiles>(folder, former.get());
-    } catch (const std::exception&) {  // memory is short: the former ones are served
+    } catch (const std::exception&) {  // out of memory: the former files are served
     }
     return [this, files] {
       reads_files_ = false;
@@ -150,7 +150,7 @@ int WebServer::Implementation::begin_pictures(lws* connection, HttpRequest::Kind
       return -1;
     }
   }
-  lws_set_timeout(connection, NO_PENDING_TIMEOUT, 0);  // it takes as long as it takes
+  lws_set_timeout(connection, NO_PENDING_TIMEOUT, 0);  // no timeout, because sending a stream has no end
   HttpRequest& request = requests_[connection];
   request = {};
   request.kind = kind;
@@ -163,7 +163,7 @@ int WebServer::Implementation::begin_pictures(lws* connection, HttpRequest::Kind
 
 int WebServer::Implementation::begin_bug_report(lws* connection) {
   const bool is_wanted = is_asked_for(HttpRequest::Kind::kBugReport);
-  // Discards an answer that nobody waits for any more.
+  // Discard an answer that nobody waits for any more.
   if (!is_wanted && reporter_.is_done()) static_cast<void>(reporter_.take());
   if (is_wanted || reporter_.is_busy()) {
     return answer(connection, HTTP_STATUS_SERVICE_UNAVAILABLE, kPlainText, "Another bug report is on its way.\n");
@@ -205,7 +205,7 @@ int WebServer::Implementation::begin_devices(lws* connection, std::function<std:
   if (is_wanted || device_lister_.is_busy()) {
     return answer(connection, HTTP_STATUS_SERVICE_UNAVAILABLE, kPlainText, "Devices are being listed already.\n");
   }
-  lws_set_timeout(connection, NO_PENDING_TIMEOUT, 0);  // every camera takes its time
+  lws_set_timeout(connection, NO_PENDING_TIMEOUT, 0);  // no timeout, because every camera takes some time
   HttpRequest& request = requests_[connection];
   request = {};
   request.kind = HttpRequest::Kind::kDevices;
@@ -254,7 +254,7 @@ int WebServer::Implementation::write_body(lws* connection, HttpRequest& request,
   auto* const part = reinterpret_cast<unsigned char*>(request.body.data()) + request.sent;
   request.sent += size;
   const bool is_last = request.sent == request.body.size();
-  // libwebsockets keeps what the socket does not take at once.
+  // libwebsockets keeps the bytes that the socket does not take at once.
   const int written = lws_write(connection, part, size, is_last ? LWS_WRITE_HTTP_FINAL : LWS_WRITE_HTTP);
   if (written < 0) return -1;
   if (!is_last) {
@@ -282,7 +282,8 @@ int WebServer::Implementation::write_stream_part(lws* connection, HttpRequest& r
   const int size = std::snprintf(header.data(), header.size(),
                                  "--frame\r\ncontent-type: image/jpeg\r\ncontent-length: %zu\r\n\r\n", jpeg.size());
   if (size < 0 || static_cast<std::size_t>(size) >= header.size()) return -1;
-  // In the room in front of the picture. The line end after it belongs to the boundary, and readers go by the length.
+  // The part's header is written into the free bytes in front of the picture. The line end after the picture belongs to
+  // the next boundary, and readers use the length.
   auto* const begin = reinterpret_cast<unsigned char*>(jpeg.data()) - size;
   std::memcpy(begin, header.data(), static_cast<std::size_t>(size));
   const int written = lws_write(connection, begin, jpeg.size() + static_cast<std::size_t>(size), LWS_WRITE_HTTP);

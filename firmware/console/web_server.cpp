@@ -17,13 +17,13 @@ namespace {
 
 using namespace std::chrono_literals;
 
-// Periods of tick(). While somebody watches, it is a small part of a frame's period; otherwise it is short enough to
+// Periods of tick(). While somebody watches, the period is a small part of a frame's; otherwise it is short enough to
 // notice a silent driver in time.
 constexpr Duration kWatchedPeriod = 8ms, kIdlePeriod = 200ms;
-// Clients, lines for Stop, visitors (web_visitors.cpp), five long requests, some of libwebsockets itself, and room for
-// connections that are being closed.
+// Enough for clients, Stop connections, visitors (web_visitors.cpp), five long requests, some descriptors of
+// libwebsockets itself, and connections that are being closed.
 constexpr unsigned kMaxDescriptors = 160;
-// As many requests as connections, so that connections that say nothing keep nobody waiting.
+// There are as many header buffers as connections, so that silent connections keep nobody waiting.
 constexpr unsigned kHttpHeaderBytes = 4096, kHeaderPool = kMaxDescriptors;
 constexpr int kKeepAliveS = 5;
 constexpr std::size_t kReceiveBytes = 4096;
@@ -34,8 +34,8 @@ std::string& last_error() {
   return text;
 }
 
-// What libwebsockets adds to every answer; it keeps the addresses. The page needs no other site, and nobody may frame
-// it.
+// Headers that libwebsockets adds to every answer; it keeps their addresses. They say that the page needs no other
+// site, and that no site may frame it.
 const lws_protocol_vhost_options* safety_headers() {
   static const lws_protocol_vhost_options frame{nullptr, nullptr, "x-frame-options:", "DENY"};
   static const lws_protocol_vhost_options referrer{&frame, nullptr, "referrer-policy:", "no-referrer"};
@@ -50,13 +50,13 @@ const lws_protocol_vhost_options* safety_headers() {
 
 template <class Handle>
 int guarded(lws* connection, const Handle& handle) {
-  // Some calls come without a connection of ours, before the context knows its user.
+  // libwebsockets makes some calls without a connection, before the context knows its user.
   lws_context* const context = connection != nullptr ? lws_get_context(connection) : nullptr;
   void* const user = context != nullptr ? lws_context_user(context) : nullptr;
   if (user == nullptr) return 0;
   try {
     return handle(user);
-  } catch (const std::exception&) {  // memory is short: this connection ends
+  } catch (const std::exception&) {  // out of memory: only this connection ends
     return -1;
   }
 }
@@ -83,14 +83,14 @@ WebServer::Implementation::~Implementation() {
 
 namespace {
 
-// libwebsockets does not tell why it could not bind.
+// Finds out whether the port is in use, because libwebsockets does not tell why it could not bind.
 bool is_port_busy(const std::string& address, std::uint16_t port) {
   const int probe = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
   sockaddr_in wanted{};
   wanted.sin_family = AF_INET;
   wanted.sin_port = htons(port);
   const bool is_address = ::inet_pton(AF_INET, address.c_str(), &wanted.sin_addr) == 1;
-  const int reuse = 1;  // as libwebsockets does: connections that are being closed do not count
+  const int reuse = 1;  // as libwebsockets does: connections that are being closed do not count as use
   ::setsockopt(probe, SOL_SOCKET, SO_REUSEADDR, &reuse, sizeof reuse);
   const bool is_busy = probe >= 0 && is_address &&
                        ::bind(probe, reinterpret_cast<const sockaddr*>(&wanted), sizeof wanted) != 0 &&
@@ -170,7 +170,7 @@ void WebServer::Implementation::schedule(Duration in) {
         Implementation* const owner = reinterpret_cast<Timer*>(list)->owner;
         try {
           owner->tick();
-        } catch (const std::exception&) {  // memory is short: this turn's messages are late
+        } catch (const std::exception&) {  // out of memory: the messages of this turn are late
           owner->schedule(kIdlePeriod);
         }
       },

@@ -11,24 +11,24 @@
 
 namespace touchline::console {
 
-/// When a connection is given up.
+/// Time limits after which a connection is closed.
 struct Patience {
-  Duration unread = std::chrono::seconds(10);  // its other side does not read what waits for it
-  // Times of silence after which the other side is asked, and after which the connection is closed because the other
-  // side may be gone.
+  Duration unread = std::chrono::seconds(10);  // the other side does not read what is sent
+  // Times of silence after which the other side is asked, and after which the connection is closed.
   std::uint16_t ask_after_s = 5, close_after_s = 15;
-  unsigned request_s = 5;  // its first request does not arrive
+  unsigned request_s = 5;  // the first request does not arrive
 };
 
 struct WebServerSettings {
-  std::string address;     // in numbers
-  std::uint16_t port = 0;  // 0: a free one
+  std::string address;     // IPv4 address in numbers
+  std::uint16_t port = 0;  // 0: a free port is chosen
   std::string page_folder;
   AccessRules access;
   Patience patience{};
 };
 
-/// HTTP and WebSocket (docs/console-protocol.md) with libwebsockets. For one thread, but for wake().
+/// Serves HTTP and WebSocket (docs/console-protocol.md) with libwebsockets. Only one thread may use it, except for
+/// wake().
 class WebServer {
  public:
   /// `hub` must outlive the server.
@@ -39,11 +39,11 @@ class WebServer {
 
   /// kIo: the address cannot be used; the message names it.
   Result<void> open();
-  /// After open().
+  /// Returns the port; call it after open().
   [[nodiscard]] std::uint16_t port() const;
-  /// Waits until something happens or has to be done, and does it.
+  /// Waits until something happens or is due, and handles it.
   void serve();
-  /// Ends the wait in serve(); for any thread, after open().
+  /// Ends the wait in serve(); any thread may call it after open().
   void wake();
 
  private:

@@ -12,7 +12,7 @@
 #include "firmware/console/page_files.h"
 #include "firmware/console/web_server.h"
 
-// The parts of the server: the sources web_*.cpp share them.
+// Declarations that the sources web_*.cpp of the server share.
 namespace touchline::console {
 
 static_assert(kMessagePrefix >= LWS_PRE, "libwebsockets writes its header in front of a message");
@@ -21,31 +21,31 @@ static_assert(kMessagePrefix >= LWS_PRE, "libwebsockets writes its header in fro
 struct HttpRequest {
   enum class Kind : std::uint8_t { kText, kSnapshot, kStream, kBugReport, kDevices };
   Kind kind = Kind::kText;
-  std::string body;            // unless pictures are sent, with LWS_PRE bytes in front
-  std::size_t sent = LWS_PRE;  // bytes of it
+  std::string body;            // body of the answer with LWS_PRE bytes in front; unused if pictures are sent
+  std::size_t sent = LWS_PRE;  // bytes of the body already sent
   std::uint64_t picture = 0;   // lowest number of the next picture
-  Instant begin{};             // of the wait for a picture
-  bool is_made = false;        // what takes long, or it is being made
+  Instant begin{};             // begin of the wait for a picture
+  bool is_made = false;        // a slow answer is being made
 };
 
-/// Headers of an answer beside the usual ones.
+/// Headers of an answer in addition to the usual ones.
 struct AnswerHeaders {
   const char* cache_control = "no-store";
-  const char* name = nullptr;  // with its colon; null: no further header
+  const char* name = nullptr;  // name with its colon; null: no further header
   std::string_view value{};
 };
 
-/// A WebSocket.
+/// A WebSocket connection.
 struct Socket {
   Client* client = nullptr;
   std::uint64_t confirmed_before = 0;  // bytes that the other computer had confirmed before the first message
   std::string received;                // beginning of a message that has not arrived completely
 };
 
-/// A connection that is no WebSocket.
+/// A connection that is not (yet) a WebSocket.
 struct Visitor {
   std::string address;
-  Instant since{};  // it was accepted, or said something last
+  Instant since{};  // time at which it was accepted, or last sent something
   bool is_closing = false;
 };
 
@@ -65,24 +65,24 @@ class WebServer::Implementation {
   int on_socket(lws* connection, lws_callback_reasons reason, void* in, std::size_t size);
 
  private:
-  // web_server.cpp
+  // Functions in web_server.cpp.
   void tick();
   void schedule(Duration in);
   void close_unread(Instant now);
   void ask_to_write(lws* connection);
   void forget(lws* connection);
 
-  // web_visitors.cpp
+  // Functions in web_visitors.cpp.
   void admit(lws* connection);
-  /// Closes the visitor that matters least, if there are too many.
+  /// Closes the least important visitor, if there are too many.
   void limit_visitors();
   [[nodiscard]] bool is_long_request(lws* connection) const;
-  /// Makes room for another Stop connection: closes the one that has been silent for the longest time.
+  /// Makes room for another Stop connection by closing the one that has been silent for the longest time.
   void limit_stop_lines();
   void close(lws* connection);
 
-  // web_access.cpp
-  /// Nothing if the request is permitted, else the status and the text of the answer.
+  // Functions in web_access.cpp.
+  /// Returns nothing if the request is permitted, else the status and the text of the answer.
   struct Refusal {
     unsigned status;
     std::string text;
@@ -92,7 +92,7 @@ class WebServer::Implementation {
   [[nodiscard]] bool has_token(lws* connection, Purpose purpose) const;
   int login(lws* connection);
 
-  // web_http.cpp
+  // Functions in web_http.cpp.
   int begin_request(lws* connection, std::string_view path);
   void read_files_again();
   int serve_page(lws* connection, const PageFile& file, bool is_asset);
@@ -112,7 +112,7 @@ class WebServer::Implementation {
   [[nodiscard]] bool is_ready(const HttpRequest& request, Instant now);
   [[nodiscard]] static int complete(lws* connection);
 
-  // web_socket.cpp
+  // Functions in web_socket.cpp.
   int accept_socket(lws* connection);
   int receive(lws* connection, std::string_view part);
   int write_socket(lws* connection);
@@ -120,7 +120,7 @@ class WebServer::Implementation {
   int end_socket(lws* connection, lws_close_status status, std::string_view reason);
 
   struct Timer {
-    lws_sorted_usec_list_t list;  // first: libwebsockets passes its address
+    lws_sorted_usec_list_t list;  // must be first, because libwebsockets passes its address
     Implementation* owner;
   };
 
@@ -136,10 +136,10 @@ class WebServer::Implementation {
   AnswerWorker reporter_, device_lister_;
   std::map<lws*, Visitor> visitors_;
   std::map<lws*, Socket> sockets_;
-  std::map<lws*, Instant> waiting_;  // to be written to, since when
+  std::map<lws*, Instant> waiting_;  // connections that wait to be written to, and since when
 };
 
-/// A header of the request; "" if it is absent or longer than a kilobyte.
+/// Returns a header of the request; "" if it is absent or longer than a kilobyte.
 std::string header_of(lws* connection, lws_token_indexes token);
 
 }  // namespace touchline::console

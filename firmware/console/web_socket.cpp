@@ -10,13 +10,14 @@
 namespace touchline::console {
 namespace {
 
-// Bytes that the kernel may keep for a busy link. More bytes would be old when they are sent, and would delay answers.
+// Limit of the bytes that the kernel keeps for a busy link. More bytes would be outdated when they are sent, and would
+// delay answers.
 constexpr int kMaxUnsentBytes = 16 * 1024;
 
-// What the kernel knows about the link.
+// Data of the kernel about a link.
 struct Link {
-  Duration round_trip{};        // the shortest
-  std::uint64_t confirmed = 0;  // bytes that the other computer has; what the page does with them is another matter
+  Duration round_trip{};        // shortest round-trip time
+  std::uint64_t confirmed = 0;  // bytes that have arrived at the other computer, whether or not the page has read them
 };
 Link link_of(lws* connection) {
   tcp_info information{};
@@ -25,8 +26,8 @@ Link link_of(lws* connection) {
   return {std::chrono::microseconds(information.tcpi_min_rtt), information.tcpi_bytes_acked};
 }
 
-// Returns the time at which the last bytes of the connection arrived in the kernel. This thread may have been busy and
-// read them late, which must not make a message look newer.
+// Returns the time at which the last bytes of the connection arrived in the kernel. This thread may have read them
+// late, which must not make a message look newer.
 Instant arrival_at(lws* connection, Instant now) {
   tcp_info information{};
   socklen_t size = sizeof(information);
@@ -83,7 +84,7 @@ int WebServer::Implementation::accept_socket(lws* connection) {
   }
   ::setsockopt(lws_get_socket_fd(connection), IPPROTO_TCP, TCP_NOTSENT_LOWAT, &kMaxUnsentBytes,
                sizeof(kMaxUnsentBytes));
-  int waiting = 0;  // the answer of the handshake
+  int waiting = 0;  // number of bytes of the handshake's answer that wait
   ::ioctl(lws_get_socket_fd(connection), SIOCOUTQ, &waiting);
   const std::uint64_t confirmed = link_of(connection).confirmed + static_cast<std::uint64_t>(waiting);
   sockets_[connection] = {client, confirmed, {}};
@@ -117,7 +118,7 @@ int WebServer::Implementation::receive(lws* connection, std::string_view part) {
   if (!hub_.receive(*socket.client, text, arrival_at(connection, now), now)) {
     return end_socket(connection, LWS_CLOSE_STATUS_POLICY_VIOLATION, "too many messages");
   }
-  // Sends at once what the message asks for and what it changes for other clients.
+  // Send at once the answer to the message, and the changes that other clients must learn.
   schedule(Duration::zero());
   return 0;
 }

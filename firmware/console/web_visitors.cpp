@@ -6,8 +6,8 @@
 
 #include "firmware/console/web_server_parts.h"
 
-// Decides which connections stay when places are short. Anyone can open connections without a request at no cost, so
-// these must not keep out a new page or a Stop.
+// Decides which connections are kept when places are short. Anyone can open connections without a request at no cost,
+// so these must not keep out a new page or a Stop.
 namespace touchline::console {
 namespace {
 
@@ -23,7 +23,7 @@ void WebServer::Implementation::admit(lws* connection) {
   limit_visitors();
 }
 
-// Streams and bug reports are few, and need access.
+// Streams and bug reports do not count here: they are few, and need access.
 bool WebServer::Implementation::is_long_request(lws* connection) const {
   const auto request = requests_.find(connection);
   return request != requests_.end() && request->second.kind != HttpRequest::Kind::kText;
@@ -38,8 +38,8 @@ void WebServer::Implementation::limit_visitors() {
   for (const auto& visitor : visitors_) {
     if (counts(visitor)) ++of_address[visitor.second.address];
   }
-  // Chooses a visitor of the address with the most visitors: first one that asks for nothing, among these the one that
-  // has been silent longest.
+  // Chooses a visitor of the address with the most visitors: first a visitor without a request, and among these the one
+  // that has been silent longest.
   const auto rank = [&](const auto& visitor) {
     const bool waits_for_answer = requests_.contains(visitor.first);
     return std::tuple(counts(visitor), of_address[visitor.second.address], !waits_for_answer,

@@ -19,10 +19,10 @@ struct Camera {
   std::vector<hal::V4l2ControlState> controls;
 };
 
-/// The devices to list. No value: none of this kind; "": all; otherwise one device, by its file or a link to it.
+/// Devices to list. No value: none of this kind; "": all; otherwise one device, by its file or a link to it.
 struct Selection {
   std::optional<std::string> camera, serial, gpio;
-  bool libcamera = false;  // also list its cameras; starts the library
+  bool libcamera = false;  // also list the cameras of libcamera, which starts the library
 };
 
 struct DeviceList {

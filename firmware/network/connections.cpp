@@ -15,7 +15,7 @@ struct NamedCount {
   std::uint64_t count;
 };
 
-// "sent 1200, lost 3"; counts of zero are left out unless they are the first.
+// Returns text such as "sent 1200, lost 3"; counts of zero are omitted unless they are the first.
 template <std::size_t kCount>
 std::string text_of(const std::array<NamedCount, kCount>& counts) {
   std::string text;

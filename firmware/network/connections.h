@@ -30,13 +30,13 @@ class Connections {
   /// Ends the threads; their counts stay.
   void stop();
 
-  // After start(), for any thread.
+  // Any thread may call the functions below after start().
   /// Returns the text for the start: a line for each thing that is sent or received, and Unix time.
   [[nodiscard]] std::string start_text() const;
-  /// Part of the status line: "  network: sent 1200, received 300, refused 3", and the offset to Unix time if something
-  /// is published. Empty: no connection.
+  /// Returns a part of the status line: "  network: sent 1200, received 300, refused 3", and the offset to Unix time if
+  /// something is published. Empty if there is no connection.
   [[nodiscard]] std::string status_text() const;
-  /// Lines of the summary.
+  /// Returns lines of the summary.
   [[nodiscard]] std::string summary() const;
 
  private:
@@ -67,7 +67,7 @@ class ConnectionThreads {
   Connections& connections_;
 };
 
-/// The plan of a run as text, one line per connection; "" if it is empty.
+/// Returns the plan of a run as text, one line per connection; "" if it is empty.
 std::string describe(const NetworkPlan& plan);
 
 }  // namespace touchline::network

@@ -22,7 +22,7 @@ struct DecodedMessage {
 class Decoder {
  public:
   virtual ~Decoder() = default;
-  /// `own`: color of our team at present. On error the message is malformed and is ignored as a whole.
+  /// Decodes a message. `own`: present color of our team. On error the message is malformed and is ignored as a whole.
   virtual Result<DecodedMessage> decode(std::span<const std::byte> message, TeamColor own) = 0;
 };
 

@@ -5,7 +5,8 @@
 namespace touchline::network {
 namespace {
 
-// "commands[1].v = 12.5 is not within -10 to 10" and "commands[0].v = 99 is ..." are one kind.
+// Removes the numbers from a text, so that "commands[1].v = 12.5 is not within -10 to 10" and "commands[0].v = 99 is
+// ..." are of the same kind.
 std::string without_numbers(std::string_view text) {
   std::string out;
   for (const char c : text) {

@@ -14,7 +14,7 @@ namespace touchline::network {
 std::size_t encode_firasim_environment(const OutputFrame& frame, const FieldParameters& field,
                                        std::span<std::byte> out);
 
-// Limit of a rim's speed; faster values are reduced to it. No robot of the leagues reaches it.
+// Limit of a rim's speed; higher values are reduced to it. No robot of the leagues reaches it.
 inline constexpr float kMaxRimSpeed_mps = 10.0f;
 
 /// Decodes FIRASim's Packet: wheel speeds in rad/s, times `wheel_radius_m`. Ignores commands for the other color, and

@@ -135,7 +135,7 @@ class Reader : public nlohmann::json_sax<nlohmann::json> {
  private:
   enum class Level : std::uint8_t { kStart, kTop, kList, kCommand, kEnd };
 
-  // Returns false. Arguments after the code as for printf.
+  // Records an error and returns false. The arguments after the code are as for printf.
   bool fail(ErrorCode code, const char* format, ...) __attribute__((format(printf, 3, 4))) {
     std::va_list arguments;
     va_start(arguments, format);
@@ -227,7 +227,7 @@ class Reader : public nlohmann::json_sax<nlohmann::json> {
 
   Level level_ = Level::kStart;
   bool has_list_ = false;
-  std::size_t index_ = 0;  // of the command
+  std::size_t index_ = 0;  // index of the command
   Key key_ = kId;
   std::uint32_t seen_ = 0;  // bits of Key
   std::array<double, kKeys> values_{};

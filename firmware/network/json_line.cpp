@@ -34,7 +34,7 @@ void write_id_key(JsonWriter& json, RobotId id) {
 }
 
 /// Writes {"blue":{"3":{"x":...}},"yellow":{}}. The robots are members of an object, because a plotter shows each
-/// member as a series: the series stay the same when another robot is lost.
+/// member as a series, and the series then stay the same if another robot is lost.
 void write_robots(JsonWriter& json, const Snapshot& snapshot, const report::TraceNames& names) {
   json.begin_object();
   for (const Team team : {Team::kOwn, Team::kOpponent}) {

@@ -13,8 +13,8 @@ namespace touchline::network {
 inline constexpr int kJsonSchema = 1;
 
 /// Writes the frame as one line of JSON with line end (docs/network.md): the members of the replay's lines, Unix times,
-/// commands, telemetry, and the tracks once more by color and id. `device`: the camera. Returns the number of bytes;
-/// 0: `out` is too small.
+/// commands, telemetry, and the tracks once more by color and id. `device`: name of the camera. Returns the number of
+/// bytes; 0 if `out` is too small.
 std::size_t write_json_line(const OutputFrame& frame, const report::TraceNames& names, std::string_view device,
                             std::span<std::byte> out);
 

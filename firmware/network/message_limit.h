@@ -17,11 +17,11 @@ class MessageLimit {
   /// of several frames.
   static constexpr double kBurstS = 0.1;
 
-  /// `burst_s`: as many messages as this rate gives in this time may arrive at once.
+  /// `burst_s`: the messages that this rate gives in this time may arrive at once.
   explicit MessageLimit(double rate_hz, double burst_s = kBurstS)
       : rate_hz_(rate_hz), burst_(std::max(10.0, rate_hz * burst_s)), left_(burst_) {}
 
-  /// Whether a message that arrives at `now` may pass.
+  /// Returns whether a message that arrives at `now` may pass.
   [[nodiscard]] bool pass(Instant now) {
     if (now > last_) {
       left_ = std::min(burst_, left_ + seconds(now - last_) * rate_hz_);
@@ -43,7 +43,7 @@ class SenderLimits {
  public:
   explicit SenderLimits(double rate_hz) : rate_hz_(rate_hz), others_(rate_hz) {}
 
-  /// Whether a message that arrives at `now` may pass.
+  /// Returns whether a message that arrives at `now` may pass.
   [[nodiscard]] bool pass(const hal::ReceivedMessage& message, Instant now) {
     Sender* free = nullptr;
     for (Sender& sender : senders_) {
@@ -59,7 +59,7 @@ class SenderLimits {
   }
 
  private:
-  // A strategy, a joystick, a referee and its substitute. Senders beyond these share one limit.
+  // Enough for a strategy, a joystick, a referee and its substitute. Further senders share one limit.
   static constexpr std::size_t kMaxSenders = 16;
   static constexpr Duration kForgetAfter = std::chrono::seconds(1);
 

@@ -22,24 +22,24 @@ constexpr TeamColor other(TeamColor color) {
   return color == TeamColor::kYellow ? TeamColor::kBlue : TeamColor::kYellow;
 }
 
-/// A snapshot and what the encoders need beside it.
+/// A snapshot and further data that the encoders need.
 struct OutputFrame {
   const Snapshot& snapshot;
   double captured_unix_s = 0.0;  // Snapshot::captured as Unix time
   double sent_unix_s = 0.0;      // Unix time at which the datagram is sent
   TeamColor own = TeamColor::kBlue;
   std::uint32_t camera_id = 0;
-  std::array<float, 2> robot_height_m{};  // by Team
+  std::array<float, 2> robot_height_m{};  // height by Team
 
   [[nodiscard]] TeamColor color_of(Team team) const { return team == Team::kOwn ? own : other(own); }
 };
 
 /// The commands of one datagram.
 struct CommandBatch {
-  FixedVector<ExternalCommand, kMaxRobotsPerTeam> commands;  // at most one per robot: its last; `received` is not set
-  std::uint32_t other_team = 0;                              // commands for robots of the other color, ignored
+  FixedVector<ExternalCommand, kMaxRobotsPerTeam> commands;  // the last command of each robot; `received` is not set
+  std::uint32_t other_team = 0;                              // number of ignored commands for robots of the other color
 
-  /// Adds the command, or replaces the robot's former one. False: there are commands for too many robots.
+  /// Adds the command, or replaces the robot's former one. Returns false if there are commands for too many robots.
   bool put(const ExternalCommand& command) {
     for (ExternalCommand& former : commands) {
       if (former.id != command.id) continue;

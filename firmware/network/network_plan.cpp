@@ -27,14 +27,15 @@ std::string word_of(OutputProtocol protocol) {
 }
 std::string word_of(InputProtocol protocol) { return std::string(info_of(config::kInputProtocolTable, protocol).word); }
 
-// Lines are text and pass through streams; the messages of the other protocols are binary.
+// Returns whether messages are lines of text, which pass through streams; the messages of the other protocols are
+// binary.
 bool has_lines(OutputProtocol protocol) { return protocol == OutputProtocol::kJson; }
 bool has_lines(InputProtocol protocol) { return protocol == InputProtocol::kJson; }
 
-// One entry of the file or the command line while it is checked.
+// An entry of the file or the command line that is being checked.
 struct Entry {
-  std::string option;  // of the command line; empty: of the file
-  std::string key;     // of the file: "network.output[0]"
+  std::string option;  // option of the command line; empty: the entry is from the file
+  std::string key;     // key in the file: "network.output[0]"
   std::string address, interface;
   std::vector<std::string> senders;
 };
@@ -130,7 +131,7 @@ class Planner {
   NetworkPlan plan_;
 };
 
-// Splits NAME=ADDRESS,from=SENDER of an option and looks up the name. nullopt: it is unknown, which is reported.
+// Splits NAME=ADDRESS,from=SENDER of an option and looks up the name; reports an unknown one and returns nullopt.
 template <class Protocol>
 std::optional<std::pair<Protocol, Entry>> parse_option(const std::string& option, const std::string& text,
                                                        std::span<const Choice<Protocol>> names,
@@ -155,8 +156,8 @@ std::optional<std::pair<Protocol, Entry>> parse_option(const std::string& option
   return std::nullopt;
 }
 
-// Returns the entry of the board file that an option without an address means. Null: the file has no entry of this
-// protocol.
+// Returns the entry of the board file to which an option without an address refers. Returns null if the file has no
+// entry of this protocol.
 template <class Planned, class Protocol>
 Planned* find_planned(std::vector<Planned>& planned, std::size_t of_file, Protocol protocol, const Entry& entry) {
   const auto end = planned.begin() + static_cast<std::ptrdiff_t>(of_file);

@@ -10,7 +10,8 @@
 #include "hal/linux/network/network_address.h"
 #include "hal/result.h"
 
-// Plans what is sent to and received from other programs: combines [network] of the board file with the command line.
+// Plans which messages are sent to and received from other programs: combines [network] of the board file with the
+// command line.
 namespace touchline::network {
 
 /// Words of --accept and --referee.
@@ -29,17 +30,17 @@ struct NetworkOptions {
 struct PlannedOutput {
   config::OutputProtocol protocol = config::OutputProtocol::kJson;
   hal::NetworkAddress address;
-  double rate_hz = 0.0;  // 0: every frame
+  double rate_hz = 0.0;  // 0: send every frame
 };
 
 struct PlannedInput {
   config::InputProtocol protocol = config::InputProtocol::kJson;
   hal::NetworkAddress address;
-  std::vector<hal::NetworkRange> senders;  // obeyed computers that are obeyed beside this one
-  std::vector<std::string> sender_names;   // the same, as in the file
+  std::vector<hal::NetworkRange> senders;  // computers that are obeyed in addition to this one
+  std::vector<std::string> sender_names;   // the same computers as written in the file
   double rate_hz = 0.0;
-  std::string key;     // that lists the senders: "network.input[0].senders in board.toml:14"; empty: none does
-  std::string option;  // of the command line: "--referee ssl"; empty: it is planned in the board file
+  std::string key;     // key that lists the senders: "network.input[0].senders in board.toml:14"; empty: none does
+  std::string option;  // option of the command line: "--referee ssl"; empty: the input is planned in the board file
 };
 
 struct NetworkPlan {
@@ -49,17 +50,18 @@ struct NetworkPlan {
   [[nodiscard]] bool empty() const { return outputs.empty() && inputs.empty(); }
 };
 
-/// Tells a person how to make Touchline obey a sender: "add 192.168.1.21 to network.input[0].senders in board.toml:14",
-/// or "write --referee ssl,from=192.168.1.21".
+/// Returns a text that says how to make Touchline obey a sender: "add 192.168.1.21 to network.input[0].senders in
+/// board.toml:14", or "write --referee ssl,from=192.168.1.21".
 std::string how_to_permit(const PlannedInput& input, const std::string& sender);
 
-/// "ssl-vision to udp://224.5.23.2:10006%eth0".
+/// Returns "ssl-vision to udp://224.5.23.2:10006%eth0".
 std::string name_of(const PlannedOutput& output);
-/// "firasim from udp://0.0.0.0:20011".
+/// Returns "firasim from udp://0.0.0.0:20011".
 std::string name_of(const PlannedInput& input);
-/// "ssl-vision to udp://224.5.23.2:10006%eth0, every frame".
+/// Returns "ssl-vision to udp://224.5.23.2:10006%eth0, every frame".
 std::string describe(const PlannedOutput& output);
-/// "firasim from udp://0.0.0.0:20011, of this computer and 192.168.1.20, at most 1000 messages a second from each".
+/// Returns "firasim from udp://0.0.0.0:20011, of this computer and 192.168.1.20, at most 1000 messages a second from
+/// each".
 std::string describe(const PlannedInput& input);
 
 /// Adds the command line's entries to the board file's. An entry of the command line without an address only adds its

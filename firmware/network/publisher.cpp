@@ -58,7 +58,7 @@ void PublisherOutput::send(std::span<const std::byte> message, Instant now, cons
 }
 
 bool PublisherOutput::is_frame_due(Instant sent) {
-  // Frames do not come exactly on time.
+  // Allow for a tolerance, because frames do not arrive exactly on time.
   const Duration tolerance = period_ / 10;
   if (sent + tolerance < next_frame_) return false;
   next_frame_ = std::max(next_frame_ + period_, sent);
@@ -139,7 +139,7 @@ void Publisher::work() {
     last_turn = end_.load(std::memory_order_acquire);
     try {
       publish_waiting();
-    } catch (const std::exception& error) {  // memory is short: messages are missing, the game goes on
+    } catch (const std::exception& error) {  // out of memory: messages are missing, but the game goes on
       if (!std::exchange(reported_, true)) print_("network: the publisher failed: " + std::string(error.what()));
     }
     if (!last_turn) reader_.wait(kGeometryCheckPeriod);
@@ -156,8 +156,8 @@ void Publisher::publish_waiting() {
 
 void Publisher::publish(const Snapshot& snapshot, Instant now) {
   const auto unix_s = [this](Instant monotonic) { return seconds(time_.to_unix(monotonic)); };
-  // Converts the capture to the machine's clock, for simulated time: the capture is as long before the packet on both
-  // clocks.
+  // For simulated time, convert the capture to the machine's clock: on both clocks, the capture is equally long before
+  // the packet.
   const Instant captured = snapshot.machine_sent - (snapshot.sent - snapshot.captured);
   OutputFrame frame{snapshot, unix_s(captured), unix_s(now), scene_.own, scene_.camera_id, scene_.robot_height_m};
   const RefereeState& referee = snapshot.referee;

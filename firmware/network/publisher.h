@@ -18,7 +18,7 @@
 
 namespace touchline::network {
 
-/// One destination: protocol, socket, rate limit, and the counts of what was sent.
+/// A destination: protocol, socket, rate limit, and counts of the messages sent.
 class PublisherOutput {
  public:
   /// `name` for messages: "ssl-vision to udp://224.5.23.2:10006". `rate_hz`: 0: every frame.
@@ -31,7 +31,7 @@ class PublisherOutput {
   /// Sends the geometry once a second, or when it has changed.
   void send_geometry_if_due(Instant now, std::span<std::byte> buffer, const Print& print);
 
-  // For any thread.
+  // Any thread may call the functions below.
   [[nodiscard]] const std::string& name() const { return name_; }
   [[nodiscard]] std::uint64_t sent() const { return sent_.load(std::memory_order_relaxed); }
   /// Returns the number of messages that were not sent because the network or a receiver was too slow or absent.
@@ -48,7 +48,7 @@ class PublisherOutput {
   Reopening reopening_;
   const Duration period_;
   Instant next_frame_{};
-  std::vector<std::byte> geometry_;  // as it was sent last
+  std::vector<std::byte> geometry_;  // geometry as it was last sent
   Instant next_geometry_{}, next_geometry_check_{};
   bool is_open_ = false;
   std::uint64_t failed_ = 0;
@@ -56,21 +56,21 @@ class PublisherOutput {
 };
 
 using PublisherOutputs = std::vector<std::unique_ptr<PublisherOutput>>;
-/// Outputs that cannot work are printed and left out.
+/// Makes the outputs; an output that cannot work is reported and skipped.
 PublisherOutputs make_outputs(const NetworkPlan& plan, const config::Configuration& configuration, const Print& print);
 
-/// Facts that the outputs need beside the frames.
+/// Facts that the outputs need in addition to the frames.
 struct PublishedScene {
-  TeamColor own = TeamColor::kBlue;  // until a referee assigns the colors
+  TeamColor own = TeamColor::kBlue;  // our color until a referee assigns the colors
   std::uint32_t camera_id = 0;
-  std::array<float, 2> robot_height_m{};  // by Team, unless a referee names the teams
+  std::array<float, 2> robot_height_m{};  // height by Team, unless a referee names the teams
 };
 /// Returns our color in the team file as the leagues name it; nullopt: the file uses other names of colors.
 std::optional<TeamColor> own_color(const config::TeamFile& team);
 PublishedScene published_scene(const config::Configuration& configuration);
 
-/// Sends snapshots to other programs, on a thread of its own that the loop never waits for. Nothing that goes wrong
-/// here reaches the loop. Start it before the loop's thread gets its real-time priority, which it would inherit.
+/// Sends snapshots to other programs, on a thread of its own that the loop never waits for. A failure in it does not
+/// reach the loop. Start it before the loop's thread gets its real-time priority, which it would inherit.
 class Publisher {
  public:
   /// `ring` must outlive the publisher. `print` is called on the publisher's thread.
@@ -82,8 +82,8 @@ class Publisher {
   /// Sends what is waiting and ends the thread; the counts stay.
   void end();
 
-  // For any thread.
-  /// Snapshots that this thread was too slow for.
+  // Any thread may call the functions below.
+  /// Returns the number of snapshots that this thread was too slow to read.
   [[nodiscard]] std::uint64_t lost() const { return lost_.load(std::memory_order_relaxed); }
   [[nodiscard]] const PublisherOutputs& outputs() const { return outputs_; }
   [[nodiscard]] hal::UnixTimeOffset unix_time() const;
@@ -102,7 +102,7 @@ class Publisher {
   Snapshot snapshot_;
   std::vector<std::byte> buffer_;
   Instant next_time_{};
-  bool reported_ = false;  // an exception
+  bool reported_ = false;  // whether an exception was reported
   bool is_time_known_ = false;
   mutable std::mutex time_mutex_;
   hal::UnixTimeOffset time_;

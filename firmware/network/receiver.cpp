@@ -13,14 +13,14 @@ namespace {
 
 using namespace std::chrono_literals;
 
-// The largest message that is decoded. A referee's packet has about 2 KB, one with all commands of a team less.
+// Size of the largest message that is decoded. A referee's packet has about 2 KB, one with all commands of a team less.
 constexpr std::size_t kMaxMessageBytes = 16384;
 // Longest wait for a message. After it, the thread checks closed sockets and whether it has to end.
 constexpr int kPollMs = 50;
 constexpr Duration kCheckPeriod = 1s;
 constexpr int kMessagesPerTurn = 64;
-// Rate of refused messages above which the system drops them. No league sends as much to a port, and the burst of 50 is
-// a fourth of what the smallest usual buffer holds (net.core.rmem_default, 208 KB).
+// Rate of refused messages above which the system drops them. No league sends as many to a port, and the burst of 50 is
+// a quarter of what the smallest usual buffer holds (net.core.rmem_default, 208 KB).
 constexpr double kRefusedHz = 500.0;
 
 void count(std::atomic<std::uint64_t>& counter, std::uint64_t add = 1) {
@@ -77,7 +77,7 @@ void ReceiverInput::refuse(const hal::ReceivedMessage& message, Instant now, con
   count(counts_.refused, socket_->drop_others(plan_.senders));
 }
 
-// Updates the filter once a second, also because addresses of this computer may have changed.
+// Updates the filter once a second, because addresses of this computer may have changed, too.
 void ReceiverInput::update_gate() {
   const std::uint64_t dropped = socket_->drop_others(plan_.senders);
   count(counts_.refused, dropped);
@@ -109,7 +109,7 @@ bool ReceiverInput::receive(Instant now, TeamColor own, std::span<std::byte> buf
     refuse(message, now, print);
     return true;
   }
-  // A referee's message is decoded however many arrive, because a stop must not be lost.
+  // A referee's message is always decoded, however many arrive, because a stop must not be lost.
   const bool is_in_rate = limits_.pass(message, now);
   if (!is_in_rate && !config::is_referee(plan_.protocol)) {
     count(counts_.over_rate);
@@ -183,7 +183,7 @@ void Receiver::work() {
       for (const auto& input : inputs_) descriptors.push_back({input->descriptor(), POLLIN, 0});
       ::poll(descriptors.data(), descriptors.size(), std::exchange(messages_wait_, false) ? 0 : kPollMs);
       receive_all();
-    } catch (const std::exception& error) {  // memory is short: messages are missing, the game goes on
+    } catch (const std::exception& error) {  // out of memory: messages are missing, but the game goes on
       if (!std::exchange(reported_, true)) print_("network: the receiver failed: " + std::string(error.what()));
       std::this_thread::sleep_for(std::chrono::milliseconds(kPollMs));
     }

@@ -23,12 +23,14 @@ namespace touchline::network {
 /// Counts of an input since the start, written by the receiver's thread.
 struct InputCounts {
   std::atomic<std::uint64_t> accepted{0};
-  std::atomic<std::uint64_t> refused{0};         // from computers that are not on the list
-  std::atomic<std::uint64_t> malformed{0};       // not of the protocol, too long, or with impossible values
-  std::atomic<std::uint64_t> over_rate{0};       // faster than the limit
-  std::atomic<std::uint64_t> without_effect{0};  // of a referee: older than another one, or a start of another sender
-  std::atomic<std::uint64_t> other_team{0};      // commands for robots of the other color
-  std::atomic<std::uint64_t> unknown_robot{0};   // commands for robots of our color that we do not have
+  std::atomic<std::uint64_t> refused{0};  // messages from computers that are not on the list
+  // Messages that violate the protocol, are too long, or contain impossible values.
+  std::atomic<std::uint64_t> malformed{0};
+  std::atomic<std::uint64_t> over_rate{0};  // messages beyond the rate limit
+  // Messages of a referee that are older than another one, or a start of another sender.
+  std::atomic<std::uint64_t> without_effect{0};
+  std::atomic<std::uint64_t> other_team{0};     // commands for robots of the other color
+  std::atomic<std::uint64_t> unknown_robot{0};  // commands for robots of our color that we do not have
 };
 
 /// Content of one accepted message. `received` is set.
@@ -37,20 +39,20 @@ struct AcceptedMessage {
   std::optional<RefereeState> referee;
 };
 
-/// One source: protocol, socket, permitted senders and their rate. What it refuses is counted, and each kind is
+/// A source: protocol, socket, permitted senders and their rate. Rejected messages are counted, and each kind is
 /// explained once.
 class ReceiverInput {
  public:
-  /// `plan`: name, permitted senders, and how to permit others. `referee_silence`: see RefereeFollower.
+  /// `plan`: name, permitted senders, and how to permit others. `referee_silence`: as in RefereeFollower.
   ReceiverInput(PlannedInput plan, std::unique_ptr<Decoder> decoder, std::unique_ptr<hal::NetworkInput> socket,
                 Duration referee_silence);
 
   /// Opens the socket if it is closed and an attempt is due; about once a second checks that the network has not
   /// changed.
   void serve(Instant now, const Print& print);
-  /// Descriptor for poll(); -1: closed.
+  /// Returns a descriptor for poll(); -1: closed.
   [[nodiscard]] int descriptor() const { return socket_->descriptor(); }
-  /// Receives one message. False: none is waiting. `out` is set if the message is accepted.
+  /// Receives one message. Returns false if none is waiting. `out` is set if the message is accepted.
   bool receive(Instant now, TeamColor own, std::span<std::byte> buffer, std::optional<AcceptedMessage>& out,
                const Print& print);
   /// Call it when a person has done something that releases the referee (RefereeFollower).
@@ -58,7 +60,7 @@ class ReceiverInput {
 
   void count_unknown_robots(std::uint64_t count) { counts_.unknown_robot.fetch_add(count, std::memory_order_relaxed); }
 
-  // For any thread.
+  // Any thread may call the functions below.
   [[nodiscard]] const std::string& name() const { return name_; }
   [[nodiscard]] const InputCounts& counts() const { return counts_; }
 
@@ -81,8 +83,8 @@ class ReceiverInput {
   ExplainedKinds explained_;
   Instant next_check_{};
   bool is_open_ = false;
-  // Detects floods of refused messages. During a flood the system drops these messages, which would displace those of
-  // others.
+  // Detects floods of rejected messages. During a flood the system drops these messages, because they would displace
+  // those of others.
   MessageLimit refused_;
   bool is_gate_closed_ = false;
   InputCounts counts_;
@@ -92,8 +94,8 @@ using ReceiverInputs = std::vector<std::unique_ptr<ReceiverInput>>;
 ReceiverInputs make_inputs(const NetworkPlan& plan, const config::Configuration& configuration);
 
 /// Receives commands and referee messages on a thread of its own, checks them, and puts them into mailboxes for the
-/// loop. Nothing that goes wrong here reaches the loop. Start it before the loop's thread gets its real-time priority,
-/// which it would inherit.
+/// loop. A failure in it does not reach the loop. Start it before the loop's thread gets its real-time priority, which
+/// it would inherit.
 class Receiver {
  public:
   /// Mailboxes and `referee_releases` must outlive the receiver. `own`: color of our team until a referee assigns it.
@@ -107,7 +109,7 @@ class Receiver {
 
   /// Ends the thread; the counts stay.
   void end();
-  /// For any thread.
+  /// Any thread may call it.
   [[nodiscard]] const ReceiverInputs& inputs() const { return inputs_; }
 
  private:
@@ -125,10 +127,10 @@ class Receiver {
   const Print print_;
   TeamColor own_;
   const std::vector<RobotId> robots_;
-  ExternalCommands table_;  // the last command of each robot
+  ExternalCommands table_;  // last command of each robot
   bool table_changed_ = false;
-  bool messages_wait_ = false;  // the last turn left some, so that no input keeps the others waiting
-  bool reported_ = false;       // an exception
+  bool messages_wait_ = false;  // the last turn left messages unread, so that no input keeps the others waiting
+  bool reported_ = false;       // whether an exception was reported
   std::vector<std::byte> buffer_;
   std::atomic<bool> end_{false};
   std::thread thread_;

@@ -21,28 +21,28 @@ struct TeamHeight {
 
 /// Settings by which the names of the referee's teams are understood.
 struct RefereeSettings {
-  std::string own_team;  // as the referee writes it; empty: color and side are not taken from the referee
+  std::string own_team;  // name as the referee writes it; empty: color and side are not taken from the referee
   std::vector<TeamHeight> heights;
 };
 
 /// Orders the messages of one sender.
 struct RefereeOrder {
-  std::uint32_t counter = 0;   // of commands
+  std::uint32_t counter = 0;   // counter of commands
   std::uint64_t stamp_us = 0;  // Unix time at which the message was sent
-  std::uint64_t source = 0;    // hash of the sender's identifier, which it keeps while it runs; 0: it has none
+  std::uint64_t source = 0;    // hash of the identifier that a sender keeps while it runs; 0: the sender has none
 };
 
 struct RefereeMessage {
   RefereeState state;
-  std::optional<RefereeOrder> order;  // nullopt: the referee sends on change only
+  std::optional<RefereeOrder> order;  // nullopt: the referee sends only when something changes
 };
 
-/// Decodes the SSL game controller's Referee (docs/network.md). Case and surrounding spaces in names do not count.
-/// Color and side stay unknown if neither team, or both, have the own name. Errors of decode_message(), and
-/// kOutOfRange: an unknown stage or command.
+/// Decodes the SSL game controller's Referee (docs/network.md). Case and surrounding spaces of names are ignored. Color
+/// and side stay unknown if neither team, or both, have the own name. Errors of decode_message(), and kOutOfRange: the
+/// stage or command is unknown.
 Result<RefereeMessage> decode_ssl_referee(std::span<const std::byte> bytes, const RefereeSettings& settings);
 
-/// Decodes the VSSS referee's VSSRef_Command, which says nothing of colors and sides. Errors of decode_message(), and
+/// Decodes the VSSS referee's VSSRef_Command, which contains no colors and sides. Errors of decode_message(), and
 /// kOutOfRange: an unknown foul; kCorruptFrame: an empty datagram, which would be a free kick.
 Result<RefereeMessage> decode_vss_referee(std::span<const std::byte> bytes);
 

@@ -6,7 +6,7 @@
 namespace touchline::network {
 namespace {
 
-// Sequence numbers as in RFC 1982, so that a counter may wrap.
+// Returns the difference of sequence numbers as in RFC 1982, so that a counter may wrap.
 std::int32_t steps(std::uint32_t from, std::uint32_t to) { return static_cast<std::int32_t>(to - from); }
 
 std::string seconds_text(Duration duration) {
@@ -78,7 +78,7 @@ void RefereeFollower::begin_session(const Sender& sender, const RefereeMessage& 
     hold_->counter = hold_->by == sender ? hold_->counter_of_by : counter;
     release_hold(content);
   } else if (may_move_in(content.state.phase) && content.order->stamp_us < newest_stamp_) {
-    // Either this is a recording of the former referee, or the clock of a new referee is behind.
+    // Either the message is from a recording of the former referee, or the clock of a new referee is behind.
     hold_ = Hold{GamePhase::kHalt, std::nullopt, 0, counter};
     explain(sender, "clock",
             "the time stamps of " + sender_text(sender.address, sender.port) +
@@ -98,7 +98,7 @@ void RefereeFollower::take_other(const Sender& sender, const RefereeMessage& con
 
 void RefereeFollower::release_hold(const RefereeMessage& content) {
   if (!hold_ || !may_move_in(content.state.phase)) return;
-  // A referee that sends on change only never repeats an old command.
+  // A referee that sends only on changes never repeats an old command.
   if (!content.order || steps(hold_->counter, content.order->counter) > 0) hold_.reset();
 }
 

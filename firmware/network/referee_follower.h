@@ -20,15 +20,15 @@ namespace touchline::network {
 /// restarted) count as messages of another sender. A referee that sends on change only (VSSS) is followed until a
 /// person releases it.
 ///
-/// The stop of another sender holds until the followed one gives a new command.
+/// Another sender's stop holds until the followed sender gives a new command.
 class RefereeFollower {
  public:
-  /// `name`: of the input, for messages. `silence`: time without a message after which a referee that repeats its
-  /// messages is followed no longer.
+  /// `name`: name of the input, for messages. `silence`: if a referee that repeats its messages is silent for this
+  /// time, it is no longer followed.
   RefereeFollower(std::string name, Duration silence) : name_(std::move(name)), silence_(silence) {}
 
-  /// Returns what the referee says at present, with the time of the followed sender's last message as `received`.
-  /// nullopt: the message changes nothing.
+  /// Returns the present state of the referee, with the time of the followed sender's last message as `received`.
+  /// Returns nullopt if the message changes nothing.
   std::optional<RefereeState> follow(const hal::ReceivedMessage& message, const RefereeMessage& content, Instant now,
                                      const Print& print);
   /// Call it when a person has done something that releases the referee. If the referee sends on change only, the next
@@ -46,7 +46,7 @@ class RefereeFollower {
   struct Session {
     Sender sender;
     RefereeOrder order;
-    RefereeState state;  // of its last message; `received` too
+    RefereeState state;  // state in its last message, including `received`
   };
   // Robots stand until the followed sender's counter is beyond `counter`.
   struct Hold {
@@ -67,8 +67,8 @@ class RefereeFollower {
   const std::string name_;
   const Duration silence_;
   std::optional<Session> followed_;
-  std::optional<Sender> last_;      // the last one that was followed
-  std::uint64_t newest_stamp_ = 0;  // of all followed senders
+  std::optional<Sender> last_;      // the last sender that was followed
+  std::uint64_t newest_stamp_ = 0;  // newest stamp of all followed senders
   std::optional<Hold> hold_;
   ExplainedKinds explained_;
 };

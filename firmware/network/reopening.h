@@ -10,10 +10,10 @@
 
 namespace touchline::network {
 
-/// Prints a line for a person, given without its end.
+/// Prints a line for a person; the line is given without its line end.
 using Print = std::function<void(const std::string& line)>;
 
-/// Decides when a failed output or input is opened again: after a pause that doubles with each failure. Reports the
+/// Decides when a failed output or input is opened again: after a pause that doubles with each failure. Reports a
 /// failure once, and the recovery once.
 class Reopening {
  public:

@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kMillimetersPerMeter = 1000.0;
 
-/// A pixel and the point of the field that our model gives for it.
+/// A pixel and the field point that our model gives for it.
 struct Sample {
   Eigen::Vector2d pixel;
   Eigen::Vector3d field_m;
@@ -60,7 +60,7 @@ double squared_error(const Model& model, const std::vector<Sample>& samples) {
   return std::isfinite(sum) ? sum : 1e300;
 }
 
-/// The visible points of a grid over the field, on the floor and on the robots' tops.
+/// Returns the visible points of a grid over the field, on the floor and on the robots' tops.
 std::vector<Sample> visible_samples(const CameraModel& camera, const FieldParameters& field, std::uint16_t width_px,
                                     std::uint16_t height_px, float robot_height_m) {
   constexpr int kColumns = 17, kRows = 13;
@@ -90,7 +90,7 @@ Eigen::Vector3d direction(const CameraModel& camera, double u, double v) {
                          static_cast<double>(ray.direction[2]));
 }
 
-/// A pinhole camera with the lines of sight of the picture's center and of two points beside it.
+/// Returns a pinhole camera with the lines of sight of the picture's center and of two points beside it.
 Model initial_model(const CameraModel& camera, std::uint16_t width_px, std::uint16_t height_px) {
   Model model;
   const double u = 0.5 * (width_px - 1), v = 0.5 * (height_px - 1);
@@ -108,7 +108,8 @@ Model initial_model(const CameraModel& camera, std::uint16_t width_px, std::uint
   return model;
 }
 
-/// Levenberg-Marquardt with numerical derivatives. Without `with_distortion`, the distortion parameter is not changed.
+/// Fits the model by Levenberg-Marquardt with numerical derivatives. Without `with_distortion`, the distortion
+/// parameter is not changed.
 Model fitted(Model model, const std::vector<Sample>& samples, bool with_distortion) {
   // Steps of the numerical derivatives: each moves a field point by about a micrometer.
   const Vector delta = (Vector() << 1e-6, 1e-6, 1e-6, 1e-6, 1e-6, 1e-6, 1e-3, 1e-3, 1e-3, 1e-5).finished();

@@ -19,18 +19,18 @@ struct SslCalibration {
   double distortion = 0.0;
   std::array<double, 4> q{};  // x, y, z, w
   std::array<double, 3> t_mm{};
-  std::array<double, 3> position_mm{};  // of the camera in the field frame
+  std::array<double, 3> position_mm{};  // position of the camera in the field frame
   // Distance between the points on the field that both models give for a pixel, over the visible part of the field.
   double rms_mm = 0.0, max_mm = 0.0;
 };
 
-/// The SSL-Vision model that gives the field points nearest to those of our model, in the least-squares sense, on the
+/// Finds the SSL-Vision model whose field points are nearest to those of our model, in the least-squares sense, on the
 /// floor and at `robot_height_m`. Errors as for CameraModel::configure(); kInconsistent: the camera sees too little of
 /// the field. Takes milliseconds.
 Status fit_ssl_calibration(const CameraParameters& camera, const FieldParameters& field, std::uint16_t width_px,
                            std::uint16_t height_px, float robot_height_m, SslCalibration& out);
 
-/// The point on the plane z = height_m that a receiver computes for a pixel, in m.
+/// Returns the point on the plane z = height_m that a receiver computes for a pixel, in m.
 FieldPoint to_field(const SslCalibration& calibration, PixelPoint pixel, float height_m);
 
 }  // namespace touchline::network

@@ -40,7 +40,8 @@ std::optional<GamePhase> phase_of_command(std::int32_t command) {
   }
 }
 
-/// In breaks and after the game, robots stand whatever the command is. nullopt: unknown stage.
+/// Returns whether this is a break or the game is over; then robots stand whatever the command is. Returns nullopt for
+/// an unknown stage.
 std::optional<bool> is_break(std::int32_t stage) {
   switch (stage) {
     case ssl_Stage_NORMAL_HALF_TIME:

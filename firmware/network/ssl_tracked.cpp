@@ -20,7 +20,7 @@ void copy_text(std::string_view text, char (&out)[N]) {
   std::memcpy(out, text.data(), std::min(text.size(), N - 1));
 }
 
-/// 1: seen in this frame, 0: predicted.
+/// Returns 1 for an object seen in this frame, 0 for a predicted one.
 float visibility(TrackState state) { return state == TrackState::kCoasting ? 0.0f : 1.0f; }
 
 ssl_TrackedRobot message_of(const RobotTrack& robot, TeamColor color) {

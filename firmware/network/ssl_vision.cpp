@@ -19,7 +19,7 @@ constexpr float kMmPerM = 1000.0f;
 
 std::int32_t millimeters(float length_m) { return static_cast<std::int32_t>(std::lround(length_m * kMmPerM)); }
 
-/// Like SSL-Vision, the pixel of a robot is that of its team patch.
+/// Returns the pixel of a robot's team patch, as SSL-Vision does.
 PixelPoint pixel_of(const RobotSighting& robot) {
   for (const PatchSighting& patch : robot.patches) {
     if (patch.role == PatchRole::kTeam) return patch.center;
@@ -55,7 +55,8 @@ void add_line(SSL_GeometryFieldSize& field, const char* name, SSL_FieldShapeType
   line.type = type;
 }
 
-/// Names and directions as SSL-Vision's updateFieldLinesAndArcs() in src/shared/util/field.cpp (commit 01e09d8).
+/// Names and directions are those of SSL-Vision's updateFieldLinesAndArcs() in src/shared/util/field.cpp (commit
+/// 01e09d8).
 void add_lines(SSL_GeometryFieldSize& field, const FieldParameters& parameters) {
   const float x = 0.5f * parameters.length_m * kMmPerM, y = 0.5f * parameters.width_m * kMmPerM;
   const float thickness = parameters.line_width_m * kMmPerM;
@@ -70,7 +71,7 @@ void add_lines(SSL_GeometryFieldSize& field, const FieldParameters& parameters) 
   add("CenterLine", SSL_FieldShapeType_CenterLine, {-x, 0}, {x, 0});
 }
 
-/// Both areas, if the field has any: the side along the goal line is the goal line itself.
+/// Adds both areas, if the field has them; the side along the goal line is the goal line itself.
 void add_penalty_areas(SSL_GeometryFieldSize& field, const FieldParameters& parameters) {
   if (parameters.penalty_area_depth_m <= 0.0f || parameters.penalty_area_width_m <= 0.0f) return;
   field.has_penalty_area_depth = field.has_penalty_area_width = true;
@@ -85,7 +86,7 @@ void add_penalty_areas(SSL_GeometryFieldSize& field, const FieldParameters& para
   };
   add("LeftPenaltyStretch", SSL_FieldShapeType_LeftPenaltyStretch, {-front, -y}, {-front, y});
   add("RightPenaltyStretch", SSL_FieldShapeType_RightPenaltyStretch, {front, -y}, {front, y});
-  // Left and right as the goalkeeper sees them.
+  // Left and right are as the goalkeeper sees them.
   add("LeftFieldLeftPenaltyStretch", SSL_FieldShapeType_LeftFieldLeftPenaltyStretch, {-goal, y}, {-front, y});
   add("LeftFieldRightPenaltyStretch", SSL_FieldShapeType_LeftFieldRightPenaltyStretch, {-goal, -y}, {-front, -y});
   add("RightFieldLeftPenaltyStretch", SSL_FieldShapeType_RightFieldLeftPenaltyStretch, {goal, -y}, {front, -y});

@@ -14,27 +14,27 @@
 
 namespace touchline::network {
 
-/// What the encoders say about venue and robots.
+/// Venue and robots as the encoders describe them.
 struct VenueGeometry {
   FieldParameters field;
   CameraParameters camera;
-  std::uint16_t width_px = 0, height_px = 0;  // of the picture
+  std::uint16_t width_px = 0, height_px = 0;  // size of the picture
   float ball_radius_m = 0.0f;
-  std::array<float, 2> robot_height_m{};  // by Team
+  std::array<float, 2> robot_height_m{};  // height by Team
 };
 
 /// Encodes SSL-Vision's SSL_WrapperPacket (docs/network.md): millimeters, radians, pixels.
 class SslVisionEncoder {
  public:
-  /// Errors of CameraModel::configure().
+  /// Sets the geometry. Errors of CameraModel::configure().
   Status configure(const VenueGeometry& geometry);
 
-  /// A packet with the frame's detections. Returns its bytes; 0: `out` is too small.
+  /// Writes a packet with the frame's detections. Returns its bytes; 0 if `out` is too small.
   std::size_t encode_detection(const OutputFrame& frame, std::span<std::byte> out) const;
-  /// A packet with field and calibration.
+  /// Writes a packet with field and calibration.
   std::size_t encode_geometry(std::uint32_t camera_id, std::span<std::byte> out) const;
 
-  /// nullopt: the camera sees too little of the field. Then the geometry has no calibration.
+  /// Returns nullopt if the camera sees too little of the field. Then the geometry has no calibration.
   [[nodiscard]] const std::optional<SslCalibration>& calibration() const { return calibration_; }
 
  private:

@@ -8,10 +8,10 @@
 
 namespace touchline::report {
 
-/// Standard base64 with padding (RFC 4648, section 4).
+/// Returns standard base64 with padding (RFC 4648, section 4).
 std::string base64_of(std::span<const std::byte> bytes);
-/// The bytes of a text in standard base64. Empty if its length is no multiple of four, or if it has other characters
-/// (line breaks too), missing padding or characters after it.
+/// Returns the bytes of a text in standard base64. Empty if its length is no multiple of four, or if it has other
+/// characters (line breaks too), missing padding or characters after it.
 std::optional<std::string> bytes_of_base64(std::string_view text);
 
 }  // namespace touchline::report

@@ -11,8 +11,8 @@ namespace {
 
 constexpr std::string_view kReplacement = "\xef\xbf\xbd";  // U+FFFD
 
-/// Number of bytes of the UTF-8 sequence that starts the text. If it is invalid or cut off: 0, and `bad` gets the
-/// number of bytes that one U+FFFD replaces (Unicode 15, section 3.9, "maximal subpart").
+/// Returns the number of bytes of the UTF-8 sequence at the beginning of the text. If it is invalid or cut off, returns
+/// 0, and `bad` gets the number of bytes that one U+FFFD replaces (Unicode 15, section 3.9, "maximal subpart").
 std::size_t utf8_sequence(std::string_view text, std::size_t& bad) {
   const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
   const unsigned first = byte(0);
@@ -89,8 +89,8 @@ void JsonWriter::string(std::string_view value) {
 void JsonWriter::number(double value) {
   if (!std::isfinite(value)) return null();
   separate();
-  // The digits are the same as those of nlohmann's library in earlier files. std::to_chars gives fewer digits for one
-  // number in a thousand.
+  // The digits are the same as those of nlohmann's library in earlier files. (std::to_chars gives fewer digits for one
+  // number in a thousand.)
   std::array<char, 64> text{};
   const char* end = nlohmann::detail::to_chars(text.data(), text.data() + text.size(), value);
   append({text.data(), static_cast<std::size_t>(end - text.data())});
@@ -131,7 +131,7 @@ void JsonWriter::quote(std::string_view text) {
 
 double rounded(double value, double step) {
   const double steps = std::round(1.0 / step);
-  return std::round(value * steps) / steps + 0.0;  // + 0.0: no "-0.0"
+  return std::round(value * steps) / steps + 0.0;  // adding 0.0 avoids "-0.0"
 }
 
 }  // namespace touchline::report

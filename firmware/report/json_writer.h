@@ -22,14 +22,15 @@ class JsonWriter {
   void null();
   void boolean(bool value);
   void integer(std::int64_t value);
-  /// A decimal number that reads back as the same double, always with a point or an exponent. null if it is not finite.
+  /// Writes a decimal number that reads back as the same double, always with a point or an exponent. Writes null if it
+  /// is not finite.
   void number(double value);
   /// Bytes that are not UTF-8 become U+FFFD.
   void string(std::string_view value);
   /// Ends a line.
   void line_end() { append("\n"); }
 
-  /// False if the text did not fit. Then it is cut off.
+  /// Returns false if the text did not fit and is cut off.
   [[nodiscard]] bool fits() const { return fits_; }
   [[nodiscard]] std::size_t size() const { return size_; }
 
@@ -50,7 +51,8 @@ class JsonWriter {
   bool needs_comma_ = false;
 };
 
-/// The multiple of `step` next to the value. 1 / step is a whole number, so that the result has few decimals.
+/// Returns the multiple of `step` nearest to the value. 1 / step must be a whole number, so that the result has few
+/// decimals.
 double rounded(double value, double step);
 
 }  // namespace touchline::report

@@ -11,10 +11,10 @@
 
 namespace touchline::report {
 
-/// Names of the colors and teams for persons.
+/// Names of the colors and teams for people.
 struct TraceNames {
-  std::vector<std::string> colors;   // indexed by ColorId; 0: background
-  std::array<std::string, 2> teams;  // indexed by Team: the color of its team patches
+  std::vector<std::string> colors;   // by ColorId; 0: background
+  std::array<std::string, 2> teams;  // by Team: the color of its team patches
 };
 
 /// Results of a frame, from a StepTrace or a Snapshot.
@@ -26,13 +26,13 @@ struct FrameResults {
   bool overload;
 };
 
-// Steps to which values are rounded: below the noise, and short in the text.
+// Steps to which values are rounded: smaller than the noise, but short as text.
 constexpr double kMeterStep = 1e-5, kRadianStep = 1e-5, kSpeedStep = 1e-4, kPixelStep = 1e-3, kSecondStep = 1e-6,
                  kConfidenceStep = 1e-4;
 
-/// Writes the members that the replay's lines and the live lines share (docs/replay.md): what the frame alone shows
-/// (`sightings`) and the filtered state at its capture time (`tracks`). Meters, radians, seconds. Unknown ids and
-/// headings are null. `frame`: its number from 0; `file`: where it stands, or the device.
+/// Writes the members that the replay's lines and the live lines have in common (docs/replay.md): results from the
+/// frame alone (`sightings`) and the filtered state at its capture time (`tracks`). Meters, radians, seconds. Unknown
+/// ids and headings are null. `frame`: its number from 0; `file`: its file, or the device.
 void write_frame(JsonWriter& json, const FrameResults& results, const TraceNames& names, std::uint64_t frame,
                  std::string_view file);
 
@@ -42,7 +42,7 @@ void write_number(JsonWriter& json, std::string_view key, float value, double st
 /// Writes the members `team` and `id`; an unknown id is null.
 void write_identity(JsonWriter& json, std::string_view team, RobotId id);
 
-/// The replay's line for a frame: an object with the members of write_frame(), without line end.
+/// Returns the replay's line for a frame: an object with the members of write_frame(), without line end.
 std::string trace_line(const StepTrace& trace, const TraceNames& names, std::uint64_t frame, std::string_view file);
 std::string trace_line(const FrameResults& results, const TraceNames& names, std::uint64_t frame,
                        std::string_view file);

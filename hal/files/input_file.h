@@ -13,9 +13,9 @@ inline constexpr std::size_t kMaxTextFileBytes = std::size_t{1} << 20;
 /// to 600 MB; cameras deliver up to 5 megapixels.
 inline constexpr std::size_t kMaxDataFileBytes = std::size_t{256} << 20;
 
-/// Reads a whole regular file of at most `limit_bytes`. Never waits: a FIFO or a device is refused, not read.
-/// kNotFound, kPermission, kIo; kOutOfRange: larger than the limit; kUnsupported: not a regular file. The message names
-/// the file and the cause.
+/// Reads a whole regular file of at most `limit_bytes`. It never waits: a FIFO or a device is rejected, not read.
+/// kNotFound, kPermission, kIo: as usual; kOutOfRange: the file is larger than the limit; kUnsupported: it is not a
+/// regular file. The message names the file and the cause.
 Result<std::string> read_file(const std::string& path, std::size_t limit_bytes);
 
 }  // namespace touchline::hal

@@ -20,8 +20,8 @@ namespace touchline::hal {
 namespace {
 
 constexpr std::size_t kBufferBytes = 65536;
-constexpr int kMaxLinks = 40;     // the limit of the kernel
-constexpr int kMaxAttempts = 16;  // more than one is needed only if two names share 64 random bits
+constexpr int kMaxLinks = 40;     // Maximum number of links, as in the kernel.
+constexpr int kMaxAttempts = 16;  // Number of attempts; a second one is needed only if two names share 64 random bits.
 
 ErrorCode code_of(int error) {
   switch (error) {
@@ -95,7 +95,7 @@ Result<void> OutputFile::open(const std::string& path, const OutputOptions& opti
     return {};
   }
   struct stat status {};
-  // The kernel follows the links here, and refuses those that it does not trust (sysctl fs.protected_symlinks).
+  // The kernel follows the links here, and rejects those that it does not trust (sysctl fs.protected_symlinks).
   const bool exists = (options.follow_links ? ::stat(path.c_str(), &status) : ::lstat(path.c_str(), &status)) == 0;
   if (!exists && errno != ENOENT) return error_of("cannot be written", errno);
   if (path.empty() || path.back() == '/' || (exists && S_ISDIR(status.st_mode))) {
@@ -111,7 +111,7 @@ Result<void> OutputFile::open_in_place(const OutputOptions& options, bool is_fif
   const int no_follow = options.follow_links ? 0 : O_NOFOLLOW;
   const auto open = [&] { return ::open(path_.c_str(), O_WRONLY | O_NONBLOCK | O_CLOEXEC | O_NOCTTY | no_follow); };
   file_ = open();
-  // Repeats while a FIFO has no reader.
+  // Repeat while a FIFO has no reader.
   while (is_fifo && file_ < 0 && errno == ENXIO && !is_interrupted()) {
     std::this_thread::sleep_for(kInterruptionDelay);
     file_ = open();
@@ -135,7 +135,7 @@ Result<void> OutputFile::open_temporary(const OutputOptions& options) {
   if (folder_ < 0) return error_of("cannot be created", errno);
   struct stat former {};
   const bool exists = ::fstatat(folder_, name_.c_str(), &former, AT_SYMLINK_NOFOLLOW) == 0 && S_ISREG(former.st_mode);
-  // A rename checks only the permissions of the folder, so it would replace a write-protected file.
+  // Check the file's permissions, because a rename checks only the folder's and would replace a write-protected file.
   if (exists && ::faccessat(folder_, name_.c_str(), W_OK, AT_EACCESS) != 0) return error_of("cannot be written", errno);
 
   const bool mode_known = exists || options.mode.has_value();
@@ -208,7 +208,7 @@ Result<void> OutputFile::commit() {
     }
     temporary_.clear();
   }
-  // Network file systems report failed writes here.
+  // Network file systems report failed writes only here.
   const int file = std::exchange(file_, -1);
   if (file != STDOUT_FILENO && ::close(file) != 0) return error_of("cannot be written", errno);
   Result<void> synced = sync_ && folder_ >= 0 ? sync_folder() : Result<void>();

@@ -14,14 +14,15 @@ namespace touchline::hal {
 struct OutputOptions {
   /// False: if the path is a symbolic link, the file replaces the link, and its target is not changed.
   bool follow_links = true;
-  /// False: commit() does not wait for the disk. For many files that can be written again, such as a series of
+  /// False: commit() does not wait for the disk. This is for many files that can be written again, such as a series of
   /// pictures.
   bool sync = true;
-  /// Permissions of the file. By default those of the file that is replaced, or 0666 minus the umask for a new one.
+  /// Permissions of the file. The default is the permissions of the replaced file, or 0666 minus the umask for a new
+  /// one.
   std::optional<mode_t> mode = std::nullopt;
 };
 
-/// A complete file under its temporary name, and the name that it is to get. Symbolic links are followed already.
+/// A complete file under its temporary name, and its final name. In both, symbolic links are already resolved.
 struct PreparedFile {
   std::string path, temporary;
 };
@@ -32,11 +33,12 @@ struct PreparedFile {
 ///   opened. The destructor removes it; after a SIGKILL or a power cut it stays in the folder.
 /// - A symbolic link stays a link: its target is replaced, or created.
 /// - The former file's permissions are kept, and its owner if the system allows it. Its hard links keep the old data.
-/// - A character device, FIFO or pipe is written in place. Waiting for its reader ends when the process is to end
+/// - A character device, FIFO or pipe is written in place. Waiting for its reader ends when the process is told to end
 ///   (hal/files/interruption.h).
 /// - "-" is standard output.
 ///
-/// Errors of all functions: kNotFound (no such folder), kPermission, kIo. The message names the file and the cause.
+/// Errors of all functions: kNotFound (the folder does not exist), kPermission, kIo. The message names the file and the
+/// cause.
 class OutputFile {
  public:
   OutputFile() = default;
@@ -46,11 +48,11 @@ class OutputFile {
 
   Result<void> open(const std::string& path, const OutputOptions& options = {});
   Result<void> write(std::string_view bytes);
-  /// True for regular files: seek() works, and nothing can be read before commit().
+  /// Returns true for regular files: seek() works, and nothing can be read before commit().
   [[nodiscard]] bool replaces_file() const { return !temporary_.empty(); }
-  /// Position in bytes from the file's beginning for the next write(). kUnsupported unless replaces_file().
+  /// Sets the position of the next write(), in bytes from the file's beginning. kUnsupported unless replaces_file().
   Result<void> seek(std::uint64_t position);
-  /// Writes everything to the disk, still under the temporary name: a full disk shows here, before any file is
+  /// Writes everything to the disk, still under the temporary name, so that a full disk is noticed before any file is
   /// replaced.
   Result<void> sync();
   /// Syncs the file, gives it its name, and syncs the folder. If only the last step fails, the error says that the file
@@ -69,14 +71,14 @@ class OutputFile {
   Result<void> sync_folder();
   void close();
 
-  std::string path_;       // as given, for messages
-  std::string target_;     // the same without symbolic links
-  std::string name_;       // of the file in the folder
-  std::string temporary_;  // name in the folder; empty: written in place
+  std::string path_;       // path as given, for messages
+  std::string target_;     // the path with symbolic links resolved
+  std::string name_;       // folder of the file
+  std::string temporary_;  // temporary name in the folder; empty: the file is written in place
   std::string buffer_;
   int file_ = -1, folder_ = -1;
   bool sync_ = true;
-  bool has_reader_ = false;  // writing may have to wait for somebody who reads
+  bool has_reader_ = false;  // writing may have to wait for a reader
 };
 
 /// Makes the renames in a folder survive a power failure. Also succeeds if the folder can only be written, or if the

@@ -19,7 +19,7 @@ void write_text(int descriptor, std::string_view text) {
   while (!text.empty()) {
     const ssize_t count = ::write(descriptor, text.data(), text.size());
     if (count < 0 && errno == EINTR) continue;
-    if (count < 0) return;  // nobody can read it: the game goes on
+    if (count < 0) return;  // nobody can read the text: the program goes on
     text.remove_prefix(static_cast<std::size_t>(count));
   }
 }
@@ -35,7 +35,7 @@ struct TextOutput::State {
   std::condition_variable changed;
   std::deque<WaitingText> waiting;
   std::size_t waiting_bytes = 0;
-  std::size_t dropped = 0;  // since the last text that was written
+  std::size_t dropped = 0;  // number of texts dropped since the last one that was written
   bool writes = false;      // the thread is in write()
   bool has_thread = false, ends = false;
 };
@@ -44,7 +44,7 @@ TextOutput::TextOutput(int out, int err) : out_(out), err_(err), state_(std::mak
   try {
     std::thread(work, state_).detach();
     state_->has_thread = true;
-  } catch (const std::system_error&) {  // no further thread: what is printed is lost
+  } catch (const std::system_error&) {  // no thread can be started: the texts are lost
   }
 }
 

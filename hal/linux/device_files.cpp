@@ -68,7 +68,7 @@ std::string users_of(const std::string& device) {
       std::ifstream comm(process->path() / "comm");
       std::string name;
       std::getline(comm, name);
-      // A process may have given itself any name, also one that a terminal would obey.
+      // Replace control characters, because a process may give itself any name, even one that a terminal would execute.
       std::replace_if(
           name.begin(), name.end(), [](unsigned char c) { return c < ' ' || c == 127; }, '?');
       users.append(users.empty() ? "" : ", ").append(name).append(" (process ").append(number).append(")");

@@ -5,18 +5,18 @@
 
 namespace touchline::hal {
 
-/// "/dev/video" -> "/dev/video0", "/dev/video2", "/dev/video10": the files whose names are `name` and a number, sorted
-/// by number.
+/// Returns the files whose names are `name` and a number, sorted by number: "/dev/video" gives "/dev/video0",
+/// "/dev/video2", "/dev/video10".
 std::vector<std::string> numbered_files(const std::string& name);
 
-/// True if `file` is `name` followed by a number.
+/// Returns true if `file` is `name` followed by a number.
 bool is_numbered(const std::string& file, const std::string& name);
 
-/// True if `file` is a symbolic link to another file.
+/// Returns true if `file` is a symbolic link to another file.
 bool is_link(const std::string& file);
 
 /// Returns the link in `folder` ("/dev/v4l/by-path") to `device`; "" if there is none. Board files should contain the
-/// link: it stays the same if devices are plugged in in another order.
+/// link, because it stays the same if devices are plugged in in another order.
 std::string stable_link(const char* folder, const std::string& device);
 
 /// Returns the processes that have this device open, as far as this user may see them: "guvcview (process 1234)"; "" if

@@ -21,8 +21,8 @@ constexpr std::array<const char*, 4> kHeaps{
     "/dev/dma_heap/linux,cma",           // the same before Linux 6.17; size from the device tree
     "/dev/dma_heap/reserved"};           // the same; size from the kernel's command line
 
-// Maximum number of attempts, which take about a millisecond. The loop calls synchronize() with real-time priority, and
-// a driver that is never ready must not block it.
+// Maximum number of attempts; together they take about a millisecond. The loop calls synchronize() with real-time
+// priority, and a driver that is never ready must not block it.
 constexpr int kMaxTries = 1000;
 
 int synchronize(int dma_buf, unsigned long long flags) {
@@ -34,7 +34,7 @@ int synchronize(int dma_buf, unsigned long long flags) {
   }
 }
 
-/// Returns the index of the first plane in the same file as plane i, because each file is mapped once.
+/// Returns the index of the first plane that lies in the same file as plane i, because each file is mapped once.
 std::size_t first_plane_with_file_of(const DmaBuffer& buffer, std::size_t i) {
   std::size_t first = 0;
   while (buffer.plane[first].file != buffer.plane[i].file) ++first;

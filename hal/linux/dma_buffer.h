@@ -37,7 +37,7 @@ class DmaHeap {
   /// Returns 0 or an errno. EACCES: no permission; ENOENT: this system has no heap that cameras can write to.
   [[nodiscard]] int open();
   void close();
-  /// Path of the heap that was opened, or that could not be opened.
+  /// Returns the path of the heap that was opened, or that could not be opened.
   [[nodiscard]] const char* name() const { return name_; }
   /// Allocates a dma-buf; the caller closes `file`. Returns 0 or an errno.
   [[nodiscard]] int allocate(std::size_t bytes, int& file) const;
@@ -59,14 +59,14 @@ class DmaMapping {
   [[nodiscard]] int map(const DmaBuffer& buffer);
   void unmap();
 
-  /// To be called after the device has written and before the first read.
+  /// Call it after the device has written and before the first read.
   [[nodiscard]] int begin_read() { return synchronize(true); }
-  /// To be called before the device writes again. Does nothing without begin_read().
+  /// Call it before the device writes again. Does nothing without begin_read().
   [[nodiscard]] int end_read() { return synchronize(false); }
 
-  /// Null for unused planes.
+  /// Returns null for unused planes.
   [[nodiscard]] const std::uint8_t* plane(std::size_t index) const { return plane_[index]; }
-  /// The mapped files without repetition; unused entries are -1.
+  /// Returns the mapped files without repetition; unused entries are -1.
   [[nodiscard]] std::array<int, kMaxPlanes> files() const {
     return {mappings_[0].file, mappings_[1].file, mappings_[2].file};
   }

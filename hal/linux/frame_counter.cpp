@@ -14,7 +14,7 @@ std::uint32_t FrameCounter::count(std::uint32_t driver_sequence, std::uint32_t p
   std::uint32_t step = driver_sequence - std::exchange(driver_last_, driver_sequence);
   if (!std::exchange(counted_, true)) return last_ = driver_sequence;
   const bool is_back = step >= kDecrease;
-  // After a restart of the driver's numbers, or one wrong number, no frames are missing.
+  // After the driver has restarted its numbers or delivered one wrong number, no frames are missing.
   if (is_back || (was_back_ && driver_sequence == last_ + 1)) {
     step = 1;
     ahead_ = 0;

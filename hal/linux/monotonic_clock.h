@@ -14,7 +14,7 @@ class MonotonicClock final : public Clock {
   /// Static versions, as Pipeline::StageClock needs them.
   [[nodiscard]] static Instant read();
   static void wait_for(Instant instant);
-  /// CLOCK_BOOTTIME: includes the time that the system was suspended.
+  /// Reads CLOCK_BOOTTIME, which includes the time during which the system was suspended.
   [[nodiscard]] static Instant read_with_suspension();
 };
 

@@ -16,7 +16,7 @@ class Semaphore {
 
   void post() noexcept;
   void wait() noexcept;
-  /// False: timeout at `deadline` (of hal::Clock).
+  /// Returns false if the time reached `deadline` (of hal::Clock).
   [[nodiscard]] bool wait_until(Instant deadline) noexcept;
 
  private:

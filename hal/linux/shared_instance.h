@@ -6,13 +6,13 @@
 
 namespace touchline::hal {
 
-/// Shares an object of which a process may have only one at a time. The first user creates it, the last one destroys
-/// it. A user that arrives during the destruction waits and gets a new object.
+/// Shares an object that may exist only once in a process. The first user creates it, the last one destroys it. A user
+/// that arrives during the destruction waits and gets a new object.
 template <class T>
 class SharedInstance {
  public:
-  /// Creates the object by `make`, which returns a std::unique_ptr<T>, if there is none. If `make` returns null,
-  /// returns null, and release() must not be called.
+  /// Returns the object; if there is none, creates it by `make`, which returns a std::unique_ptr<T>. If `make` returns
+  /// null, returns null, and release() must not be called.
   template <class Make>
   T* acquire(const Make& make) {
     const std::scoped_lock alone(mutex_);
@@ -20,7 +20,7 @@ class SharedInstance {
     if (instance_ != nullptr) ++users_;
     return instance_.get();
   }
-  /// To be called once for each acquire() that was not null.
+  /// Call it once for each acquire() that did not return null.
   void release() {
     const std::scoped_lock alone(mutex_);
     if (--users_ == 0) instance_.reset();

@@ -40,7 +40,7 @@ Error device_busy(const char* device) noexcept {
   try {
     const std::string users = users_of(device);
     if (!users.empty()) return failure(ErrorCode::kDeviceBusy, "%s: in use by %s", device, users.c_str());
-  } catch (const std::exception&) {  // memory is short: the message does without names
+  } catch (const std::exception&) {  // out of memory: the message omits the names
   }
   return failure(ErrorCode::kDeviceBusy, "%s: in use by another process; `fuser -v %s` shows it", device, device);
 }

@@ -19,7 +19,7 @@ Duration read_unix_time() {
 }  // namespace
 
 UnixTimeOffset measure_unix_time_offset() {
-  // One pair without an interrupt between its readings is enough.
+  // One pair of readings that no interrupt has separated is enough.
   constexpr int kAttempts = 16;
   UnixTimeOffset best;
   best.uncertainty = Duration::max();

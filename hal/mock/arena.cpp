@@ -129,7 +129,7 @@ std::optional<Instant> Arena::next_frame_ready() const {
   if (!waiting_.empty()) return waiting_[0].ready;
   const Instant begin = shutters_.empty() ? std::max(exposure_begin(next_frame_), stepped_) : shutters_[0].since;
   const SensorParameters& sensor = parameters_.sensor;
-  // The shutter opens and closes on steps of the world, so both of its instants are rounded up.
+  // The shutter opens and closes at steps of the world, so the times at which it opens and closes are rounded up.
   return begin + from_seconds(sensor.exposure_s) + from_seconds(sensor.readout_s) + from_seconds(sensor.transfer_s) +
          2 * kStep;
 }
@@ -202,7 +202,7 @@ std::span<const std::uint16_t> Arena::with_led(std::span<const std::uint16_t> pi
   if (led_picture_.empty()) return picture;
   std::copy(picture.begin(), picture.end(), led_picture_.begin());
   const ArenaLed& led = parameters_.led;
-  // Brightness of the LED: below the sensor's full scale, as that of a lamp behind paper.
+  // Brightness of the LED: below the sensor's full scale, like a lamp behind paper.
   constexpr double kLight = 0.8 * kLinearScale;
   for (std::size_t v = 0; v < camera_.height_px; ++v) {
     for (std::size_t u = 0; u < camera_.width_px; ++u) {

@@ -21,12 +21,12 @@
 
 namespace touchline::hal::mock {
 
-/// One exposure of the camera, not yet rendered: the scene when the shutter of the first row opens and when that of the
-/// last row closes.
+/// One exposure of the camera, not yet rendered: the scene when the shutter opens for the first row, and when it closes
+/// for the last row.
 struct Exposure {
   Snapshot begin, end;
   RowTiming rows;
-  Instant capture_time{}, ready{};  // middle of the first row's exposure; in memory
+  Instant capture_time{}, ready{};  // middle of the first row's exposure; time at which the picture is in memory
   std::uint32_t sequence = 0;
   double led = 0.0;  // share of the exposure in which the LED was on
 };
@@ -51,7 +51,7 @@ class Arena {
   ~Arena() = default;
 
   [[nodiscard]] Instant now() const { return now_; }
-  /// Advances the time to `instant`. Does nothing if it has passed.
+  /// Advances the time to `instant`. Does nothing if this time has passed.
   void advance_to(Instant instant);
   [[nodiscard]] bool fault_active(FaultKind kind) const { return fault_active(kind, now_); }
   [[nodiscard]] bool fault_active(FaultKind kind, Instant at) const;
@@ -70,8 +70,8 @@ class Arena {
   /// Renders the frame into `out`, which holds the bytes of picture_layout().
   void render(const Exposure& exposure, std::span<std::uint8_t> out);
 
-  /// Puts the robot or the ball that the camera shows at `from` to where it shows `to`, within the walls; it then
-  /// stands still. kNotFound: there is none; kBusy: another one is there.
+  /// Moves the robot or ball that the camera shows at `from` to where it shows `to`, within the walls, and stops it.
+  /// kNotFound: nothing is at `from`; kBusy: another object is at `to`.
   Result<void> move_object(const PixelPoint& from, const PixelPoint& to);
 
   /// Switches ArenaParameters::led at now().
@@ -94,7 +94,7 @@ class Arena {
   struct OpenShutter {
     Exposure exposure;
     Instant since{};
-    std::optional<Duration> led_on_before;  // when the row with the LED begins
+    std::optional<Duration> led_on_before;  // time at which the LED's row begins
     bool led_known = false;
   };
 
@@ -121,13 +121,14 @@ class Arena {
   bool streaming_ = false;
   Instant first_exposure_{};
   std::uint64_t next_frame_ = 0;
-  // The next exposure begins when the former one has taken its exposure time and its readout: three at most overlap.
+  // The next exposure begins when the previous one has taken its exposure time and its readout, so at most three
+  // overlap.
   FixedVector<OpenShutter, 3> shutters_;
   bool led_on_ = false;
   Instant led_changed_{};
   Duration led_on_time_{};
   std::vector<std::uint16_t> led_picture_;
-  FixedVector<Exposure, 32> waiting_;  // the largest number of buffers that the board file allows
+  FixedVector<Exposure, 32> waiting_;  // as many as the largest number of buffers in a board file
   int held_ = 0;
   std::mutex mutex_;
 };

@@ -18,7 +18,7 @@ namespace touchline::hal::mock {
 using Srgb = std::array<std::uint8_t, 3>;  // red, green, blue with the sRGB transfer function
 inline constexpr Range kRgbRange{0, 255};
 
-/// The field as it is built and painted. What the pipeline knows of it is FieldParameters in core/geometry.
+/// The field as it is really built and painted. The pipeline knows only FieldParameters in core/geometry.
 struct ArenaField {
   double length_m = 2.2, width_m = 1.8;
   double goal_width_m = 0.4, goal_depth_m = 0.15;
@@ -299,7 +299,7 @@ inline constexpr std::array<Choice<Opponents>, 2> kOpponentModes{
 /// A lamp in the picture that the status light's line switches (touchline-latency --led); no key of the board file.
 struct ArenaLed {
   double u_px = 0.0, v_px = 0.0;
-  double radius_px = 0.0;  // 0: there is none
+  double radius_px = 0.0;  // 0: no LED
 };
 
 struct ArenaParameters {

@@ -25,15 +25,16 @@ class BayerInterpolation {
   /// Sizes of at least 2 x 2 pixels; `pattern` is not kNone.
   BayerInterpolation(BayerPattern pattern, std::size_t width_px, std::size_t height_px);
 
-  /// 0: red, 1: green, 2: blue.
+  /// Returns 0 for red, 1 for green, 2 for blue.
   [[nodiscard]] std::size_t color_at(std::size_t column, std::size_t row) const;
 
-  /// Row of one picture. `measured`: one value per pixel. `out`: R, G, B of each pixel. Does not allocate.
+  /// Interpolates one row of a picture. `measured`: one value per pixel. `out`: R, G, B of each pixel. Does not
+  /// allocate.
   void interpolate_row(std::span<const float> measured, std::size_t row, std::span<float> out) const;
 
  private:
   std::size_t width_, height_;
-  std::size_t red_column_, red_row_;  // 0 or 1
+  std::size_t red_column_, red_row_;  // 0 or 1 each
 };
 
 /// Blurs a picture with a Gaussian kernel, as a lens that is slightly out of focus does. Pixels beyond the edge repeat
@@ -48,8 +49,8 @@ class GaussianBlur {
 
  private:
   std::size_t width_, height_;
-  std::vector<float> weight_;  // at distance 0, 1, ...
-  std::vector<float> across_;  // blurred along the rows
+  std::vector<float> weight_;  // weights at distance 0, 1, ...
+  std::vector<float> across_;  // picture blurred along the rows
   std::vector<std::uint16_t> out_;
 };
 

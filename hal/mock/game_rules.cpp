@@ -1,4 +1,4 @@
-// The rules of the game in the mock world: kick-off, goals, free balls, touches, and how the opponents play.
+// Rules of the game in the mock world: kick-off, goals, free balls, touches, and the play of the opponents.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -56,7 +56,7 @@ void World::referee() {
     still_s_ = 0.0;
     return;
   }
-  // Without playing opponents or a commanded robot, nobody plays, and the ball stays where somebody has put it.
+  // If neither opponents play nor an own robot gets commands, the ball stays where somebody has put it.
   const bool is_played = parameters_.opponents == Opponents::kPlay ||
                          std::any_of(robots_.begin(), robots_.end(),
                                      [](const Robot& robot) { return robot.commanded_mps != std::array<double, 2>{}; });

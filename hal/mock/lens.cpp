@@ -24,7 +24,7 @@ Vec3 linear_combination(const Vec3& a, double s, const Vec3& b, double t) {
 Lens::Lens(const LensParameters& parameters)
     : focal_(parameters.focal_px),
       cubic_(parameters.cubic),
-      // pi (straight back), or the angle at which the radius reaches its maximum.
+      // largest angle: pi (straight back), or the angle at which the radius reaches its maximum
       max_angle_rad_(cubic_ < 0.0 ? std::min(std::numbers::pi, std::sqrt(-1.0 / (3.0 * cubic_))) : std::numbers::pi),
       center_{parameters.center_u_px, parameters.center_v_px},
       position_(parameters.position_m) {

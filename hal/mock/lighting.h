@@ -18,7 +18,7 @@ class Lighting {
  public:
   Lighting(const LightParameters& light, const ArenaField& field);
 
-  /// Irradiance of a horizontal surface at this point.
+  /// Returns the irradiance of a horizontal surface at this point.
   [[nodiscard]] float irradiance(float x_m, float y_m, float z_m) const;
   [[nodiscard]] float ambient() const { return ambient_; }
 

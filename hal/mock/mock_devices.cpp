@@ -92,7 +92,7 @@ Result<FrameLease> MockCamera::hand_out(const Exposure& exposure) {
     return failure(arena_.fault_active(FaultKind::kFrameShort) ? ErrorCode::kShortFrame : ErrorCode::kCorruptFrame,
                    "mock camera: the frame is damaged (injected by [[arena.fault]])");
   }
-  // A buffer is free, because the arena exposes only if one is free.
+  // There is a free buffer, because the arena exposes only if one is free.
   const auto free = std::find(held_.begin(), held_.end(), false);
   const auto buffer = static_cast<std::size_t>(free - held_.begin());
   *free = true;
@@ -256,11 +256,11 @@ Result<GpioInputs> MockGpio::do_inputs(Instant now) {
 }
 
 Debouncer::State MockGpio::read_input(FaultKind kind, Debouncer& debouncer, Instant now) {
-  FixedVector<Instant, 16> changes;  // size of the kernel's event buffer of a line
+  FixedVector<Instant, 16> changes;  // as large as the kernel's event buffer of a line
   for (const ArenaFault& fault : arena_.faults()) {
     if (fault.kind != kind) continue;
     for (const double at_s : {fault.at_s, fault.at_s + fault.for_s}) {
-      // One microsecond later, so that rounding cannot place the edge before the fault.
+      // Add one microsecond, so that rounding cannot place the edge before the fault.
       const Instant at = arena_.begin() + from_seconds(at_s) + std::chrono::microseconds(1);
       if (at > last_read_ && at <= now) changes.push_back(at);
     }

@@ -19,26 +19,26 @@
 // each call locks the arena.
 namespace touchline::hal::mock {
 
-/// A real clock for an arena that follows it. The clock stands still while a picture is rendered, because a real camera
-/// takes pictures without the processor. Any thread may call it.
+/// A real clock that an arena follows. The clock stands still while a picture is rendered, because a real camera takes
+/// pictures without the processor. Any thread may call it.
 class RenderingClock : public Clock {
  public:
   explicit RenderingClock(Clock& real) : real_(real) {}
   [[nodiscard]] Instant now() const override;
   void sleep_until(Instant instant) override;
-  /// Stops the clock, and lets it go on.
+  /// Stop the clock, and start it again.
   void pause();
   void resume();
 
  private:
   Clock& real_;
   mutable std::mutex mutex_;
-  Duration paused_{};                    // in all pauses that have ended
-  std::optional<Instant> paused_since_;  // on the real clock
+  Duration paused_{};                    // sum of all pauses that have ended
+  std::optional<Instant> paused_since_;  // time of the real clock at which the present pause began
 };
 
 /// Camera that delivers rendered frames of the arena. `clock`: an ArenaClock, or a real clock that the arena follows.
-/// `rendering`: the same clock if it stands still during rendering, else null.
+/// `rendering`: equal to `clock` if it is a RenderingClock, else null.
 class MockCamera : public Camera {
  public:
   MockCamera(Arena& arena, Clock& clock, RenderingClock* rendering = nullptr);
@@ -77,7 +77,7 @@ class MockRadio : public Radio, private ByteLine {
   Result<std::size_t> do_receive(std::span<std::byte> into) override;
   Result<void> do_drain(Instant deadline) override;
   void do_close() override;
-  // ByteLine; the caller has locked the arena.
+  // Functions of ByteLine; the caller has locked the arena.
   Result<std::size_t> unsent_bytes() override;
   Result<std::size_t> write(std::span<const std::byte> bytes) override;
   Result<void> check_usable();

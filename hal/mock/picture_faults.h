@@ -12,21 +12,21 @@
 
 namespace touchline::hal::mock {
 
-/// The kinds of FaultKind that begin with kPicture: pictures with fresh time stamps and frame numbers that do not show
-/// what the camera sees. Allocates at construction only, and only what the listed faults need.
+/// Injects the faults of FaultKind that begin with kPicture: pictures with fresh time stamps and frame numbers that do
+/// not show the scene before the camera. Allocates at construction only, and only what the listed faults need.
 class PictureFaults {
  public:
   PictureFaults(const ArenaParameters& parameters, const CameraSettings& camera, std::uint64_t seed);
 
-  /// Changes what reaches the sensor: turned and random pictures have fresh noise. `scene`: R, G, B of each pixel. The
-  /// result is valid until the next call. `is_active`: FaultKind -> bool.
+  /// Changes the scene before the sensor, so rotated and random pictures have fresh noise. `scene`: R, G, B of each
+  /// pixel. The result is valid until the next call. `is_active`: FaultKind -> bool.
   template <class IsActive>
   std::span<const std::uint16_t> change_scene(std::span<const std::uint16_t> scene, IsActive is_active) {
     if (is_active(FaultKind::kPictureTurned)) scene = turned(scene);
     if (is_active(FaultKind::kPictureRandom)) scene = random_blocks();
     return scene;
   }
-  /// Changes the bytes of a picture with this capture time, which are those of picture_layout().
+  /// Changes the bytes of the picture with this capture time, in the layout of picture_layout().
   template <class IsActive>
   void change_bytes(std::span<std::uint8_t> bytes, Instant capture_time, IsActive is_active) {
     if (!former_.empty()) remember(bytes, capture_time);
@@ -44,7 +44,7 @@ class PictureFaults {
     Instant capture_time{};
     std::vector<std::uint8_t> bytes;
   };
-  // The picture that is repeated while the fault is active.
+  // Picture that is repeated while the fault is active.
   struct Repeated {
     bool holds = false;
     std::vector<std::uint8_t> bytes;
@@ -63,7 +63,7 @@ class PictureFaults {
   PictureLayout layout_;
   Random random_;
   std::vector<std::uint16_t> scene_;  // R, G, B of each pixel
-  std::vector<Picture> former_;       // of the last kTornAge, a ring
+  std::vector<Picture> former_;       // ring of the pictures of the last kTornAge
   std::size_t next_former_ = 0;
   Repeated frozen_, half_frozen_;
 };

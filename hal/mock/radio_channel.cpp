@@ -95,7 +95,8 @@ void RadioChannel::deliver_to(RobotReceiver& receiver, const Packet& packet, Ins
     telemetry_.on_packet(receiver.id, false);
     return;
   }
-  // The gap between packets is always longer than the inter-packet gap of docs/radio.md.
+  // Each packet starts a new stream, because the gap between packets is always longer than the inter-packet gap of
+  // docs/radio.md.
   receiver.stream.reset();
   const bool corrupt = random_.bernoulli(parameters_.corruption);
   const auto wrong = static_cast<std::size_t>(random_.bits() % packet.size());

@@ -22,11 +22,11 @@ class World;
 struct ChannelStatistics {
   std::uint64_t sent = 0;
   std::uint64_t due = 0;        // packets whose arrival time has passed, times the number of own robots
-  std::uint64_t obeyed = 0;     // valid and newer than the last one
+  std::uint64_t obeyed = 0;     // valid and newer than the previous valid one
   std::uint64_t lost = 0;       // not received
   std::uint64_t corrupted = 0;  // received and discarded because of a wrong checksum
-  std::uint64_t ignored = 0;    // valid, but older than the last one
-  std::uint64_t foreign = 0;    // valid, but of another team
+  std::uint64_t ignored = 0;    // valid, but older than the previous valid one
+  std::uint64_t foreign = 0;    // valid, but for another team
   std::uint64_t timeouts = 0;   // number of times that a robot stopped because it received nothing
 };
 
@@ -45,7 +45,7 @@ class RadioChannel {
   Result<void> send(std::span<const std::byte> bytes, Instant now, std::size_t receiver = kAllRobots);
   /// The time at which the last queued byte will be sent.
   [[nodiscard]] Instant drained() const { return line_free_; }
-  /// Number of queued bytes that are not sent yet.
+  /// Returns the number of queued bytes that are not sent yet.
   [[nodiscard]] std::size_t queued_bytes(Instant now) const;
   /// Moves the oldest bytes that the robots have sent into `into`; returns their number.
   std::size_t receive(std::span<std::byte> into) { return telemetry_.read(into); }
@@ -75,8 +75,8 @@ class RadioChannel {
   Duration byte_time_, timeout_;
   Random random_;
   Instant line_free_{};
-  // Packets on their way: at 60 packets per second, one second of delay and one second of mean jitter, they are 120 on
-  // average.
+  // Packets in flight: at 60 packets per second, with one second of delay and one second of mean jitter, they are 120
+  // on average.
   FixedVector<PacketInFlight, 256> in_flight_;
   std::vector<RobotReceiver> receivers_;
   RobotTelemetrySource telemetry_;

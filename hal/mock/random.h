@@ -10,8 +10,8 @@
 namespace touchline::hal::mock {
 
 /// The random number generator xoshiro256** (Blackman and Vigna, "Scrambled linear pseudorandom number generators",
-/// 2021), seeded by splitmix64. It replaces the standard library's distributions because their results differ between
-/// implementations, and a seed must give the same game everywhere.
+/// 2021), seeded by splitmix64. It replaces the standard library's distributions, whose results differ between
+/// implementations, because a seed must give the same game everywhere.
 class Random {
  public:
   /// Streams of the same seed are independent. Physics, radio and sensor use one stream each, so a change in one does
@@ -41,14 +41,14 @@ class Random {
   /// Returns a uniformly distributed number in [0, 1).
   double uniform() { return static_cast<double>(bits() >> 11U) * 0x1p-53; }
   double uniform(double low, double high) { return low + (high - low) * uniform(); }
-  /// True with this probability.
+  /// Returns true with this probability.
   bool bernoulli(double probability) { return uniform() < probability; }
-  /// Standard normal distribution (Box and Muller 1958).
+  /// Returns a number from the standard normal distribution (Box and Muller 1958).
   double normal() {
     const double radius = std::sqrt(-2.0 * std::log(1.0 - uniform()));
     return radius * std::cos(2.0 * std::numbers::pi * uniform());
   }
-  /// Exponential distribution with mean 1.
+  /// Returns a number from the exponential distribution with mean 1.
   double exponential() { return -std::log(1.0 - uniform()); }
 
  private:
@@ -56,9 +56,8 @@ class Random {
   std::array<std::uint64_t, 4> state_{};
 };
 
-/// The quantiles of the standard normal distribution in a table of 2^16 entries. One 64-bit draw gives four values;
-/// that is fast enough for image noise, which needs a million values per frame. No value exceeds 4.3 standard
-/// deviations.
+/// Table of 2^16 quantiles of the standard normal distribution. One 64-bit draw gives four values; that is fast enough
+/// for image noise, which needs a million values per frame. No value exceeds 4.3 standard deviations.
 class NormalTable {
  public:
   static constexpr std::size_t kSize = 65536;

@@ -1,4 +1,4 @@
-// Intersection of viewing rays with robots and ball, and the light reflected there.
+// Intersection of viewing rays with robots and ball, and the light reflected at the intersection.
 #include <algorithm>
 #include <cmath>
 
@@ -13,7 +13,7 @@ constexpr float kSideLight = 0.45f;
 constexpr float kGloss = 0.35f;
 constexpr float kGlossPower = 60.0f;
 
-// Whether a patch covers the point x, y relative to its centroid, in the robot's frame.
+// Returns whether a patch covers the point x, y relative to its centroid, in the robot's frame.
 bool contains(PatchShape shape, float x, float y, float length, float width) {
   switch (shape) {
     case PatchShape::kSquare:
@@ -46,7 +46,7 @@ void Renderer::intersect_robot(const Object& object, int sample, Ray ray, float 
     for (std::size_t i = 0; i < 3; ++i) hit.color[i] = (*color)[i] * top_light;
     return;
   }
-  // Slab test (Kay and Kajiya 1986) between the plane of the top and the floor: does the ray enter the footprint?
+  // Slab test (Kay and Kajiya 1986): does the ray enter the footprint between the plane of the top and the floor?
   const float wx = robot_height_ * (at.cos * ray.x + at.sin * ray.y);
   const float wy = robot_height_ * (-at.sin * ray.x + at.cos * ray.y);
   float enter = 0.0f, leave = 1.0f;
@@ -70,7 +70,7 @@ void Renderer::intersect_robot(const Object& object, int sample, Ray ray, float 
 
 void Renderer::intersect_ball(const Object& object, int sample, Ray ray, Hit& hit) const {
   const PlanarPose& at = object.at[static_cast<std::size_t>(sample)];
-  // |eye + s (x, y, -1) - center| = radius
+  // Solve |eye + s (x, y, -1) - center| = radius for s.
   const std::array<float, 3> from{eye_[0] - at.x, eye_[1] - at.y, eye_[2] - ball_radius_};
   const float a = ray.x * ray.x + ray.y * ray.y + 1.0f;
   const float half_b = from[0] * ray.x + from[1] * ray.y - from[2];

@@ -15,14 +15,15 @@ constexpr float kWhiteLevel = 0.9f;
 constexpr float kFloorGrain = 0.03f;
 constexpr float kGreyPaper = 0.45f;
 
-// Place of a sample in its pixel, from its middle, in pixels.
+// Position of a sample relative to the middle of its pixel, in pixels.
 struct SamplePlace {
   float u, v;
 };
 constexpr std::size_t kSamplesPerSide = 4;
-// Each sample has a square of its own among 4 x 4, and in it a column and a row of its own among 16, so edges along the
-// pixel grid move in steps of 1/16 pixel. Opposite places belong to opposite times, else edges of moving robots seem
-// displaced. Among all orders with this property, this order shows an edge in the worst direction best.
+// Each sample has its own square among 4 x 4, and in it its own column and row among 16, so edges along the pixel grid
+// move in steps of 1/16 pixel. Opposite positions have opposite times, because otherwise edges of moving robots would
+// seem displaced. Of all orders with these properties, this one has the smallest error for an edge in the worst
+// direction.
 constexpr auto kSamplePlaces = [] {
   constexpr std::array kColumnOrder{0, 2, 1, 3}, kRowOrder{3, 1, 2, 0};
   constexpr auto kSide = static_cast<float>(kSamplesPerSide);
@@ -37,10 +38,10 @@ constexpr auto kSamplePlaces = [] {
   return places;
 }();
 
-// Sixteenths of the exposure. The order is chosen for moving edges: exchanging any two entries shows them worse, for
-// motions of up to two pixels per exposure.
+// Times of the samples in sixteenths of the exposure. The order is optimized for moving edges: exchanging any two
+// entries increases the error, for motions of up to two pixels per exposure.
 constexpr std::array kSampleTimes{13, 5, 1, 6, 7, 12, 15, 11, 4, 0, 3, 8, 9, 14, 10, 2};
-// 0 to 1.
+// Returns the time of a sample, 0 to 1.
 float sample_time(int sample) {
   return (static_cast<float>(kSampleTimes[static_cast<std::size_t>(sample)]) + 0.5f) / 16.0f;
 }
@@ -223,7 +224,7 @@ void Renderer::add_object(const Appearance* appearance, const Placement& begin, 
 
 void Renderer::move_to_row(Object& object, std::size_t row) const {
   const bool is_rolling = rows_.begin_per_row > 0.0f;
-  const std::size_t timed_row = is_rolling ? row : 0;  // without it, all rows have the same poses
+  const std::size_t timed_row = is_rolling ? row : 0;  // with a global shutter, all rows have the same poses
   if (object.row == timed_row) return;
   object.row = timed_row;
   const Placement &begin = object.begin, &end = object.end;

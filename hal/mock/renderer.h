@@ -12,7 +12,7 @@
 
 namespace touchline::hal::mock {
 
-/// Full scale of the linear pictures that the sensor reads.
+/// Full scale of the linear pictures that the sensor converts.
 inline constexpr int kLinearScale = 4095;
 
 enum class Floor : std::uint8_t { kField, kGreyPaper };
@@ -25,9 +25,9 @@ struct RowTiming {
 
 /// Renders the camera's view in linear light by distributed ray tracing (Cook, Porter and Carpenter 1984): 16 samples
 /// per pixel, each at another instant of the exposure, which gives anti-aliased edges and motion blur. Each sample has
-/// a square, a row and a column of its own (multi-jittered sampling, Chiu, Shirley and Wang 1994). Robots
-/// are cuboids with patches on top; the ball is a shaded sphere; nearer objects hide farther ones. The floor is
-/// rendered once, so a frame costs only the pixels that objects cover.
+/// its own square, row and column (multi-jittered sampling, Chiu, Shirley and Wang 1994). Robots are cuboids with
+/// patches on top; the ball is a shaded sphere; nearer objects hide farther ones. The floor is rendered once, so a
+/// frame costs only the pixels that objects cover.
 class Renderer {
  public:
   Renderer(const ArenaParameters& parameters, std::uint16_t width_px, std::uint16_t height_px,
@@ -37,9 +37,9 @@ class Renderer {
   /// row's; objects move straight and turn evenly between them. Returns R, G, B of each pixel, 0 to kLinearScale, valid
   /// until the next call. Does not allocate.
   std::span<const std::uint16_t> render(const Snapshot& begin, const Snapshot& end, const RowTiming& rows = {});
-  /// The floor without objects.
+  /// Returns the floor without objects.
   [[nodiscard]] std::span<const std::uint16_t> render_floor() const { return floor_; }
-  /// The view when all lamps are off.
+  /// Returns the view with all lamps off.
   [[nodiscard]] std::span<const std::uint16_t> render_dark() const { return dark_; }
 
   [[nodiscard]] const Lens& lens() const { return lens_; }
@@ -73,7 +73,7 @@ class Renderer {
     std::array<PlanarPose, kSamples> at{};
   };
   struct Hit {
-    float height_m = -1.0f;  // of the intersection; the highest one is the nearest to the camera
+    float height_m = -1.0f;  // height of the intersection; the highest intersection is the nearest to the camera
     LinearRgb color{};
   };
 
@@ -95,10 +95,10 @@ class Renderer {
   std::array<float, 3> eye_{};
   LinearRgb body_{}, ball_{}, line_{}, ground_{}, outside_{};
   std::vector<Appearance> appearances_;
-  std::vector<Ray> rays_;  // through the pixel centers; the rays between are interpolated
+  std::vector<Ray> rays_;  // rays through the pixel centers; rays between them are interpolated
   std::vector<float> vignette_;
   std::vector<std::uint16_t> floor_, picture_, dark_;
-  std::vector<std::uint32_t> object_mask_;     // per pixel; bit i: object i may be visible
+  std::vector<std::uint32_t> object_mask_;     // for each pixel; bit i: object i may be visible
   std::vector<std::uint32_t> covered_pixels_;  // indices of the pixels with a mask other than 0
   FixedVector<Object, kMaxRobots + 1> objects_;
   RowTiming rows_;

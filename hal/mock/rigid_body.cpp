@@ -35,7 +35,7 @@ void add(Contacts& out, Body* a, Body* b, Vector2 point, Vector2 normal, double 
   out.push_back(contact);
 }
 
-// Parameter of the point's projection on the line through `begin` (0) and `end` (1).
+// Returns the parameter of the point's projection on the line through `begin` (0) and `end` (1).
 double line_parameter(Vector2 begin, Vector2 end, Vector2 point) {
   const Vector2 way = end - begin;
   return dot(point - begin, way) / dot(way, way);
@@ -47,7 +47,7 @@ Vector2 nearest_on_segment(Vector2 begin, Vector2 end, Vector2 point) {
 
 // The point of the walls that is nearest to a given point.
 struct BoundaryPoint {
-  Vector2 point, inward_normal;  // of the wall
+  Vector2 point, inward_normal;  // nearest point, and the normal of its wall
   double distance_m = 0.0;
 };
 
@@ -69,14 +69,15 @@ BoundaryPoint nearest_boundary_point(const Outline& outline, Vector2 point) {
   return best;
 }
 
-// Unit vector from a point outside of the walls to its nearest boundary point. If they coincide, the wall's normal.
+// Returns the unit vector from a point outside the walls to its nearest boundary point. If they coincide, the wall's
+// normal.
 Vector2 inward_normal(const BoundaryPoint& boundary, Vector2 point) {
   return boundary.distance_m > 1e-9 ? (1.0 / boundary.distance_m) * (boundary.point - point) : boundary.inward_normal;
 }
 
-// How far a point inside of a square is from the nearest side.
+// Distance of a point inside a square from the nearest side.
 struct Penetration {
-  Vector2 normal;  // outward, in the field frame
+  Vector2 normal;  // outward normal of this side, in the field frame
   double depth_m = 0.0;
 };
 Penetration nearest_side(const Square& square, Vector2 point) {
@@ -98,7 +99,7 @@ void apply_impulse(Body* body, Vector2 point, Vector2 impulse) {
   body->w += body->inverse_inertia * cross(point - body->position, impulse);
 }
 
-// Change of the relative velocity along `direction` caused by a unit impulse along it.
+// Returns the change of the relative velocity along `direction` caused by a unit impulse along it.
 double inverse_effective_mass(const Contact& contact, Vector2 direction) {
   double sum = 0.0;
   for (const Body* body : {contact.a, contact.b}) {
@@ -183,7 +184,8 @@ void collide(const Square& a, const Square& b, Surface surface, Contacts& out) {
   for (const Vector2& corner : of_b) {
     if (is_inside(a, corner)) add(out, a.body, b.body, corner, normal, dot(corner, normal) - lowest_a, surface);
   }
-  // Two squares that overlap deeply, as at a bad start, can intersect without a corner of one inside of the other.
+  // Two squares that overlap deeply, for example at a bad start, can intersect without a corner of one inside the
+  // other.
   if (out.size() == before)
     add(out, a.body, b.body, 0.5 * (a.body->position + b.body->position), normal, least, surface);
 }

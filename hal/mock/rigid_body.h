@@ -11,7 +11,7 @@
 // Rigid bodies in the plane: collision detection of squares, a circle and walls, and the contact solver.
 namespace touchline::hal::mock {
 
-/// Cheaper than norm(), whose protection from overflow is not needed here.
+/// Faster than norm(), whose protection from overflow is not needed here.
 inline double length(Vector2 a) { return std::sqrt(dot(a, a)); }
 
 /// State of a rigid body in SI units. `w`: angular velocity, counter-clockwise.
@@ -56,8 +56,8 @@ struct Surface {
   double restitution = 0.0, friction = 0.0;
 };
 
-/// Append the contacts of a pair, if it touches. For a body outside of the walls, the contact normal is
-/// the shortest way back.
+/// Append the contacts of a pair, if it touches. For a body outside the walls, the contact normal is the shortest way
+/// back.
 void collide(const Square& a, const Square& b, Surface surface, Contacts& out);
 void collide(const Square& a, const Outline& walls, Surface surface, Contacts& out);
 void collide(const Circle& a, const Square& b, Surface surface, Contacts& out);

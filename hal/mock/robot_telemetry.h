@@ -50,7 +50,7 @@ class RobotTelemetrySource {
   PacketLayout layout_ = touchline_telemetry_layout();
   Random random_;
   FixedVector<Robot, kMaxRobots> robots_;
-  // Five robots at 50 Hz with one second of delay fit. A packet that does not fit is lost.
+  // This is enough for five robots at 50 Hz with one second of delay. A packet that does not fit is lost.
   FixedVector<PacketInFlight, 256> in_flight_;
   FixedVector<std::byte, 4096> received_;  // as large as the kernel's serial buffer
   Instant begin_{};

@@ -22,7 +22,8 @@ Yuv to_yuv(const std::uint8_t* rgb, ColorSpace space) {
   const RgbToYuv& factors = space == ColorSpace::kYuv ? kLimitedRange : kFullRange;
   const auto channel = [&](std::size_t c) {
     const int sum = factors[c][0] * rgb[0] + factors[c][1] * rgb[1] + factors[c][2] * rgb[2];
-    return std::min(255, ((sum + (1 << 15)) >> 16) + black_value(space, c));  // pure blue and red: 255.5 in full range
+    // Pure blue and red give 255.5 in full range.
+    return std::min(255, ((sum + (1 << 15)) >> 16) + black_value(space, c));
   };
   return {channel(0), channel(1), channel(2)};
 }
@@ -84,7 +85,8 @@ void Sensor::expose(std::span<const std::uint16_t> linear, std::span<std::uint8_
 
 template <class Out>
 void Sensor::add_noise(const std::uint16_t* linear, std::size_t count, Out out) {
-  // Pointers, because builds with sanitizers call functions for each element of a vector: a million per picture.
+  // Raw pointers, because builds with sanitizers call a function for each element of a vector: a million calls per
+  // picture.
   const float* const mean = mean_.data();
   const float* const sigma = sigma_.data();
   std::uint64_t bits = 0;

@@ -21,7 +21,8 @@ class Sensor {
   Sensor(const SensorParameters& parameters, PixelFormat format, std::uint16_t width_px, std::uint16_t height_px,
          std::uint64_t seed);
 
-  /// Sets the product of exposure time and gain relative to that at construction. Range: above 0. Does not allocate.
+  /// Sets the product of exposure time and gain, relative to the product at construction. Range: above 0. Does not
+  /// allocate.
   void set_brightness(double brightness);
 
   /// Writes one picture. `linear`: R, G, B of each pixel, 0 to kLinearScale. `out`: the bytes of picture_layout()
@@ -47,7 +48,7 @@ class Sensor {
   NormalTable normal_;
   std::optional<GaussianBlur> blur_;
   std::optional<BayerInterpolation> bayer_;
-  std::vector<std::uint16_t> filtered_;         // the color that each pixel of a row measures
+  std::vector<std::uint16_t> filtered_;         // one value per pixel of a row: the color that it measures
   std::vector<float> measured_, interpolated_;  // one value per pixel of the picture; R, G, B of one row
   std::vector<float> mean_, sigma_;             // indexed by linear value
   std::vector<std::uint8_t> tone_;              // indexed by linear value

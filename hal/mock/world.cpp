@@ -19,7 +19,7 @@ constexpr std::uint64_t kPhysicsStream = 1;
 Outline outline(const ArenaField& field) {
   const double x = 0.5 * field.length_m, y = 0.5 * field.width_m, g = 0.5 * field.goal_width_m, d = field.goal_depth_m;
   const double c = field.corner_m;
-  // Counter-clockwise from the opponent's goal.
+  // Corners counter-clockwise, beginning at the opponent's goal.
   const std::array<Vector2, 16> points{{{x, -g},
                                         {x + d, -g},
                                         {x + d, g},
@@ -38,7 +38,7 @@ Outline outline(const ArenaField& field) {
                                         {x, -y + c}}};
   Outline walls;
   for (std::size_t i = 0; i < points.size(); ++i) {
-    // Corner pieces of size zero would give two equal corners.
+    // Skip duplicates, which corner pieces of size zero would give.
     if (length(points[(i + 1) % points.size()] - points[i]) > 1e-9) walls.push_back(points[i]);
   }
   return walls;
@@ -147,8 +147,8 @@ void World::apply_tires(Robot& robot) {
   const double ahead_wanted = 0.5 * (rim[0] + rim[1]);
   const double turn_wanted = (rim[1] - rim[0]) / physics.wheel_base_m;
   const Vector2 ahead = rotated({1.0, 0.0}, body.theta), left = perpendicular(ahead);
-  // The velocity change that would make the body follow its wheels immediately, limited by the friction of the tires.
-  const double limit = physics.tire_friction * kGravity * kStepS;  // per mass
+  // Limit of the velocity change by the tires' friction; without it, the body would follow its wheels immediately.
+  const double limit = physics.tire_friction * kGravity * kStepS;  // impulse per mass
   double along = ahead_wanted - dot(body.velocity, ahead);
   double aside = -dot(body.velocity, left);
   const double demand = std::sqrt(along * along + aside * aside);

@@ -23,7 +23,7 @@ struct Snapshot {
 };
 
 struct GameStatistics {
-  std::uint64_t touches = 0;  // times that an own robot started to touch the ball
+  std::uint64_t touches = 0;  // number of times that an own robot began to touch the ball
   double ball_path_m = 0.0;
   std::uint32_t goals_own = 0, goals_opponent = 0;  // goals scored by each team
   std::uint32_t free_balls = 0;

@@ -12,7 +12,7 @@ thread_local LogCapture* active_capture = nullptr;
 void capture_message(void* object, int level, const char* format, va_list arguments) {
   if (active_capture == nullptr || level > AV_LOG_WARNING) return;
   std::array<char, 512> line{};
-  int print_prefix = 0;  // without the decoder's address
+  int print_prefix = 0;  // 0: without the decoder's address
   av_log_format_line2(object, level, format, arguments, line.data(), static_cast<int>(line.size()), &print_prefix);
   std::string text(line.data());
   while (!text.empty() && (text.back() == '\n' || text.back() == ' ')) text.pop_back();

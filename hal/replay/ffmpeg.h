@@ -22,7 +22,7 @@ struct Deleter {
 };
 using FramePtr = std::unique_ptr<AVFrame, Deleter<av_frame_free>>;
 using PacketPtr = std::unique_ptr<AVPacket, Deleter<av_packet_free>>;
-/// A stream of our own: FFmpeg does not free it with the file.
+/// Frees a stream that we have created, because FFmpeg does not free it with the file.
 struct IoDeleter {
   void operator()(AVIOContext* context) const {
     av_freep(&context->buffer);
@@ -38,7 +38,7 @@ struct ScalerDeleter {
 };
 using ScalerPtr = std::unique_ptr<SwsContext, ScalerDeleter>;
 
-/// FFmpeg's text for one of its error codes ("No such file or directory").
+/// Returns FFmpeg's text for one of its error codes ("No such file or directory").
 std::string error_text(int code);
 
 /// During its lifetime, captures the first warning and the first error that FFmpeg logs on this thread. Other messages
@@ -50,7 +50,7 @@ class LogCapture {
   LogCapture(const LogCapture&) = delete;
   LogCapture& operator=(const LogCapture&) = delete;
 
-  /// The first line of this severity; empty if there was none.
+  /// Return the first line of this severity; empty if there was none.
   [[nodiscard]] const std::string& first_error() const { return first_error_; }
   [[nodiscard]] const std::string& first_warning() const { return first_warning_; }
   void add(int level, const std::string& line);

@@ -16,13 +16,13 @@ struct ConvertedFrame {
 };
 
 /// Converts decoded frames:
-/// - RGB file to RGB format: no change, except that more than 8 bits are rounded and alpha is dropped.
+/// - RGB file to RGB format: values are kept, except that more than 8 bits are rounded and alpha is dropped.
 /// - YUV file to YUV format: matrix and range of the file are kept, except that limited range becomes full range in a
-///   format of full range. Chroma is averaged if the file has more chroma samples than the format, and repeated (with
-///   another range, interpolated) if it has fewer.
-/// - YUV file to RGB format: matrix and range of the file. If the file does not name them: ITU-R BT.601 below 720 rows,
-///   else BT.709, in limited range (JPEG: full range). Chroma is interpolated at its position in the file.
-/// - RGB file to YUV format: ITU-R BT.601, in the range of the format.
+///   format of full range. If the file has more chroma samples than the format, chroma is averaged; if it has fewer,
+///   chroma is repeated (interpolated if the range changes).
+/// - YUV file to RGB format: the file's matrix and range are used. If the file does not name them: ITU-R BT.601 below
+///   720 rows, else BT.709, in limited range (JPEG: full range). Chroma is interpolated at its position in the file.
+/// - RGB file to YUV format: ITU-R BT.601 in the range of the format is used.
 class FrameConverter {
  public:
   explicit FrameConverter(PixelFormat format) : format_(format) {}
@@ -56,7 +56,7 @@ template <class Sample>
 [[nodiscard]] bool read_rgb(const AVFrame& source, std::vector<std::uint16_t>& line, Sample* samples,
                             std::size_t stride_samples);
 
-/// True for RGB, gray and palette layouts.
+/// Returns true for RGB, gray and palette layouts.
 bool stored_as_rgb(const AVFrame& source);
 
 }  // namespace touchline::hal::ffmpeg

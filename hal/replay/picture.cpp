@@ -27,7 +27,7 @@ using namespace ffmpeg;
   return AV_CODEC_ID_NONE;
 }
 
-/// True if the decoder failed because of the size. Some decoders report that only in the log.
+/// Returns true if the decoder failed because of the size. Some decoders report this only in the log.
 bool is_too_large(const LogCapture& log, const AVCodecContext& codec, std::int64_t max_pixels) {
   return std::int64_t{codec.width} * codec.height > max_pixels || log.first_error().starts_with("Picture size");
 }
@@ -47,12 +47,12 @@ Result<FramePtr> decode_picture(const std::string& path, std::int64_t max_pixels
     return failure(ErrorCode::kUnsupported, "%s: is not a PNG, PPM or JPEG picture", path.c_str());
   }
   const std::size_t size = bytes.size();
-  bytes.append(AV_INPUT_BUFFER_PADDING_SIZE, '\0');  // decoders read past the end
+  bytes.append(AV_INPUT_BUFFER_PADDING_SIZE, '\0');  // decoders read beyond the end
   const LogCapture log;
   CodecPtr codec(avcodec_alloc_context3(decoder));
   PacketPtr packet(av_packet_alloc());
   FramePtr out(av_frame_alloc());
-  // Damage must be an error: by default FFmpeg returns the part that it could decode and logs a message.
+  // Damage must be an error, but by default FFmpeg returns the part that it could decode and logs a message.
   codec->err_recognition = AV_EF_CRCCHECK | AV_EF_BITSTREAM | AV_EF_BUFFER | AV_EF_EXPLODE;
   codec->thread_count = 1;
   codec->max_pixels = max_pixels;  // checked by FFmpeg before it allocates the frame

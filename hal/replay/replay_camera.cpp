@@ -8,7 +8,7 @@
 namespace touchline::hal {
 namespace {
 
-constexpr double kPictureRateHz = 30.0;  // as in the paper
+constexpr double kPictureRateHz = 30.0;  // the rate of the paper
 // Number of buffers: one in the pipeline, one held by a recorder, and one being filled.
 constexpr std::size_t kBuffers = 3;
 
@@ -56,8 +56,8 @@ Result<void> ReplayCamera::fetch() {
   return {};
 }
 
-// Fetches as fetch() does. A damaged picture leaves a gap in the numbers, as a lost frame of a driver does;
-// `skip_damaged` passes over it.
+// Gets the next frame as fetch() does, but skips damaged pictures if `skip_damaged` is set. A damaged picture leaves a
+// gap in the numbers, like a frame that a driver has lost.
 Result<void> ReplayCamera::fetch_undamaged() {
   for (;;) {
     Result<void> fetched = fetch();

@@ -12,13 +12,14 @@ namespace touchline::hal {
 
 struct ReplayParameters {
   std::string path;                          // a folder of pictures, one picture, or a video
-  PixelFormat format = PixelFormat::kRgb24;  // frames are converted to it; see hal/replay/frame_converter.h
-  double rate_hz = 0.0;                      // 0: the time stamps of a video; 30 Hz for pictures
-  bool skip_damaged = false;                 // open() and wait() pass over pictures that cannot be decoded
+  PixelFormat format = PixelFormat::kRgb24;  // frames are converted to this format; see hal/replay/frame_converter.h
+  double rate_hz = 0.0;                      // 0: the time stamps of a video, or 30 Hz for pictures
+  bool skip_damaged = false;                 // open() and wait() skip pictures that cannot be decoded
 };
 
-/// The format in which files are replayed for colors of this space. The YUV formats keep the samples of 4:2:2 files of
-/// their range exactly, and of 4:2:0 files in pairs of rows.
+/// Returns the format in which files are replayed if colors are defined in this space. For YUV, a format is chosen that
+/// keeps the samples of files exactly: those of 4:2:2 files of the same range unchanged, those of 4:2:0 files with rows
+/// of chroma repeated.
 constexpr PixelFormat replay_format(ColorSpace space) {
   switch (space) {
     case ColorSpace::kYuv:
@@ -31,13 +32,13 @@ constexpr PixelFormat replay_format(ColorSpace space) {
   return PixelFormat::kRgb24;
 }
 
-/// Plays pictures and videos as a camera. Time stamps begin at 0 and depend only on the input, so replays are identical
-/// bit by bit. wait() returns kCorruptFrame for a picture that cannot be decoded, and kInconsistent if its size differs
-/// from the first one. Decoding allocates: for tools and tests, not for a real-time loop.
+/// Plays pictures and videos as a camera. Time stamps begin at 0 and depend only on the input, so replays are
+/// bit-identical. wait() returns kCorruptFrame for a picture that cannot be decoded, and kInconsistent if its size
+/// differs from the first one. Decoding allocates, so this class is for tools and tests, not for a real-time loop.
 class ReplayCamera final : public Camera {
  public:
-  /// With a clock, frames arrive in real time, the first one at start(), with time stamps of that clock; a real radio
-  /// requires this. Without a clock, each frame is available immediately.
+  /// With a clock, frames arrive in real time, the first one at start(), and have time stamps of this clock; a real
+  /// radio requires it. Without a clock, each frame is available immediately.
   explicit ReplayCamera(ReplayParameters parameters, Clock* pace = nullptr);
   ~ReplayCamera() override;
   ReplayCamera(const ReplayCamera&) = delete;
@@ -48,7 +49,7 @@ class ReplayCamera final : public Camera {
   [[nodiscard]] const std::string& file() const { return file_; }
   /// Number of frames of the input; 0: unknown.
   [[nodiscard]] std::uint64_t frame_count() const;
-  /// Pictures that `skip_damaged` has passed over.
+  /// Returns the number of pictures that `skip_damaged` has skipped.
   [[nodiscard]] std::uint64_t damaged() const { return damaged_; }
   /// Stamp of the last frame that wait() returned.
   [[nodiscard]] Instant latest() const { return latest_; }
@@ -77,7 +78,7 @@ class ReplayCamera final : public Camera {
   std::uint64_t damaged_ = 0;
 };
 
-/// The clock of a replay without real-time clock: the time of the last frame.
+/// The clock of a replay that does not run in real time: its time is that of the last frame.
 class ReplayClock final : public Clock {
  public:
   explicit ReplayClock(const ReplayCamera& camera) : camera_(camera) {}

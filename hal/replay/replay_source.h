@@ -12,7 +12,7 @@
 
 namespace touchline::hal::ffmpeg {
 
-/// A decoded frame, its time (the first one: 0), and its file name without folder.
+/// A decoded frame, its time (0 for the first frame), and its file name without folder.
 struct SourceFrame {
   FramePtr picture;
   Duration stamp{};
@@ -24,20 +24,22 @@ class ReplaySource {
  public:
   virtual ~ReplaySource() = default;
   virtual Result<void> open() = 0;
-  /// kEndOfStream: no more pictures. kCorruptFrame: this picture is lost, the next one may be good.
+  /// Reads the next picture. kEndOfStream: there are no more pictures. kCorruptFrame: this picture is lost, the next
+  /// one may be good.
   virtual Result<void> next(SourceFrame& out) = 0;
-  /// 0: unknown.
+  /// Returns the number of frames; 0: unknown.
   [[nodiscard]] virtual std::uint64_t frame_count() const = 0;
   [[nodiscard]] virtual double rate_hz() const = 0;
 };
 
-/// Natural order: "picture9.png" is before "picture10.png". Sequences of digits compare as numbers, all else by bytes.
+/// Compares in natural order: "picture9.png" comes before "picture10.png". Sequences of digits compare as numbers, all
+/// else by bytes.
 bool natural_less(const std::string& a, const std::string& b);
 
-/// True for the endings png, ppm, pgm, jpg, jpeg in any case.
+/// Returns true for the endings png, ppm, pgm, jpg, jpeg in any case.
 bool is_picture_name(const std::filesystem::path& path);
 
-/// All pictures of a folder in natural order, or one picture.
+/// Source of all pictures of a folder in natural order, or of one picture.
 class PictureSource final : public ReplaySource {
  public:
   PictureSource(std::filesystem::path path, double rate_hz) : path_(std::move(path)), rate_hz_(rate_hz) {}

@@ -16,7 +16,7 @@
 namespace touchline::hal::ffmpeg {
 namespace {
 
-// Rate for a stream without a frame rate: the rate of the paper.
+// Frame rate assumed for a stream without one: the rate of the paper.
 constexpr double kUnknownRateHz = 30.0;
 
 ErrorCode code_of(int error) {
@@ -26,7 +26,7 @@ ErrorCode code_of(int error) {
   return ErrorCode::kIo;
 }
 
-// FFmpeg's callback: reads from a FIFO or device until this process is to end.
+// FFmpeg's callback: reads from a FIFO or device, until the process is told to end.
 int read_bytes(void* opaque, std::uint8_t* bytes, int size) {
   const int file = *static_cast<const int*>(opaque);
   for (;;) {
@@ -82,7 +82,7 @@ Result<void> VideoReader::open() {
   int result = avformat_open_input(&input, ("file:" + path_).c_str(), nullptr, nullptr);
   if (result < 0) return fail(code_of(result), result == AVERROR_INVALIDDATA ? "is not a video" : error_text(result));
   input_.reset(input);
-  // FFmpeg can "play" any text file as a terminal screen.
+  // Reject text files, which FFmpeg can "play" as a terminal screen.
   if (std::strcmp(input_->iformat->name, "tty") == 0)
     return fail(ErrorCode::kUnsupported, "is a text file, not a video");
   result = avformat_find_stream_info(input_.get(), nullptr);

@@ -4,7 +4,7 @@
 
 namespace touchline::hal::ffmpeg {
 
-/// The best video stream of a file that FFmpeg can read. Time stamps are those of the stream, relative to its first
+/// Reads the best video stream of a file that FFmpeg can read. Time stamps come from the stream, relative to its first
 /// frame. If one is missing or does not increase, the frame follows the previous one after the stream's mean period.
 class VideoReader final : public ReplaySource {
  public:
@@ -27,7 +27,7 @@ class VideoReader final : public ReplaySource {
 
   std::string path_;
   double forced_rate_hz_;
-  // For a FIFO or device. Declared before `input_`, which reads from it until it is closed.
+  // Descriptor of a FIFO or device. It is declared before `input_`, which reads from it until closed.
   int file_ = -1;
   IoPtr stream_in_;
   InputPtr input_;

@@ -21,7 +21,7 @@ struct MuxerDeleter {
   void operator()(AVFormatContext* context) const { avformat_free_context(context); }
 };
 
-// The file, and the error of a callback, of which FFmpeg passes on only a number.
+// The file, and the error of a callback, because FFmpeg passes on only a number.
 struct Stream {
   OutputFile file;
   Result<void> result;

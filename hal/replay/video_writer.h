@@ -19,8 +19,8 @@ class VideoWriter {
   VideoWriter(const VideoWriter&) = delete;
   VideoWriter& operator=(const VideoWriter&) = delete;
 
-  /// Width and height must be even (4:2:0), else kOutOfRange. kUnsupported: no encoder. Otherwise the errors of
-  /// OutputFile.
+  /// Width and height must be even (4:2:0), else kOutOfRange. kUnsupported: this FFmpeg has no encoder. Otherwise the
+  /// errors of OutputFile.
   Result<void> open(const std::string& path, std::uint32_t width_px, std::uint32_t height_px, double rate_hz);
   /// `bgrx`: rows of `stride_bytes` (Cairo's RGB24 on little-endian machines). `stamp` must increase from frame to
   /// frame.

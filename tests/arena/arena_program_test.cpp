@@ -1,4 +1,4 @@
-// The program touchline-arena: the files of every scene, and error messages.
+// Tests of the program touchline-arena: the files of every scene, and error messages.
 #include <array>
 #include <filesystem>
 #include <fstream>
@@ -18,13 +18,13 @@ namespace {
 
 using testing::CommandOutput;
 
-// The text has standard output and error.
+// Runs the program; the text has standard output and error.
 CommandOutput touchline_arena(const std::string& arguments) {
   return testing::run_command("'" TOUCHLINE_ARENA "' " + arguments + " 2>&1");
 }
 
 const std::string kBoard = "--board '" TOUCHLINE_BOARDS "/mock/board.toml' ";
-// Small pictures that show the same part of the field.
+// Options for small pictures that show the same part of the field.
 const std::string kSmall = kBoard +
                            "--set camera.width_px=160 --set camera.height_px=120 --set arena.camera.focal_px=140.0 "
                            "--set arena.camera.center_u_px=80.0 --set arena.camera.center_v_px=60.0 ";

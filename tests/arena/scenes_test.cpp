@@ -84,7 +84,7 @@ TEST(Scenes, StaticScenesDoNotMoveAndMatchesDo) {
     const double step = length(position(match[i].begin.robots[0]) - position(match[i - 1].begin.robots[0]));
     EXPECT_LT(step, 2.0 * 0.02);
     path_m += step;
-    // Motion during the exposure only.
+    // There is motion during the exposure only, not between frames.
     EXPECT_LE(length(position(match[i].end.robots[0]) - position(match[i].begin.robots[0])), 0.25 * step + 0.0005);
   }
   EXPECT_GT(path_m, 0.1);

@@ -94,7 +94,7 @@ int call_once(const Options& options) {
     if (benchmark->name != frame || slash == std::string::npos) continue;
     for (const Method& method : benchmark->methods) {
       if (options.once.substr(slash + 1) != method.name) continue;
-      method.work();  // lets the method allocate its memory
+      method.work();  // the first call lets the method allocate its memory
       for (std::size_t i = 0; i < options.calls; ++i) counted_call(method.work);
       return kExitOk;
     }

@@ -25,9 +25,10 @@ struct BenchmarkCase {
   std::string name;
   OwnedPicture picture;
   ScanParameters parameters;
-  ColorGrid colors{};                  // color of each pixel by definition; empty: computed by add_methods()
-  std::vector<OwnedPicture> copies{};  // used in turn so that none is in a cache; empty: always use `picture`
-  bool slow_methods = false;           // measure also the slow methods
+  ColorGrid colors{};  // color of each pixel by definition; if empty, add_methods() computes it
+  // Copies of the picture, used in turn so that none is in a cache; empty: always use `picture`.
+  std::vector<OwnedPicture> copies{};
+  bool slow_methods = false;  // measure also the slow methods
   std::size_t turn = 0;
   std::vector<Method> methods{};
   std::string found{};  // number of runs and regions, for the report
@@ -35,12 +36,12 @@ struct BenchmarkCase {
   Frame next_frame();
 };
 
-// Suffix of the name if regions of one pixel are left out.
+// Suffix of the name of cases in which regions of one pixel are dropped.
 inline constexpr char kSpecksLeftOut[] = ", specks left out";
 
 /// Makes the cases whose names contain `part`.
 std::vector<std::unique_ptr<BenchmarkCase>> make_cases(std::string_view part);
-/// A case of 640 x 480 whose pixels have five colors; eight more color classes are configured that no pixel has.
+/// Makes a case of 640 x 480 whose pixels have five colors; eight more color classes are configured that no pixel has.
 BenchmarkCase many_colors_case(const ColorGrid& grid, std::uint32_t min_area_px);
 
 /// Reads every byte of the picture, in blocks of 128; returns their XOR.

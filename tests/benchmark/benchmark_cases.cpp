@@ -12,7 +12,7 @@ namespace {
 // Size of all copies together. It exceeds every cache, so each frame comes from memory, as from a camera's driver.
 constexpr std::size_t kColdBytes = std::size_t{192} << 20;
 
-// XOR of all bytes, in four independent accumulators of 32 bytes.
+// Returns the XOR of all bytes, computed in four independent accumulators of 32 bytes.
 using Words [[gnu::vector_size(32)]] = std::uint64_t;
 [[gnu::always_inline]] inline std::uint64_t sum_of(const std::uint8_t* bytes, std::size_t count) {
   Words sum[4] = {};
@@ -35,14 +35,14 @@ TOUCHLINE_AVX2 std::uint64_t read_avx2(const std::uint8_t* bytes, std::size_t co
 std::uint64_t read_avx2(const std::uint8_t* bytes, std::size_t count) { return sum_of(bytes, count); }
 #endif
 
-// In levels; assumed.
+// levels of noise, assumed
 constexpr double kFloorTexture = 7.0;
 
 BenchmarkCase case_of(OwnedPicture picture, const ScanParameters& parameters) {
   return {.name = {}, .picture = std::move(picture), .parameters = parameters};
 }
 
-// Default of venue files.
+// the default of venue files
 constexpr std::uint32_t kDefaultMinArea_px = 2;
 
 BenchmarkCase field(const FieldScene& scene) {

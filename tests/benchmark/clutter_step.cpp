@@ -13,13 +13,13 @@ using latency::ClutterNumber;
 using latency::ClutterRecipe;
 
 constexpr double kFrameInterval_s = 1.0 / 60.0;
-// The tracks of what the picture seems to show are complete by then.
+// After this number of frames, the tracks of everything that the picture seems to show are complete.
 constexpr int kStepsBefore = 6;
 
 ClutterRecipe random_clutter(std::mt19937& random) {
   ClutterRecipe recipe;
   for (const ClutterNumber& number : latency::clutter_numbers()) {
-    // Half of the numbers keep their default: most heaps are slowest without anything else.
+    // Half of the numbers keep their default, because most heaps are slowest without anything else.
     if (pick(random, 0, 1) == 0) recipe.*number.value = pick(random, number.low, number.high);
   }
   return recipe;
@@ -43,7 +43,7 @@ struct FoundStep {
   double time_us = 0.0, times_a_field = 0.0;
 };
 
-// Time of the second of two calls, as in measure().
+// Measures the second of two calls, as measure() does.
 template <class Step>
 double time_of(Step step) {
   step();
@@ -117,7 +117,7 @@ Result<void> search_slowest_step(double seconds, unsigned seed, ClutterTeams tea
   std::size_t pictures = 0;
   const auto evaluate = [&](const ClutterRecipe& recipe, int calls) {
     clutter.show(recipe);
-    // Alternates both so that they run at the same clock, and takes the median of the ratios.
+    // Both are measured alternately, so that they run at the same clock, and the median of the ratios is taken.
     std::vector<float> times, in_fields;
     for (int i = 0; i < calls; ++i) {
       const double of_field = time_of([] { field.step(); }), time = time_of([&] { clutter.step(); });

@@ -16,12 +16,12 @@ namespace touchline::testing {
 // Suffix of the name of cases with ClutterTeams::kLargest.
 inline constexpr char kLargestTeams[] = ", 22 robots of six patches";
 
-/// Runs the whole pipeline step on one cluttered picture again and again, with the venue of the mock board.
+/// Runs the whole pipeline step repeatedly on one cluttered picture, with the venue of the mock board.
 class ClutterStep {
  public:
   Result<void> configure(const config::FilePaths& files, ClutterTeams teams);
   void show(const latency::ClutterRecipe& recipe);
-  /// The next frame, which shows the same picture.
+  /// Returns the next frame, which shows the same picture.
   Frame next_frame();
   const StepTrace& step();
   [[nodiscard]] const PipelineParameters& parameters() const { return configuration_->pipeline; }

@@ -14,7 +14,7 @@ namespace {
 
 using Rgb = std::array<double, 3>;
 
-// Ball, two teams, ten identifications; the paper used 13 colors.
+// One color for the ball, two for teams, ten for identification; the paper used 13 colors.
 constexpr std::array<Rgb, 13> kPaints = {{{235, 120, 30},
                                           {225, 215, 40},
                                           {40, 70, 215},
@@ -49,14 +49,14 @@ class Field {
     ball_y_ = between(random, -0.7, 0.7);
   }
 
-  // The color of a point, x and y from the field's center in meters.
+  // Returns the color of a point; x and y are from the field's center in meters.
   [[nodiscard]] Rgb at(double x, double y) const {
     if (std::hypot(x - ball_x_, y - ball_y_) < kBall_m) return kPaints[kBall];
     for (const PlacedRobot& robot : robots_) {
       const double dx = x - robot.x, dy = y - robot.y;
       const double along = dx * robot.cosine + dy * robot.sine, left = dy * robot.cosine - dx * robot.sine;
       if (std::max(std::abs(along), std::abs(left)) > kRobot_m / 2) continue;
-      // Two patches in opposite quadrants (figure 2).
+      // Two patches are in opposite quadrants (figure 2).
       const double gap = kRobot_m / 2 - kPatch_m * 0.95;
       if (along > gap && left > gap) return kPaints[robot.team];
       if (along < -gap && left < -gap) return kPaints[robot.identification];
@@ -100,14 +100,15 @@ class Field {
 
 std::uint8_t in_byte(double value) { return static_cast<std::uint8_t>(std::lround(std::clamp(value, 0.0, 255.0))); }
 
-// Approximately normal with unit standard deviation: the sum of four uniform bytes.
+// Returns an approximately normal number with unit standard deviation: the sum of four uniform bytes.
 double unit_noise(std::mt19937& random) {
   const auto bits = static_cast<std::uint32_t>(random());
   const std::uint32_t sum = (bits & 255u) + (bits >> 8 & 255u) + (bits >> 16 & 255u) + (bits >> 24);
   return (sum - 510.0) / 147.8;
 }
 
-// Brightness of a floor: the sum of three layers of noise, each interpolated between points at random values.
+// Returns the brightness of a floor: the sum of three layers of noise, each interpolated between points with random
+// values.
 class FloorTexture {
  public:
   FloorTexture(double deviation, std::uint32_t seed) : deviation_(deviation) {

@@ -22,7 +22,7 @@ struct FieldScene {
 /// same scene gives the same bytes on every machine with IEEE 754 arithmetic.
 OwnedPicture paint_field(const FieldScene& scene);
 
-/// Scan parameters for this picture: 13 color classes, as many as in the paper, in the format's color space.
+/// Returns scan parameters for this picture: 13 color classes, as many as in the paper, in the format's color space.
 ScanParameters field_parameters(const FieldScene& scene);
 
 }  // namespace touchline::testing

@@ -9,8 +9,8 @@
 namespace touchline::testing {
 
 /// Searches for the slowest picture for `seconds` of CPU time: changes a random recipe as long as it gets slower, and
-/// starts again with another one. `Found` has a `recipe` and its time as `times_a_field`; `evaluate(recipe, calls)`
-/// measures one. Returns the slowest one, and the number of pictures in `pictures`.
+/// then begins with another one. `Found` contains a recipe (`recipe`) and its measured time (`times_a_field`);
+/// `evaluate(recipe, calls)` measures a recipe. Returns the slowest `Found`, and the number of pictures in `pictures`.
 template <class Found, class Start, class Change, class Evaluate>
 Found climb(double seconds, Start start, Change change, Evaluate evaluate, std::size_t& pictures) {
   // After this many pictures without an improvement, the search restarts.
@@ -25,7 +25,7 @@ Found climb(double seconds, Start start, Change change, Evaluate evaluate, std::
     Found here = evaluate(start(), kFewCalls);
     for (int since = 0; since < kRestartAfter && !is_over(); ++since, ++pictures) {
       Found next = evaluate(change(here.recipe), kFewCalls);
-      // Measures a new maximum again with more calls, so that a single disturbance cannot win.
+      // Measure a new maximum again with more calls, so that a single disturbance cannot win.
       if (next.times_a_field > here.times_a_field) next = evaluate(next.recipe, kManyCalls);
       if (next.times_a_field <= here.times_a_field) continue;
       if (next.times_a_field > here.times_a_field * 1.01) since = 0;

@@ -12,10 +12,10 @@
 namespace touchline::testing {
 namespace {
 
-// Methods that are faster than this run once unmeasured before each measured call.
+// Limit of time below which a method runs once unmeasured before each measured call.
 constexpr double kShort_us = 2000.0;
 
-// Time that two readings of the clock take.
+// Returns the time that two readings of the clock take.
 double clock_cost_us() {
   std::vector<float> times;
   for (int i = 0; i < 1000; ++i) {

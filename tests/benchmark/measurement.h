@@ -9,13 +9,13 @@
 
 namespace touchline::testing {
 
-/// CPU time of this thread in microseconds.
+/// Returns the CPU time of this thread in microseconds.
 double cpu_time_us();
 
 struct Quantiles {
   double median_us = 0.0, p99_us = 0.0, least_us = 0.0;
 };
-/// All zero without times.
+/// Returns the quantiles; all zero without times.
 Quantiles quantiles_of(std::vector<float> times_us);
 
 /// Calls every method of every case `repetitions` times, in an order that is shuffled for each repetition. Before each

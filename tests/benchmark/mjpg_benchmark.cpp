@@ -27,8 +27,8 @@ constexpr std::array kSpaces{ColorSpace::kRgb, ColorSpace::kYuvFullRange};
 
 struct Compression {
   std::string name;
-  int rows;                   // that share a chroma sample
-  bool is_of_camera = false;  // of the size that cameras send, instead of kQuality
+  int rows;                   // number of pixels that share a chroma sample
+  bool is_of_camera = false;  // compress to the size that cameras send, instead of with kQuality
 };
 
 Jpeg encode(const Frame& frame, int rows_of_chroma, int quality) {
@@ -42,7 +42,7 @@ Jpeg encode(const Frame& frame, int rows_of_chroma, int quality) {
   });
 }
 
-// The best quality at which a picture has at most kCameraBytes, or kQuality.
+// Returns the best quality at which a picture has at most kCameraBytes, or kQuality.
 int quality_of(const Compression& compression, const Frame& frame) {
   if (!compression.is_of_camera) return kQuality;
   int low = 1, high = 100;
@@ -84,7 +84,8 @@ class Decoder {
 
   const Frame& decode(const Jpeg& bytes) {
     if (frame_.format == PixelFormat::kYuvj422p) {
-      if (!yuv_.decode(bytes, bytes_.data()).ok()) std::abort();  // the benchmark has made the picture itself
+      // Cannot fail, because the benchmark has made the picture itself.
+      if (!yuv_.decode(bytes, bytes_.data()).ok()) std::abort();
       return frame_;
     }
     jpeg_mem_src(&jpeg_, bytes.data(), bytes.size());
@@ -109,7 +110,7 @@ class Decoder {
   jpeg_error_mgr errors_{};
 };
 
-/// The median of the pixels of each color, by the classification of `grid`; none for a color without pixels.
+/// Returns the median of the pixels of each color, by the classification of `grid`; none for a color without pixels.
 std::array<std::optional<Channels>, kMaxColors + 1> medians(const ColorGrid& grid, const Frame& frame) {
   std::array<std::array<std::vector<std::uint8_t>, 3>, kMaxColors + 1> values;
   for (int v = 0; v < frame.height_px; ++v) {
@@ -132,7 +133,7 @@ std::array<std::optional<Channels>, kMaxColors + 1> medians(const ColorGrid& gri
   return found;
 }
 
-/// The same colors in the color space of another frame of the same picture.
+/// Returns the same colors in the color space of another frame of the same picture.
 ScanParameters in_space_of(const Frame& frame, const ColorGrid& grid, const ScanParameters& rgb) {
   ScanParameters parameters = rgb;
   const auto typical = medians(grid, frame);
@@ -160,7 +161,7 @@ std::unique_ptr<BenchmarkCase> empty_case(const std::string& name) {
 
 std::string suffix(ColorSpace space) { return space == ColorSpace::kRgb ? ", RGB" : ", YUV"; }
 
-/// Decoding, and decoding with the scan. `parameters(decoded)` makes the scan's parameters.
+/// Makes the methods: decoding alone, and decoding with the scan. `parameters(decoded)` makes the scan's parameters.
 template <class Parameters>
 Result<void> add_scans(BenchmarkCase& benchmark, const std::shared_ptr<Jpeg>& jpeg, const Frame& like,
                        Parameters parameters) {
@@ -198,7 +199,8 @@ Result<void> add_picture(BenchmarkCase& benchmark, const Compression& compressio
 
 Result<void> add_field(BenchmarkCase& benchmark, const Compression& compression) {
   FieldScene scene;
-  // Cameras remove noise and hot pixels before they compress. With them, a picture of their size shows no colors.
+  // Noise and hot pixels are left out, because cameras remove them before they compress. With them, a picture of a
+  // camera's size would show no colors.
   if (compression.is_of_camera) {
     scene.noise = 1.0;
     scene.specks_per_megapixel = 0.0;
@@ -223,7 +225,7 @@ Result<void> add_real_picture(BenchmarkCase& benchmark, const Compression& compr
   return add_picture(benchmark, compression, frame, venue->pipeline.scan);
 }
 
-/// The whole step on the pictures of a game, from JPEG to packet.
+/// Measures the whole step on the pictures of a game, from JPEG to packet.
 class JpegGame {
  public:
   Result<void> prepare(ColorSpace space, const StepBenchmark& game, const Compression& compression) {

@@ -9,7 +9,7 @@
 
 namespace touchline::testing {
 
-/// In the names of cases with pictures of the size that USB cameras send.
+/// Part of the names of cases whose pictures have the size that USB cameras send.
 constexpr const char* kCameraSize = ", 15 kB,";
 
 /// Compresses an RGB24 picture to at most 15 kB as USB cameras do, with chroma for 2 x 2 pixels (4:2:0).

@@ -7,16 +7,16 @@
 #include "tests/benchmark/benchmark_case.h"
 #include "tests/region/region_comparison.h"
 
-// The same task solved with OpenCV, in the two ways that a user would choose.
+// Solves the same task with OpenCV, in the two ways that a user would choose.
 namespace touchline::testing {
 namespace {
 
 cv::Mat view_of(const Frame& frame) {
-  // OpenCV only reads it.
+  // the cast is safe, because OpenCV only reads
   return {frame.height_px, frame.width_px, CV_8UC3, const_cast<std::uint8_t*>(frame.plane[0]), frame.stride_bytes[0]};
 }
 
-// For each color: inRange, then the connected components with area, box and centroid.
+// First way: for each color inRange, then the connected components with area, box and centroid.
 struct PerColor {
   ColorBoxes boxes;
   cv::Mat mask{}, labels{}, stats{}, centroids{};
@@ -35,7 +35,8 @@ struct PerColor {
   }
 };
 
-// The paper's three tables, then one labeling of all colored pixels. Regions of different colors that touch become one.
+// Second way: the paper's three tables, then one labeling of all colored pixels. In it, regions of different colors
+// that touch become one.
 struct Tables {
   explicit Tables(const ColorBoxes& boxes) : table(1, 256, CV_16UC3, cv::Scalar::all(0)) {
     for (std::size_t i = 0; i < boxes.size(); ++i) {

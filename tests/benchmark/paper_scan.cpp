@@ -6,7 +6,7 @@
 namespace touchline::testing {
 namespace {
 
-// Classifies a row. The format is a constant, as in a program that is written for one camera.
+// Classifies a row. The format is a template constant, as in a program written for one camera.
 template <PixelFormat kFormat>
 void classify_row(const ColorTables& tables, const Frame& frame, std::size_t v, ColorId* colors) {
   static constexpr std::array kChannel = info_of(kFormat).channel;

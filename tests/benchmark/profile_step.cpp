@@ -11,9 +11,9 @@
 
 // Runs the whole step, from the bytes of a frame to the packet, for a profiler:
 //   profile_step FRAMES FORMAT VENUE KERNEL TEAMS COUNTED
-// FRAMES: a file of touchline-bench --store; VENUE: a file, or "" for the mock board's; TEAMS: mock or largest.
-// The last COUNTED frames are steps in counted_call(), the frames before in another function. Prints what the last step
-// found.
+// FRAMES: a file of touchline-bench --store; VENUE: a file, or "" for the mock board's; TEAMS: mock or largest. The
+// last COUNTED frames are steps in counted_call(), the frames before in another function. Prints the results of the
+// last step.
 namespace touchline::testing {
 namespace {
 
@@ -45,10 +45,11 @@ class Steps {
     const StoredFrame& stored = frames_[number];
     const auto* bytes = reinterpret_cast<const std::uint8_t*>(stored.bytes.data());
     if (is_jpeg_) {
-      if (!decoder_.decode({bytes, stored.bytes.size()}, decoded_.data()).ok()) std::abort();  // made by an encoder
+      // Cannot fail, because an encoder has made it.
+      if (!decoder_.decode({bytes, stored.bytes.size()}, decoded_.data()).ok()) std::abort();
       bytes = decoded_.data();
     } else if (stored.bytes.size() != layout_.bytes) {
-      std::abort();  // the file is of another format
+      std::abort();  // the file has another format
     }
     const ScanParameters& scan = configuration_->pipeline.scan;
     Frame frame;
@@ -72,7 +73,7 @@ class Steps {
   bool is_jpeg_ = false;
 };
 
-// Names that the emulator's log and callgrind show.
+// These names appear in the emulator's log and in callgrind.
 extern "C" [[gnu::noinline]] void trace_begins() { asm volatile(""); }
 extern "C" [[gnu::noinline]] void trace_ends() { asm volatile(""); }
 [[gnu::noinline]] const StepTrace& counted_call(Steps& steps, std::size_t number) {

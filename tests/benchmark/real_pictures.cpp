@@ -20,7 +20,7 @@ struct RealSet {
   Regions regions;
 };
 
-// Goes round the pictures of a set. Each method has its own.
+// Cycles through the pictures of a set. Each method has a cycle of its own.
 class Turn {
  public:
   explicit Turn(std::shared_ptr<RealSet> set) : set_(std::move(set)) {}
@@ -28,7 +28,7 @@ class Turn {
     turn_ = (turn_ + 1) % set_->frames.size();
     return set_->frames[turn_];
   }
-  // After all pictures of the set; a single one is a camera that stands still.
+  // The tracks are reset after all pictures of the set; a single picture is like a camera at rest.
   [[nodiscard]] bool begins_again() const { return turn_ == 0 && set_->frames.size() > 1; }
   RealSet& set() { return *set_; }
 
@@ -73,7 +73,7 @@ Result<void> add_scan(BenchmarkCase& benchmark, const std::shared_ptr<RealSet>& 
   return {};
 }
 
-// With each kernel, the scan of a step, and one that reads every row.
+// For each kernel, measures the scan of a step, and a scan that reads every row.
 Result<void> add_scans_of(BenchmarkCase& benchmark, const std::shared_ptr<RealSet>& set) {
   for (const Choice<KernelChoice>& choice : kKernelChoices) {
     if (choice.value == KernelChoice::kFastest) continue;

@@ -9,14 +9,14 @@
 
 namespace touchline::testing {
 
-// Sets of real pictures in ../shared/footage with venues of tests/footage in RGB.
+// Sets of real pictures in ../shared/footage; tests/footage has their venues in RGB.
 inline constexpr std::array kRealSets{"vss-overhead", "vsss-bar-normal", "vsss-halves"};
 
-// Suffix of a method's name: a scan that reads every row, also where a venue's least height makes that unnecessary. Its
-// time is the unit of the step's, which would otherwise become larger by a faster scan.
+// Suffix of the name of a scan that reads every row, even where a venue's least height makes this unnecessary. Its time
+// is the unit of the step's time; with a faster scan as the unit, the step would seem slower.
 inline constexpr char kEveryRow[] = ", every row";
 
-/// Largest number of pictures of a set. An odd number, because each measured call follows an unmeasured one.
+/// Largest number of pictures of a set. It is odd, because each measured call follows an unmeasured one.
 constexpr std::size_t kMaxRealPictures = 25;
 
 /// Adds "real " and the name of each set of kRealSets whose name contains `filter`, if the environment variable

@@ -92,7 +92,8 @@ class Stopwatch {
       for (const std::uint32_t min_area : {1u, 2u}) {
         benchmark.parameters.min_area_px = min_area;
         if (!configure(*scanner_, benchmark, kernel)) continue;
-        // Alternates both pictures so that they run at the same clock, and takes the median of the ratios.
+        // Both pictures are measured alternately, so that they run at the same clock, and the median of the ratios is
+        // taken.
         std::vector<float> times, in_fields;
         for (int i = 0; i < calls; ++i) {
           const double of_field = time_us(*kernel.of_field, field_), time = time_us(*scanner_, benchmark);
@@ -121,7 +122,7 @@ class Stopwatch {
     return scanner.configure(parameters).ok();
   }
 
-  // Time of the second of two calls, as in measure().
+  // Measures the second of two calls, as measure() does.
   double time_us(RegionScanner& scanner, const BenchmarkCase& benchmark) {
     static_cast<void>(scanner.scan(benchmark.picture.frame(), *runs_, *regions_));
     const double begin = cpu_time_us();

@@ -24,7 +24,7 @@ void look_up(const std::uint8_t* rgb, std::size_t count, const ColorId* table, c
 }
 
 #if defined(__x86_64__)
-// For each channel and each of the three vectors of 16 interleaved pixels: the places of the channel's bytes, or -1.
+// For each channel and each of the three vectors of 16 interleaved pixels: positions of the channel's bytes, or -1.
 using Places = std::array<std::int8_t, 16>;
 alignas(16) constexpr auto kPlaces = [] {
   std::array<std::array<Places, 3>, 3> places{};
@@ -79,7 +79,7 @@ Status SslVisionScan::configure(const ScanParameters& parameters) {
   height_ = parameters.height_px;
   table_.resize(std::size_t{1} << 16);
   for (std::size_t i = 0; i < table_.size(); ++i) {
-    // The middle of the values with this index.
+    // Returns the middle of the values with this index.
     const Channels value{static_cast<std::uint8_t>((i >> 11) * 8 + 4), static_cast<std::uint8_t>((i >> 5) % 64 * 4 + 2),
                          static_cast<std::uint8_t>(i % 32 * 8 + 4)};
     table_[i] = color_by_boxes(parameters.boxes, ColorSpace::kRgb, value, {});
@@ -112,7 +112,7 @@ void SslVisionScan::threshold(const Frame& frame) {
   }
 }
 
-// The last run of a row may be background. A pixel of no color behind the row ends it.
+// The last run of a row may be background. A pixel without color after the end of the row ends it.
 void SslVisionScan::encode_runs() {
   runs_.clear();
   const int width = width_;
@@ -189,7 +189,7 @@ void SslVisionScan::extract() {
   }
 }
 
-// Lists by color, each sorted by a radix sort of linked lists, six bits at a time.
+// Makes lists by color, each sorted by a radix sort of linked lists, six bits at a time.
 void SslVisionScan::sort_by_area() {
   constexpr int kBits = 6;
   first_.fill(-1);

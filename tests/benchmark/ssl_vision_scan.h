@@ -11,7 +11,7 @@ namespace touchline::testing {
 /// The method of ssl-vision's segmentation (CMVision), written anew for comparison: a table of 16 bits per pixel value
 /// gives the color, with AVX2 for the table's indexes; runs; connection of runs by their parents; regions with area,
 /// box and centroid; lists by color, sorted by area. Colors are rounded to 5, 6 and 5 bits, so regions differ a little.
-/// Its mask image is left out, which is in its favor. RGB without light map only.
+/// ssl-vision's mask image is not computed, which makes this version faster. It supports only RGB without a light map.
 class SslVisionScan {
  public:
   struct Found {
@@ -22,9 +22,9 @@ class SslVisionScan {
   };
   /// kUnsupported: another format than RGB24.
   Status configure(const ScanParameters& parameters);
-  /// The regions, in no order; valid until the next call.
+  /// Returns the regions, in no particular order, valid until the next call.
   const std::vector<Found>& scan(const Frame& frame);
-  /// Index of the largest region of a color, or -1. The others follow with Found::next.
+  /// Returns the index of the largest region of a color, or -1. The others follow with Found::next.
   [[nodiscard]] std::int32_t largest(ColorId color) const { return first_[color]; }
 
  private:

@@ -7,7 +7,7 @@
 namespace touchline::testing {
 namespace {
 
-// By then all robots are identified and moving.
+// After this time, all robots are identified and moving.
 constexpr std::size_t kFramesBefore = 90;
 
 }  // namespace
@@ -58,7 +58,7 @@ Result<void> StepBenchmark::prepare(const config::FilePaths& files, std::size_t 
     return Error{s.code(), "the pipeline refuses its configuration"};
   }
   ScanParameters scan = configuration_->pipeline.scan;
-  scan.min_height_px = 1;  // reads every row
+  scan.min_height_px = 1;  // this makes the scan read every row
   if (const Status s = scanner_->configure(scan); !s.ok()) {
     return Error{s.code(), "the scanner refuses its configuration"};
   }

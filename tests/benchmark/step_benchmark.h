@@ -19,12 +19,12 @@ inline config::FilePaths mock_files() { return {TOUCHLINE_BOARDS "/mock/board.to
 class StepBenchmark {
  public:
   /// Plays the board's arena and stores `frames` pictures. Their number must be odd: each measured call follows an
-  /// unmeasured one, and an even number would measure only every second frame. An error if a frame does
-  /// not show all robots.
+  /// unmeasured one, and an even number would measure only every second frame. Returns an error if a frame does not
+  /// show all robots.
   Result<void> prepare(const config::FilePaths& files, std::size_t frames = 49);
 
-  /// Classifies and labels every row of the next frame, which is the unit of the step's time. Both methods
-  /// cycle through the frames independently.
+  /// Classifies and labels every row of the next frame; the time of this scan is the unit of the step's time. step()
+  /// and scan_only() cycle through the frames independently.
   void scan_only();
   /// Runs the whole step on the next frame. After the last frame the tracks are reset.
   const StepTrace& step();

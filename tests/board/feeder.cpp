@@ -65,7 +65,7 @@ int open_camera(const char* path, const FrameHeader& header) {
   format.fmt.pix.field = V4L2_FIELD_NONE;
   format.fmt.pix.sizeimage = header.bytes;
   int type = V4L2_BUF_TYPE_VIDEO_OUTPUT;
-  errno = EINVAL;  // the driver chose another format
+  errno = EINVAL;  // the driver has chosen another format
   if (::ioctl(file, VIDIOC_S_FMT, &format) == 0 && format.fmt.pix.pixelformat == header.fourcc &&
       ::ioctl(file, VIDIOC_STREAMON, &type) == 0) {
     return file;
@@ -76,8 +76,8 @@ int open_camera(const char* path, const FrameHeader& header) {
   return -1;
 }
 
-/// The pins of the virt board's PL061, read as an LED at them would: from its data register, whichever program drives
-/// them. Needs the kernel option iomem=relaxed.
+/// Reads the pins of the virt board's PL061 as an LED at them would see them: from its data register, whichever program
+/// drives them. This needs the kernel option iomem=relaxed.
 class Pins {
  public:
   bool open() {
@@ -92,7 +92,7 @@ class Pins {
     return true;
   }
   [[nodiscard]] bool is_high(unsigned line) const {
-    constexpr std::size_t kAllLines = 0x3fc / sizeof(std::uint32_t);  // the data register, no line masked
+    constexpr std::size_t kAllLines = 0x3fc / sizeof(std::uint32_t);  // the data register, with no line masked
     return (registers_[kAllLines] >> line & 1U) != 0;
   }
 
@@ -105,7 +105,7 @@ struct Led {
   int u_px = 0, v_px = 0, radius_px = 0;
   std::int64_t exposure_ns = 0;  // 0: no LED
 
-  /// Exposes until `end_ns`: the share of the time in which the line was high.
+  /// Exposes until `end_ns`; returns the share of the time in which the line was high.
   [[nodiscard]] double expose(const Pins& pins, std::int64_t end_ns) const {
     constexpr std::int64_t kStepNs = 200000;
     sleep_until(end_ns - exposure_ns);
@@ -116,14 +116,14 @@ struct Led {
       sleep_until(std::min(last + kStepNs, end_ns));
       const std::int64_t now = now_ns();
       const bool is_high = pins.is_high(line);
-      // The edge was between two looks.
+      // The edge was between the two last readings.
       high_ns += 0.5 * (was_high + is_high) * static_cast<double>(now - last);
       last = now;
       was_high = is_high;
     }
     return high_ns / static_cast<double>(now_ns() - begin);
   }
-  /// As the arena's LED, in the picture's values: below the full scale at its brightest.
+  /// Brightness of the LED in the picture's values, as in the arena: at most below the full scale.
   void draw(std::vector<unsigned char>& rgb, const FrameHeader& header, double share) const {
     constexpr double kBrightest = 200.0;
     for (int v = v_px - radius_px; v <= v_px + radius_px; ++v) {
@@ -198,12 +198,12 @@ int main(int argc, char** argv) {
         due = now;
       }
       if (led.exposure_ns > 0 && header.kind == ToGuest::kFrame) {
-        // A picture that came late is exposed late.
+        // A picture that arrived late is exposed late, too.
         due = std::max(due, now + led.exposure_ns);
         led.draw(picture, header, led.expose(pins, due));
       }
       sleep_until(due);
-      // No frame is lost between this program and the device.
+      // The numbers are consecutive, because no frame is lost between this program and the device.
       answer.error = header.kind == ToGuest::kFrame     ? show(camera, picture)
                      : header.kind == ToGuest::kNoFrame ? 0
                                                         : EINVAL;

@@ -19,8 +19,8 @@ struct PlayResult {
   std::uint64_t shown = 0, late = 0, packets = 0, stops = 0;
   std::int32_t latest_us = 0;              // largest delay of a frame, by the guest's clock
   int last_error = 0;                      // errno of the guest for the last frame that was not shown
-  double own_path_m = 0.0;                 // path of all own robots in the arena
-  std::vector<hal::mock::Placement> ball;  // true position in each frame
+  double own_path_m = 0.0;                 // distance that all own robots drove in the arena
+  std::vector<hal::mock::Placement> ball;  // true position of the ball in each frame
 };
 
 /// Runs the mock arena in lockstep with an emulated board: robots, ball, camera and radio channel are simulated here,
@@ -32,7 +32,7 @@ class Lockstep {
   Lockstep(const config::BoardFile& board, std::uint64_t seed, int pictures, int radio, double frame_timeout_s);
 
   enum class Expect : std::uint8_t { kSpeeds, kPacket, kNothing };
-  /// Plays `count` frames. `kind`: kFrame, kNoFrame or kTornFrame. With kPacket each frame that is shown must be
+  /// Plays `count` frames. `kind`: kFrame, kNoFrame or kTornFrame. With kPacket, each frame that is shown must be
   /// followed by a packet, with kSpeeds by a packet with wheel speeds (the board sends stop packets even without
   /// frames). On an error, `out` has the frames so far.
   Result<void> play(std::uint64_t count, ToGuest kind, Expect expect, PlayResult& out);
@@ -42,7 +42,8 @@ class Lockstep {
   Result<void> listen(double quiet_s, PlayResult& out);
 
   [[nodiscard]] const hal::mock::Arena& arena() const { return arena_; }
-  /// Bytes on the serial line that belong to no valid packet. Does not count losses of the simulated radio.
+  /// Returns the number of bytes on the serial line that belong to no valid packet. Losses of the simulated radio do
+  /// not count.
   [[nodiscard]] std::uint64_t damaged_bytes() const { return stream_.skipped_bytes(); }
   [[nodiscard]] std::uint64_t sequence_gaps() const { return sequence_gaps_; }
 
@@ -59,7 +60,7 @@ class Lockstep {
   std::uint32_t fourcc_, period_us_;
   double frame_timeout_s_;
   int pictures_, radio_;
-  std::vector<bool> is_own_;  // in the order of the arena's robots
+  std::vector<bool> is_own_;  // for each robot, in the order of the arena's robots
   std::vector<std::uint8_t> picture_;
   CommandStream stream_;
   std::uint32_t number_ = 0;

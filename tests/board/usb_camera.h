@@ -21,7 +21,7 @@ class UsbCamera final : public UsbDevice {
   [[nodiscard]] UsbIdentity identity() const override;
   std::optional<Bytes> answer(const ControlRequest& request) override;
 
-  /// Splits a picture (YUYV; RGB24 if the host has chosen MJPG) into packets of the chosen format. Empty: the picture
+  /// Splits a picture (YUYV; RGB24 if the host has chosen MJPG) into packets of the chosen format. Empty if the picture
   /// has another format or size. Every other JPEG has no Huffman tables, as with many cameras.
   std::vector<Bytes> packets_of(const FrameHeader& header, std::span<const std::uint8_t> picture);
 
@@ -43,7 +43,7 @@ class UsbCamera final : public UsbDevice {
   Bytes configuration_;
   std::vector<Control> controls_;
   uvc_streaming_control probed_{}, committed_{};
-  std::uint8_t error_ = 0;  // error code of the last refused request
+  std::uint8_t error_ = 0;  // error code of the last rejected request
   std::uint8_t frame_ = 0;  // number of the frame; the packets contain its lowest bit
 };
 

@@ -41,7 +41,7 @@ bool read_all(int file, void* out, std::size_t bytes) {
   return bytes == 0 || ::recv(file, out, bytes, MSG_WAITALL) == static_cast<ssize_t>(bytes);
 }
 
-/// Handles a message of the arena. Returns false if the guest must be served first.
+/// Handles a message of the arena; returns false if the guest must be served first.
 bool handle(UsbLink& link, UsbCamera& camera, const std::string& port, const FrameHeader& header, const Bytes& picture,
             FrameAnswer& answer) {
   switch (header.kind) {

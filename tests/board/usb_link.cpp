@@ -64,7 +64,7 @@ bool read_all(int file, Bytes& out) {
   return true;
 }
 
-/// Index of an endpoint in the tables: 16 OUT endpoints, then 16 IN endpoints.
+/// Returns the index of an endpoint in the tables: 16 OUT endpoints, then 16 IN endpoints.
 std::size_t slot_of(std::uint8_t endpoint) { return (endpoint & 0xfU) + ((endpoint & kIn) != 0 ? 16 : 0); }
 
 }  // namespace

@@ -19,7 +19,8 @@
 
 namespace touchline::calibrate {
 
-/// Two teams of the arena at random places: pictures with what they show, and the files to calibrate colors with.
+/// Two teams of the arena at random positions: pictures with their true content, and the files to calibrate colors
+/// with.
 class ArenaTeam : public ::testing::Test {
  protected:
   ArenaTeam() {
@@ -44,7 +45,7 @@ class ArenaTeam : public ::testing::Test {
     team_ = std::move(team).value();
   }
 
-  // Robots on a grid of 0.2 m, in mixed order and at different angles.
+  // The robots stand on a grid of 0.2 m, in mixed order and at different angles.
   void add_picture(const std::string& name, unsigned seed, const std::function<void(hal::Picture&)>& paint = {},
                    std::optional<std::pair<double, double>> ball = {}) {
     std::mt19937 random(seed);
@@ -79,7 +80,7 @@ class ArenaTeam : public ::testing::Test {
     pictures_[name] = CameraPicture::copy_of(frame);
   }
 
-  // True color of the patch at the click; "" if there is none within 4 pixels.
+  // Returns the true color of the patch at the click; "" if there is none within 4 pixels.
   std::string truth_at(const Click& click) const {
     for (const auto& [color, place] : truth_.at(click.image)) {
       if (std::hypot(click.u_px - place.first, click.v_px - place.second) < 4) return color;

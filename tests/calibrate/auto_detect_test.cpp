@@ -19,7 +19,8 @@
 namespace touchline::calibrate {
 namespace {
 
-// What a camera with a color matrix delivers, with the glare of a lamp (linear, as a part of white) around a place.
+// Makes a picture as a camera with a color matrix delivers it, with the glare of a lamp (linear, as a share of white)
+// around a position.
 void mix_colors(hal::Picture& photo, std::pair<double, double> place, double glare) {
   constexpr double kGamma = 2.2, kMatrix = 1.5, kReach_px = 16;
   for (std::size_t i = 0; i < photo.rgb8.size() / 3; ++i) {
@@ -38,7 +39,7 @@ void mix_colors(hal::Picture& photo, std::pair<double, double> place, double gla
   }
 }
 
-// Removes the robot at this place.
+// Removes the robot at this position.
 void cover(hal::Picture& photo, std::pair<double, double> place) {
   constexpr int kReach_px = 24;
   const auto u0 = static_cast<int>(place.first), v0 = static_cast<int>(place.second);
@@ -67,8 +68,8 @@ TEST_F(AutoDetect, FindsAllColorsWithoutClicks) {
   }
 }
 
-// The team patch of a robot in shade is not recognized, because its other patches are missing. Learned as background,
-// it would cut the color's boxes. A white dot is background.
+// The team patch of a robot in shade is not recognized, because its other patches are missing. If it were learned as
+// background, it would shrink the color's boxes. A white dot does count as background.
 TEST_F(AutoDetect, PatchesInOtherLightAreNoBackground) {
   add_picture("a", 1);
   const Result<DetectedColors> before = auto_detect_colors(venue_, team_, {}, pictures_);
@@ -78,7 +79,7 @@ TEST_F(AutoDetect, PatchesInOtherLightAreNoBackground) {
   const AssignedColor& color = before.value().assignment.colors[blue];
   ASSERT_FALSE(color.patches.empty());
   const auto side = static_cast<int>(std::sqrt(before.value().input.patches[color.patches[0]].pixels.size()));
-  // Two places without a robot.
+  // Two positions without a robot.
   std::vector<std::pair<int, int>> places;
   for (int v = 120; v < 380 && places.size() < 2; v += 20) {
     for (int u = 180; u < 480 && places.size() < 2; u += 60) {
@@ -116,7 +117,7 @@ TEST_F(AutoDetect, PatchesInOtherLightAreNoBackground) {
 }
 
 // A camera's color matrix makes channels of saturated paints negative, and it delivers them as black. The glare of a
-// lamp on a robot's top raises all channels before that, so that it adds nothing to some of them.
+// lamp on a robot's top raises all channels before that, so the glare has no effect on some of them.
 TEST_F(AutoDetect, RecognizesARobotInGlareWhosePaintsHaveBlackChannels) {
   add_picture("b", 2, [](hal::Picture& photo) { mix_colors(photo, {}, 0); });
   add_picture("a", 1, [this](hal::Picture& photo) { mix_colors(photo, truth_["a"][1].second, 0.26); });
@@ -138,7 +139,8 @@ TEST_F(AutoDetect, RecognizesARobotInGlareWhosePaintsHaveBlackChannels) {
   EXPECT_EQ(assignment.robots, 20U);
 }
 
-// Only one robot has red, and it stands in glare. What the glare adds shows on its team patch, whose color is known.
+// Only one robot has red, and it stands in glare. The amount of glare can be measured on its team patch, whose color is
+// known.
 TEST_F(AutoDetect, LearnsAColorThatOnlyARobotInGlareShowsWithoutTheGlare) {
   const auto red =
       static_cast<std::size_t>(std::find(team_.names.begin(), team_.names.end(), "red") - team_.names.begin());
@@ -190,7 +192,8 @@ TEST_F(AutoDetect, LearnsAColorThatOnlyARobotInGlareShowsWithoutTheGlare) {
   }
 }
 
-// Blue with pink stands in the picture, but the team file lists pink only with yellow. All of its colors are visible.
+// A robot with blue and pink stands in the picture, but the team file lists pink only with yellow. Both of its colors
+// are visible.
 TEST_F(AutoDetect, TellsRobotsThatTheTeamFileDoesNotList) {
   arena_.robot[4].colors[0] = "pink";
   arena_.robot[9].colors[0] = "violet";
@@ -230,7 +233,7 @@ TEST_F(AutoDetect, TellsRobotsThatTheTeamFileDoesNotList) {
   EXPECT_TRUE(visible.value().at("a").ball && visible.value().at("b").ball);
 }
 
-// What the pipeline sees is compared with what the calibration found.
+// The self-check compares the pipeline's results with those of the calibration.
 TEST_F(AutoDetect, TheSelfCheckFindsContradictions) {
   add_picture("a", 1);
   const auto pixel_of = [this](std::size_t thing) {
@@ -287,7 +290,7 @@ TEST_F(AutoDetect, ColorsWithUnknownNamesNeedAClick) {
   }
 }
 
-// Any right clicks, a few pixels off the centers, only add to what is found without them.
+// Any right clicks, even a few pixels off the centers, only add to the result without them.
 TEST_F(AutoDetect, RightClicksNeverReduceTheRobots) {
   add_picture("a", 3);
   Result<DetectedColors> alone = auto_detect_colors(venue_, team_, {}, pictures_);

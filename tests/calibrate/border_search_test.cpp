@@ -112,7 +112,7 @@ TEST(BorderSearch, RejectsHalfAField) {
   arena.camera.aim_m = {0.6, 0.0};
   BorderSearch border;
   Result<void> result;
-  // In the remaining picture, border and center line surround one half of the field.
+  // In the picture that is left, border and center line surround one half of the field.
   ASSERT_EQ(find_border(photograph(arena, kField, kSeed), border).text(), "");
   const Corners turned = {border.corners[1], border.corners[2], border.corners[3], border.corners[0]};
   FieldFitInput input;

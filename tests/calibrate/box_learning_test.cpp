@@ -73,7 +73,7 @@ TEST(BoxLearning, LeavesRoomToTheBackgroundBeyondTheLargestMargin) {
   EXPECT_NEAR(result.value().boxes[0].low[0], 83, 1);  // 115 - 40 is 3 levels from the background
 }
 
-// Where brown touches the green, the floor is behind it.
+// On the side where brown touches green, the floor is behind it.
 TEST(BoxLearning, LeavesRoomToTheBackgroundBehindAnotherBox) {
   LearningInput input;
   input.colors = {{"brown", cloud({115, 68, 37}, 10, 2000, 1)}, {"green", cloud({26, 152, 58}, 10, 2000, 2)}};
@@ -86,7 +86,8 @@ TEST(BoxLearning, LeavesRoomToTheBackgroundBehindAnotherBox) {
 }
 
 TEST(BoxLearning, SplitsAColorBesideAnotherOne) {
-  // Two slanted clouds, like colors under increasing light: a single box around one would include the other.
+  // The samples are two slanted clouds, like colors under increasing light; a single box around one would include the
+  // other.
   std::vector<Channels> first, second;
   std::mt19937 random(3);
   std::uniform_int_distribution<int> noise(-3, 3);
@@ -147,7 +148,7 @@ TEST(BoxLearning, RejectsColorsThatCannotBeLearned) {
   EXPECT_EQ(learn_boxes(input, {}).code(), ErrorCode::kOutOfRange);
 }
 
-// In a shade of half the light, and in glare, a team color is in a box, and another color is not.
+// In shade with half the light, and in glare, a team color is in a box, and another color is not.
 TEST(BoxLearning, FindsTeamColorsInOtherLight) {
   LearningInput input;
   input.colors = {{"blue", cloud({20, 90, 200}, 4, 2000, 1), ColorUse::kTeam},
@@ -168,7 +169,7 @@ TEST(BoxLearning, FindsTeamColorsInOtherLight) {
   EXPECT_EQ(caught(other.value(), 1, glare), 0.0);
 }
 
-// The ball is found in a shade of half the light, unless an identification color may be there.
+// The ball is found in shade with half the light, unless an identification color may be there.
 TEST(BoxLearning, FindsTheBallInOtherLightWhereNoOtherColorIs) {
   LearningInput input;
   input.colors = {{"orange", cloud({230, 110, 30}, 4, 2000, 1), ColorUse::kBall},
@@ -178,7 +179,7 @@ TEST(BoxLearning, FindsTheBallInOtherLightWhereNoOtherColorIs) {
   const Result<LearnedColors> ball = learn_boxes(input, {});
   ASSERT_TRUE(ball.ok()) << ball.text();
   EXPECT_GT(caught(ball.value(), 1, shade), 0.95);
-  // Brown may be there, too.
+  // Now brown may be in this place, too.
   const auto room = [](const LearnedColors& learned) {
     double sum = 0;
     for (const ColorBox& box : learned.boxes) {

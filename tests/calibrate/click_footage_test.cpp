@@ -7,7 +7,7 @@
 
 #include "tools/programs/calibrate/colors/auto_detect.h"
 
-// Clicks on real pictures: any of the clicks of tests/footage only add to what is found without them.
+// Clicks on real pictures: any of the clicks of tests/footage only add to the result without them.
 namespace touchline::calibrate {
 namespace {
 
@@ -77,7 +77,7 @@ TEST_P(ClicksOnFootage, NeverReduceTheRobots) {
   }
 }
 
-// The search meets this ball at its shaded rim, whose color is that of the red patches.
+// The search finds only the shaded rim of this ball, which has the color of the red patches.
 TEST_F(ClicksOnFootage, ABallIsLearnedWhereAPersonPoints) {
   load({"vsss-bar-dark", "vsss-bar/dark_04.png", PixelFormat::kRgb24});
   if (IsSkipped() || HasFatalFailure()) return;
@@ -91,16 +91,16 @@ TEST_F(ClicksOnFootage, ABallIsLearnedWhereAPersonPoints) {
   EXPECT_NEAR(learned->v_px, clicked->v_px, 1.0);
 }
 
-// Where the ball was found; empty: not found.
+// Position at which the ball was found; empty: not found.
 std::optional<PixelPoint> ball_of(const DetectedColors& found) {
   const AssignedColor& color = found.assignment.colors[found.input.ball - 1U];
   if (color.patches.empty()) return std::nullopt;
   return found.input.patches[color.patches.front()].center;
 }
 
-// In 12 it lies on a painted cross, in 24 beside a robot whose red patch glares like an orange one. In 08 it covers a
-// line, whose edge has its hue, in 14 it glows on the floor in its shadow: its lit part shows its color. In the dark
-// picture it is as red as the red patches: no ball is better than a wrong one.
+// In picture 12 the ball lies on a painted cross, in 24 beside a robot whose red patch looks orange in glare. In 08 it
+// covers a line, whose edge has its hue; in 14 it glows on the floor in its shadow, and only its lit part has its
+// color. In the dark picture it is as red as the red patches, and no ball is better than a wrong one.
 TEST_F(ClicksOnFootage, NoPatchOfARobotIsTakenForTheBall) {
   struct Ball {
     const char *set, *picture;
@@ -127,8 +127,8 @@ TEST_F(ClicksOnFootage, NoPatchOfARobotIsTakenForTheBall) {
   }
 }
 
-// In 12 a robot stands in the reflection of a lamp, in which its yellow is white. In 24 the lamp adds nothing to the
-// blue channel of a red patch, which the camera delivers as black.
+// In picture 12 a robot stands in the reflection of a lamp, in which its yellow is white. In 24 the lamp adds nothing
+// to the blue channel of a red patch, which the camera delivers as black.
 TEST_F(ClicksOnFootage, RobotsInGlareAreRecognized) {
   for (const char* const picture : {"vsss-bar/normal_12.png", "vsss-bar/normal_24.png"}) {
     pictures.clear();
@@ -141,7 +141,7 @@ TEST_F(ClicksOnFootage, RobotsInGlareAreRecognized) {
   }
 }
 
-// Own 2 stands apart, in the reflection of a lamp. Its magenta is learned as it looks elsewhere.
+// Own 2 stands apart, in the reflection of a lamp. Its magenta is learned as it looks in other light.
 TEST_F(ClicksOnFootage, AColorInGlareIsLearnedAsItLooksElsewhere) {
   const auto magenta_in = [this](const char* picture) -> Rgb {
     pictures.clear();
@@ -166,8 +166,8 @@ TEST_F(ClicksOnFootage, AColorInGlareIsLearnedAsItLooksElsewhere) {
   }
 }
 
-// Without a region of interest, specks beyond the border resemble the dark red patches. With them, the same robots are
-// recognized: that is no doubt.
+// Without a region of interest, specks beyond the border resemble the dark red patches. The same robots are recognized
+// in spite of them, so they raise no doubt.
 TEST_F(ClicksOnFootage, ALargerClusterOfAColorIsNoDoubt) {
   load_picture({"mirosot-triangles", "mirosot-triangles/r0.png", PixelFormat::kRgb24});
   if (IsSkipped() || HasFatalFailure()) return;

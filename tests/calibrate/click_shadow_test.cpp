@@ -11,7 +11,7 @@ const std::vector<PaintedPatch> kPatches{{"red", {190, 40, 40}, 60, 60}, {"red",
 const std::vector<Click> kClicks{{"a.png", "red", 60, 60}, {"a.png", "red", 240, 60}};
 
 std::vector<ShadowedClick> shadowed(PixelFormat format, double left_light) {
-  // Pixel values; the left third is in shadow.
+  // Pixel values of a picture whose left third is in shadow.
   const auto lamp = [left_light](int u, int) { return u < 106 ? std::pow(left_light, 1 / 2.2) : 1.0; };
   std::map<std::string, CameraPicture> pictures;
   pictures["a.png"] = painted_field(kPatches, format, 1, lamp);
@@ -37,7 +37,7 @@ TEST(ClickInShadow, DoesNotNameUnevenLamps) {
   EXPECT_TRUE(shadowed(PixelFormat::kRgb24, 1.4).empty());
 }
 
-// A slip of the pen is no shadow: whoever uses the click says that it is outside.
+// A click outside the picture counts as no shadow, because the user of the clicks reports it.
 TEST(ClickInShadow, DoesNotNameClicksOutsideThePictureOrTheRegionOfInterest) {
   std::map<std::string, CameraPicture> pictures;
   pictures["a.png"] = painted_field(kPatches, PixelFormat::kRgb24, 1, [](int, int) { return 1.0; });

@@ -23,7 +23,7 @@ const std::vector<std::pair<std::string, std::array<double, 3>>>& palette() {
   return colors;
 }
 
-// Each color three times; `shift` moves the patches to places with other light.
+// The picture shows each color three times; `shift` moves the patches to positions with other light.
 std::vector<PaintedPatch> arrangement(int shift) {
   std::vector<PaintedPatch> patches;
   for (int row = 0; row < 3; ++row) {
@@ -45,8 +45,8 @@ struct Found {
   std::size_t right = 0, wrong = 0, ghosts = 0;
 };
 
-// Share of correct patches according to the pipeline's scanner in another picture: a region of the right color covers
-// the patch.
+// Returns the share of correct patches according to the pipeline's scanner in another picture: a region of the right
+// color covers the patch.
 Found recognize(const ColorFitInput& input, const ColorFit& fit, const std::vector<PaintedPatch>& patches,
                 const CameraPicture& picture) {
   const auto scanner = std::make_unique<RegionScanner>();
@@ -138,8 +138,8 @@ TEST(ColorFit, WhatContinuesAPatchIsNoBackground) {
   EXPECT_GT(inner, whole - 10) << "of 12 pixels, 2 to 4 are sampled";
 }
 
-// Each picture shows every color three times. Of a few patches, colors of teams and the ball get boxes for other light;
-// 15 patches of a team show the light, also for a ball with fewer.
+// Each picture shows every color three times. With few patches, colors of teams and the ball get boxes for other light;
+// 15 patches of a team show the light on the field, and suffice for a ball with fewer patches, too.
 TEST(ColorFit, ManyPatchesNeedNoBoxesForOtherLight) {
   const auto boxes_with = [](int pictures, std::map<std::string, ColorUse> uses) {
     ColorFitInput input;
@@ -194,7 +194,7 @@ TEST(ColorFit, ColorsFromOneCornerSufficeWithALightMap) {
   const Found found = recognize(input, fit, dark, other);
   EXPECT_EQ(found.right, 6U);
   EXPECT_EQ(found.wrong, 0U);
-  // The floor at illumination 1, not at that of the visible half.
+  // The expected floor is that at illumination 1, not that of the visible half.
   ASSERT_TRUE(fit.background.has_value());
   for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR((*fit.background)[c], (std::array{45, 48, 50})[c], 2);
 }
@@ -243,7 +243,7 @@ TEST(ColorFit, NamesColorsThatCannotBeDistinguished) {
   const Result<ColorFit> fitted = fit_colors(input);
   if (fitted.ok()) {
     const ColorFit& fit = fitted.value();
-    // Both are separated at some level; the report must show that they cannot be distinguished.
+    // The colors are separated at some level; the report must show that they cannot be distinguished.
     const PairMargin& closest = fit.learned.margins.front();
     EXPECT_LT(closest.levels, 0);
     EXPECT_TRUE((fit.names[closest.first] == "green" && fit.names[closest.second] == "mint") ||
@@ -262,7 +262,7 @@ TEST(ColorFit, ReportsPatchesWithoutAClickAndExcludesThemFromTheBackground) {
   ColorFitInput input;
   const std::vector<PaintedPatch> patches = arrangement(0);
   input.pictures["a"] = painted_field(patches, PixelFormat::kRgb24, 1, even);
-  add_clicks(input, "a", {patches.begin(), patches.begin() + 6});  // the first row only
+  add_clicks(input, "a", {patches.begin(), patches.begin() + 6});  // only the first row
   Result<ColorFit> fitted = fit_colors(input);
   ASSERT_TRUE(fitted.ok()) << fitted.text();
   ColorFit fit = std::move(fitted).value();

@@ -86,7 +86,7 @@ class Draft {
     field_.length_m = size.length_m;
     field_.width_m = size.width_m;
     if (name != "ssl-butterfly" && chance(0.3)) scene_.layout.height_m = 0.04F;
-    // Patches cut by hand.
+    // Patches are cut by hand, so their sizes vary.
     const auto cut = static_cast<float>(random_.uniform(0.88, 1.03));
     for (PatchPlace& place : scene_.layout.patches) {
       place.length_m *= cut;
@@ -113,7 +113,7 @@ class Draft {
     }
   }
 
-  // The paint of a name: another hue, mostly duller and darker.
+  // Returns the paint of a name: with another hue, usually duller and darker.
   PaintRgb mixed(const std::string& name) {
     const Rgb usual = *usual_rgb(name);
     const double turn = 0.13 * random_.normal(), dull = random_.uniform(0.4, 1.1), dark = random_.uniform(0.65, 1.1);
@@ -227,7 +227,7 @@ class Draft {
                                      kTeamHeight / 2.0 / radius(field_.width_m / 2 + 0.1));
   }
 
-  // Robots far enough apart, or with `close` one pair that nearly touches.
+  // Places the robots far apart; with `close`, one pair nearly touches.
   void place(TeamScene& scene, bool close) {
     const auto side = static_cast<double>(scene.layout.robot_side_m);
     std::vector<std::pair<double, double>> taken;

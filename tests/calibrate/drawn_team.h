@@ -9,19 +9,20 @@
 
 namespace touchline::calibrate {
 
-/// A picture of the team and what is in it.
+/// A picture of the team and its true content.
 struct DrawnPicture {
   hal::Picture picture;
   TeamScene scene;
 };
 
-/// A team that nobody has tuned to: layout, number of robots, paints, floor, lamps and camera follow from a seed.
+/// A randomly drawn team, to which nobody has tuned the calibration: layout, number of robots, paints, floor, lamps and
+/// camera follow from a seed.
 struct DrawnTeam {
-  std::string about;      // what was drawn, in one line
+  std::string about;      // description of the drawn values in one line
   std::string team_file;  // text of team.toml
-  std::string format;     // for --format
+  std::string format;     // value for --format
   config::VenueFile venue;
-  std::vector<DrawnPicture> pictures;  // the same robots at other places
+  std::vector<DrawnPicture> pictures;  // pictures of the same robots at different positions
 };
 
 /// Draws `pictures` pictures. The names of the colors are those that a person would use: each paint looks more like its

@@ -50,7 +50,7 @@ radius_m = 0.2
 TEST_F(Drawing, IsConvertedToMarks) {
   ASSERT_OK(read(kWhole));
   const std::vector<Mark> marks = marks_of(drawing_);
-  // Two long sides, four halves of the short ones, four corners; two lines, a circle.
+  // The border has two long sides, four halves of the short ones, and four corners; inside are two lines and a circle.
   ASSERT_EQ(marks.size(), 13u);
   std::array<double, 4> length{};
   for (const Mark& mark : marks) {
@@ -113,7 +113,7 @@ TEST(Presets, MeasuresOfTheMarkingsAreThoseOfTheLines) {
                  width = static_cast<double>(field.penalty_area_width_m),
                  goal_line = static_cast<double>(field.length_m) / 2,
                  thickness = static_cast<double>(field.line_width_m);
-    // Lines that belong to the area reach to its measures with their outer edge.
+    // The outer edges of lines that belong to the area are at its published measures.
     const double outside = preset.drawing.border.kind == BorderKind::kLine ? thickness / 2 : 0.0;
     ASSERT_EQ(preset.drawing.arc.size(), 1u) << preset.name;
     EXPECT_NEAR(preset.drawing.arc[0].radius_m + outside, static_cast<double>(field.center_circle_m), 1e-6);

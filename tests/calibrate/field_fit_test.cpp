@@ -128,7 +128,7 @@ TEST(FieldFit, AVerticalCameraNeedsItsHeight) {
   EXPECT_NEAR(fit.height_sigma_m, kHeightSigma_m, 0.004);
 }
 
-// Offsets that a person makes who takes another corner for the field's, such as that of the goal area.
+// Errors of a person who takes another corner, such as that of the goal area, for the field's.
 TEST(FieldFit, AWrongCornerIsNotTakenForACameraFarAway) {
   const CameraParameters truth = camera_at(0.05, -0.04, 2.0, 0.05, 500);
   int refused = 0, accepted = 0;
@@ -200,7 +200,7 @@ TEST(FieldFit, RejectsPointsThatNoCameraCanSee) {
   EXPECT_EQ((result = fit_field(input_of(mirrored), fit)).code(), ErrorCode::kInconsistent);
   EXPECT_NE(result.text().find("mirrored"), std::string::npos) << result.text();
 
-  // Rotated by 90 degrees: length and width exchanged.
+  // The corners are rotated by 90 degrees, so length and width are exchanged.
   std::vector<FloorPoint> turned = good;
   for (std::size_t i = 0; i < 4; ++i) {
     turned[i].u_px = good[(i + 1) % 4].u_px;

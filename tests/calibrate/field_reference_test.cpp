@@ -6,7 +6,7 @@
 
 #include "tests/calibrate/painted_field.h"
 
-// The reference of the field: of pictures of 320 x 240 pixels it has 20 x 15 cells of 16 x 16.
+// The reference of the field; for pictures of 320 x 240 pixels it has 20 x 15 cells of 16 x 16.
 namespace touchline::calibrate {
 namespace {
 
@@ -31,7 +31,7 @@ class FieldReference : public ::testing::Test {
   [[nodiscard]] static std::size_t cell_at(int u, int v) {
     return static_cast<std::size_t>(v / kCell_px) * kColumns + static_cast<std::size_t>(u / kCell_px);
   }
-  // Sum of the channel over four pixels; 0: the cell is left out.
+  // Returns the sum of the channel over four pixels; 0: the cell is not used.
   [[nodiscard]] int at(int u, int v, std::size_t channel = 1) const {
     return reference_->colors.sum[channel][cell_at(u, v)];
   }
@@ -47,7 +47,7 @@ class FieldReference : public ::testing::Test {
 };
 
 const PaintedPatch kFirst{"red", {200, 30, 30}, 80, 120}, kSecond{"red", {200, 30, 30}, 240, 120};
-// Four pixels of the painted floor, with noise of four levels.
+// The sum is that of four pixels of the painted floor, with noise of four levels.
 constexpr int kFloorSum = 4 * 48, kTolerance = 30;
 
 TEST_F(FieldReference, HasTheColorOfTheFloor) {
@@ -97,7 +97,7 @@ TEST_F(FieldReference, IsTheMedianOfThePictures) {
   EXPECT_NEAR(at(160, 120), 1.5 * kFloorSum, kTolerance);
 }
 
-// Where a robot covers the floor in one of two pictures, the other one's light does not fill the gap.
+// If a robot covers the floor in one of two pictures, the other picture's light does not fill the gap.
 TEST_F(FieldReference, MixesNoLights) {
   show("a.png", {kFirst}, 1.0);
   show("b.png", {}, 2.0);

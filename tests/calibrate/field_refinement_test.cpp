@@ -40,7 +40,8 @@ class FieldRefinement : public ::testing::Test {
     return fit;
   }
 
-  // Largest distance on the field between the projections with the model and with the arena's lens, at this height.
+  // Returns the largest distance on the field between the projections with the model and with the arena's lens, at this
+  // height.
   double worst_px(const CameraParameters& parameters, double height_m) const {
     CameraModel model;
     EXPECT_TRUE(model.configure(parameters).ok());
@@ -85,7 +86,7 @@ TEST_F(FieldRefinement, FindsTheLensAlongTheBorder) {
 }
 
 TEST_F(FieldRefinement, EstimatesTheUncertaintyOfTheHeight) {
-  // The height is not given; the cameras are tilted enough to determine it. Three cameras exclude luck.
+  // The height is not given; the cameras are tilted enough to determine it. Three cameras exclude a lucky result.
   double squares = 0;
   for (const double x : {-0.45, 0.35, 0.5}) {
     arena_.camera.position_m = {x, -0.3, 2.2};
@@ -111,7 +112,8 @@ TEST_F(FieldRefinement, DrawsItsResiduals) {
   const hal::Picture drawn = draw_residuals(picture, camera, report_);
   EXPECT_EQ(drawn.width_px, picture.width_px);
   EXPECT_GT(drawn.height_px, picture.height_px) << "with a legend below";
-  // A point of the lower border with a small residual: a bluish or greenish dot on the darkened photograph.
+  // The legend maps a point of the lower border with a small residual to a bluish or greenish dot on the darkened
+  // photograph.
   const auto best = std::min_element(report_.found.begin(), report_.found.end(), [&](const auto& a, const auto& b) {
     const auto off = [&](const MarkPoint& p) {
       const PixelPoint at = camera.to_pixel({static_cast<float>(p.x_m), static_cast<float>(p.y_m)}, 0.0f);
@@ -144,8 +146,8 @@ TEST_F(FieldRefinement, WithoutABorderTheFitIsUnchanged) {
   EXPECT_EQ(fit.camera.full.position_m, before.position_m);
 }
 
-// Dark, then bright from `edge` on, after a step of 0.3 of the height that begins `step` before the edge, and a line.
-// No blur but the integration over pixels.
+// A profile that is dark, then bright from `edge` on, after a step of 0.3 of the height that begins `step` before the
+// edge; and a line. The only blur is the integration over pixels.
 LightPicture sharp_marks(double edge, double step, double line, double line_width) {
   hal::Picture picture;
   picture.width_px = 64;
@@ -164,8 +166,8 @@ LightPicture sharp_marks(double edge, double step, double line, double line_widt
   return LightPicture({picture});
 }
 
-// Wherever an edge lies between pixels. The crossing of a level that is interpolated between them is wrong by up to
-// 0.09 pixels here; it remains where a second edge is near.
+// The edge is found wherever it lies between pixels. By contrast, the crossing of a level interpolated between them is
+// wrong by up to 0.09 pixels here; this error remains if a second edge is near.
 TEST_F(FieldRefinement, LocatesSharpEdgesAndLines) {
   // A camera 1 m above the floor with one pixel per centimeter: u = 32 + 100 x, v = 32 - 100 y.
   CameraParameters parameters;

@@ -9,7 +9,7 @@
 #include "tests/tools/program_folder.h"
 #include "tools/programs/calibrate/venue/venue_draft.h"
 
-// Runs `touchline-calibrate field` without clicks: cases that it must refuse and cases that it must accept.
+// Runs `touchline-calibrate field` without clicks: cases that it must reject and cases that it must accept.
 namespace touchline::calibrate {
 namespace {
 
@@ -101,8 +101,8 @@ TEST_F(FieldWithoutAClick, AHeightThatThePictureCannotShow) {
   EXPECT_NE(read("out").find("warning: with the height given, 1.2"), std::string::npos) << read("out");
 }
 
-// A plinth around the field: a border of the same proportions, 7 % larger, while the circle belongs to the field. It is
-// then seen with a radius that is 16 mm too small.
+// A plinth around the field: a border of the same proportions, 7 % larger, while the circle belongs to the field. The
+// circle is then seen with a radius that is 16 mm too small.
 TEST_F(FieldWithoutAClick, ABorderThatIsNotThatOfTheField) {
   resize(1.07 * 2.2, 1.07 * 1.8);
   arena_.camera.position_m[2] = 2.7;
@@ -143,7 +143,7 @@ TEST_F(FieldWithoutAClick, AFieldOfTwentyCentimeters) {
   EXPECT_EQ(draft.value().file.field.goal_width_m, 0.0f) << "a goal of 0.4 m does not fit";
 }
 
-// The light of grey paper is measured only where grey paper is seen, in each picture.
+// The light of gray paper is measured only if each picture shows gray paper.
 TEST_F(FieldWithoutAClick, LightOfPaperThatIsNotThere) {
   write_field(render());
   ASSERT_TRUE(run(kMiroSot)) << read("out");
@@ -203,7 +203,7 @@ TEST_F(FieldWithoutAClick, StretchedPixelsAreFittedFromCorners) {
 }
 
 TEST_F(FieldWithoutAClick, ResidualsTooLarge) {
-  // Shifts the rows of the picture by a sine wave: no field looks like this.
+  // Shifts the rows of the picture by a sine wave, which makes it unlike any field.
   hal::Picture picture = render();
   const hal::Picture straight = picture;
   for (std::size_t v = 0; v < kHeight; ++v) {

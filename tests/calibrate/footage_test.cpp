@@ -21,7 +21,7 @@ namespace {
 struct Case {
   const char* venue;
   const char* annotation;
-  std::size_t team_patches, identifications;  // annotated ones that were found within kNear_px
+  std::size_t team_patches, identifications;  // number of annotated patches that were found within kNear_px
   std::size_t all_team_patches, all_identifications;
 };
 
@@ -130,7 +130,7 @@ TEST(FootageVideo, StationaryPatchesKeepTheirRegions) {
   const auto runs = std::make_unique<Runs>();
   const auto regions = std::make_unique<Regions>();
   std::map<std::string, ColorId> id;
-  // Patches that are completely visible; the window cuts off half of the fifth robot's red patch.
+  // These patches are completely visible; the window cuts off half of the fifth robot's red patch.
   const std::map<std::string, std::size_t> expected = {{"yellow", 2}, {"red", 1},   {"pink", 2},
                                                        {"blue", 3},   {"green", 1}, {"orange", 1}};
   constexpr std::uint32_t kPatchArea_px = 35;

@@ -16,7 +16,7 @@ namespace {
 class LightSurfaceOf : public ::testing::Test {
  protected:
   LightSurfaceOf() {
-    // A lamp above one half: at least 2 : 1.
+    // A lamp above one half of the field: the light varies by at least 2 : 1.
     arena_.light.lamp = {{-0.8, 0.5, 1.6, 1.0}};
     const hal::mock::Lens lens(arena_.camera);
     const double x = 0.5 * arena_.field.length_m - 0.05, y = 0.5 * arena_.field.width_m - 0.05;
@@ -36,7 +36,7 @@ class LightSurfaceOf : public ::testing::Test {
     return map;
   }
 
-  // Largest difference between two maps within the field after scaling one of them.
+  // Returns the largest difference between two maps within the field after scaling one of them.
   double worst(const LightMap& a, const LightMap& b) const {
     double sum = 0, worst = 0;
     std::vector<double> ratios;
@@ -64,7 +64,7 @@ TEST_F(LightSurfaceOf, FieldAndPaperGiveTheSameMap) {
   EXPECT_GT(report_.most[1] / report_.least[1], 1.5) << "otherwise there is nothing to correct";
   const auto field = fit(LightSurface::kField, {photograph(arena_, hal::mock::Floor::kField, 2)});
   EXPECT_LT(worst(*paper, *field), 0.03);
-  // If lines count as floor, the check must fail.
+  // The check must fail if lines count as floor.
   const auto lines = fit(LightSurface::kGreyPaper, {photograph(arena_, hal::mock::Floor::kField, 2)});
   EXPECT_GT(worst(*paper, *lines), 0.05);
 }
@@ -118,7 +118,8 @@ TEST_F(LightSurfaceOf, BorderGivesTintAndGradient) {
   EXPECT_GT(report_.most[1] / report_.least[1], 1.3) << "otherwise there is nothing to correct";
   EXPECT_LT(worst(*paper, border), 0.06);
 
-  // The same camera in yellower, dimmer light: with C kept, the map shows the change.
+  // The same camera in yellower, dimmer light. The normalization C of the first map is kept, so the new map shows the
+  // change of the light.
   input.normal = report_.normal;
   const std::array<double, 3> left = {0.8, 0.7, 0.5};
   hal::Picture& picture = input.pictures[0];

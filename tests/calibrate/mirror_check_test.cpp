@@ -15,7 +15,7 @@ class MirrorCheck : public touchline::testing::ProgramFolder {
     write("team.toml", team.team_file);
     Result<TeamColors> colors = read_team_colors(path("team.toml"));
     EXPECT_OK(colors);
-    // The picture of mirrored robots is the mirrored picture: instead of the picture, the layouts are mirrored.
+    // Instead of mirroring the picture, the test mirrors the layouts, which gives the same result.
     for (TeamMarking& marking : colors.value().marker.teams) {
       if (is_mirrored) marking.layout = mirrored(marking.layout);
     }

@@ -1,4 +1,4 @@
-// Noise of standing robots: touchline-calibrate noise.
+// Tests of touchline-calibrate noise, which measures the noise of robots at rest.
 #include "tools/programs/calibrate/noise/noise_measurement.h"
 
 #include <gtest/gtest.h>
@@ -28,7 +28,7 @@ RobotSighting robot_at(RobotId id, double x_m, double y_m, double theta_rad) {
   return robot;
 }
 
-// Robot 0 stands with these standard deviations and a heading near pi; `more` adds other things to each frame.
+// Robot 0 stands with these standard deviations and a heading near pi; `more` adds other objects to each frame.
 Result<NoiseReport> measured(double position_m, double heading_rad,
                              const std::function<void(std::size_t, Sightings&)>& more = {}) {
   std::mt19937 random(7);
@@ -112,7 +112,7 @@ class NoiseProgram : public touchline::testing::ProgramFolder {
     }
     fs::create_directories(path("standing"));
   }
-  // Pictures of the arena's standing robots in folder `standing`.
+  // Makes pictures of the arena with standing robots in folder `standing`.
   bool take(int pictures) {
     return run_program(program_, std::string("picture --board ") + TOUCHLINE_MOCK_BOARD +
                                      " --set arena.opponents=stand --every 0 --after 0 --count " +
@@ -127,7 +127,7 @@ class NoiseProgram : public touchline::testing::ProgramFolder {
   const std::string program_ = touchline::testing::kKeepsFonts + TOUCHLINE_CALIBRATE;
 };
 
-// What the pipeline learns from the first pictures is not noise.
+// Whatever the pipeline learns from the first pictures must not count as noise.
 TEST_F(NoiseProgram, OnePictureAgainAndAgainHasNone) {
   ASSERT_TRUE(take(1)) << read("out");
   const fs::path picture = fs::directory_iterator(path("standing"))->path();

@@ -1,5 +1,5 @@
-// Pictures that differ from what the files say or that a method expects: textured floors, a ball on a line, robots of
-// others, patches of another size.
+// Pictures that differ from the files or from a method's assumptions: textured floors, a ball on a line, robots of
+// other teams, patches of another size.
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -18,7 +18,7 @@ namespace {
 
 constexpr unsigned kTile_px = 8;
 
-// Values from -1 to 1 that follow from a place.
+// Returns a value from -1 to 1 that depends only on the position.
 double hashed(unsigned x, unsigned y, unsigned z) {
   unsigned h = x * 0x9E3779B1U ^ y * 0x85EBCA77U ^ z * 0xC2B2AE3DU;
   h ^= h >> 15;
@@ -49,7 +49,7 @@ class OddPictures : public ArenaTeam {
     const auto at = std::find(team_.names.begin(), team_.names.end(), name);
     return found.assignment.colors[static_cast<std::size_t>(at - team_.names.begin())];
   }
-  // Patches of the layout that are shorter than the real ones by this factor.
+  // Returns the layout with patches that are shorter than the real ones by this factor.
   void shorten_layout(float factor) {
     for (TeamMarking& team : team_.marker.teams) {
       for (PatchPlace& place : team.layout.patches) {
@@ -78,7 +78,7 @@ TEST_F(OddPictures, PatchesOfATexturedFloorAreBoundedAndTheRealOnesKept) {
   EXPECT_GE(real, truth_["a"].size() - 1);
 }
 
-// Robots that a texture seems to show have no ids.
+// Robots that exist only in the texture get no ids.
 TEST_F(OddPictures, OnATexturedFloorAClickIsUsedAndNotAdvisedAgain) {
   add_picture("a", 1, lay_tiles);
   std::vector<Click> clicks;
@@ -96,7 +96,7 @@ TEST_F(OddPictures, OnATexturedFloorAClickIsUsedAndNotAdvisedAgain) {
   }
 }
 
-// As in the arena's kick-off: a line runs through the ball, and no edge separates them everywhere.
+// As in the arena's kick-off, a line runs through the ball, so parts of the ball's outline have no edge.
 TEST_F(OddPictures, FindsABallOnALine) {
   for (const double x_m : {0.0, 0.007, 0.014}) {
     pictures_.clear();
@@ -113,7 +113,7 @@ TEST_F(OddPictures, FindsABallOnALine) {
   }
 }
 
-// One of four robots shows colors of no robot in the team file.
+// One of four robots has colors of no robot in the team file.
 TEST_F(OddPictures, ARobotOfOthersInThePictureIsLeftOutAndNamed) {
   const std::string path = ::testing::TempDir() + "touchline-odd-" + std::to_string(::getpid()) + ".toml";
   std::ofstream(path) << "version = 1\n[own]\nlayout = \"paper\"\ncolor = \"blue\"\n"
@@ -136,7 +136,7 @@ TEST_F(OddPictures, ARobotOfOthersInThePictureIsLeftOutAndNamed) {
   EXPECT_EQ(found.value().unlisted.rfind("nothing is learned from 1 robots", 0), 0U) << found.value().unlisted;
 }
 
-// More robots contradict the team file than match it. A click says that it is the right one.
+// More robots contradict the team file than match it. A click tells the program that the team file is right.
 TEST(DetectionDoubts, AClickOnATeamPatchOutweighsRobotsOfOthers) {
   AssignmentInput input;
   input.colors = {{"blue", {}, false}};
@@ -159,7 +159,7 @@ TEST(DetectionDoubts, AClickOnATeamPatchOutweighsRobotsOfOthers) {
   EXPECT_FALSE(asks_for_file());
 }
 
-// The camera model of four points knows no lens distortion, so that sizes are right to a tenth.
+// The camera model of four points has no lens distortion, so sizes are right only to a tenth.
 TEST_F(OddPictures, TellsByHowMuchPatchesDifferFromTheLayout) {
   add_picture("a", 1);
   const auto scales = [&] {
@@ -185,7 +185,7 @@ TEST(ColorClusters, MergesAsIfAllPairsWereCompared) {
   std::vector<Lab> colors;
   for (unsigned i = 0; i < 60; ++i)
     colors.push_back({50 + 40 * hashed(i, 1, 0), 60 * hashed(i, 2, 0), 60 * hashed(i, 3, 0)});
-  // Average linkage by its definition.
+  // Average linkage, computed by its definition.
   std::vector<std::vector<std::size_t>> clusters;
   for (std::size_t i = 0; i < colors.size(); ++i) clusters.push_back({i});
   const auto linkage = [&](const auto& a, const auto& b) {

@@ -18,7 +18,7 @@ namespace touchline::calibrate {
 struct PaintedPatch {
   std::string color;
   std::array<double, 3> rgb{};
-  int u_px = 0, v_px = 0;  // of its center
+  int u_px = 0, v_px = 0;  // position of its center
   bool is_ball = false;
 };
 
@@ -67,7 +67,7 @@ inline CameraPicture painted_field(const std::vector<PaintedPatch>& patches, Pix
   frame.format = format;
   frame.width_px = kFieldWidth;
   frame.height_px = kFieldHeight;
-  // A chroma sample is the mean of its pixels.
+  // A chroma sample is the mean of the pixels that share it.
   const auto value_of = [&](const std::array<std::uint8_t, 3>& pixel, std::size_t c) {
     std::array<double, 3> rgb{};
     std::copy(pixel.begin(), pixel.end(), rgb.begin());

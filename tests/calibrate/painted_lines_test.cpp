@@ -1,4 +1,4 @@
-// A hall that lacks lines of its league.
+// Tests with a hall that lacks some lines of its league.
 #include "tools/programs/calibrate/field/painted_lines.h"
 
 #include <gtest/gtest.h>
@@ -6,8 +6,8 @@
 namespace touchline::calibrate {
 namespace {
 
-// Every marking of the league was tried at 50 points; of those inside penalty areas and of the center circle, so many
-// were found.
+// Each marking of the league was searched for at 50 points; `found` is the number found on those inside penalty areas
+// and on the center circle.
 FieldReport report_of(const FieldDrawing& drawing, std::size_t found_of_areas, std::size_t found_of_circle) {
   FieldReport report;
   report.marks = marks_of(drawing);
@@ -29,11 +29,11 @@ TEST(PaintedLines, AFieldHasThoseThatThePicturesShow) {
     FieldParameters painted = painted_field(field, report_of(preset.drawing, 50, 50));
     EXPECT_EQ(painted.penalty_area_depth_m, field.penalty_area_depth_m) << preset.name;
     EXPECT_EQ(painted.center_circle_m, field.center_circle_m) << preset.name;
-    // Found beside its place, a line is painted all the same.
+    // A line found beside its drawing counts as painted.
     painted = painted_field(field, report_of(preset.drawing, 30, 30));
     EXPECT_EQ(painted.penalty_area_width_m, field.penalty_area_width_m) << preset.name;
     EXPECT_EQ(describe_unpainted(field, report_of(preset.drawing, 30, 30)), "") << preset.name;
-    // Noise is found here and there.
+    // Noise gives a few scattered points.
     painted = painted_field(field, report_of(preset.drawing, 10, 50));
     EXPECT_EQ(painted.penalty_area_depth_m, 0.0f) << preset.name;
     EXPECT_EQ(painted.penalty_area_width_m, 0.0f) << preset.name;

@@ -87,7 +87,7 @@ TEST_F(Program, TakesPicturesWithTheBoardsCamera) {
   ASSERT_OK_AND_ASSIGN(const hal::Picture yuv, hal::read_picture(path("yuv-1.png")));
   ASSERT_EQ(rgb.width_px, 640U);
   ASSERT_EQ(rgb.rgb8.size(), yuv.rgb8.size());
-  // The floor outside the field at the same pixel, some frames apart.
+  // Pixels of the floor outside the field, some frames apart.
   double difference = 0.0;
   for (std::size_t i = 0; i < 3000; ++i) difference += std::abs(rgb.rgb8[i] - yuv.rgb8[i]) / 3000.0;
   EXPECT_LT(difference, 6.0);
@@ -101,7 +101,8 @@ TEST_F(Program, TakesPicturesWithTheBoardsCamera) {
   EXPECT_FALSE(fs::exists(path("a.png")));
 }
 
-// Pictures for calibration match the camera's frames: converted back to YUV, they differ only by the rounding of RGB.
+// Pictures taken for calibration match the camera's frames: converted back to YUV, they differ only by the rounding of
+// RGB.
 TEST(PictureOfAFrame, IsReadBackUnchanged) {
   std::vector<std::uint8_t> bytes;
   for (int i = 0; i < 32 * 16 / 2; ++i) {
@@ -263,12 +264,12 @@ TEST_F(Program, AsksBeforeItWritesDetectedColors) {
         *std::find_if(patches.begin(), patches.end(), [&](const auto& p) { return p.color == color.name; });
     for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(color.shown_rgb[c], truth.rgb[c], 8) << color.name;
   }
-  // A click on the command line, on a patch, on the floor, and without its place.
+  // Clicks on the command line: on a patch, on the floor, and without a position.
   EXPECT_TRUE(run(with_team + " --yes --click green,93,73 --click red,160,20," + path("robots.png"))) << read("out");
   EXPECT_NE(read("out").find("1 of 2 clicks used"), std::string::npos) << read("out");
   EXPECT_FALSE(run(with_team + " --yes --click green,93"));
   EXPECT_NE(read("out").find("COLOR,U,V"), std::string::npos) << read("out");
-  // A robot need not be in every picture.
+  // (A robot need not be in every picture.)
   write_png("without.png",
             painted_field({patches[0], patches[1], patches[4]}, PixelFormat::kRgb24, 4, [](int, int) { return 1.0; }));
   ASSERT_TRUE(run(with_team + " --picture " + path("without.png") + " --yes")) << read("out");
@@ -288,8 +289,9 @@ TEST_F(Program, AsksBeforeItWritesDetectedColors) {
   EXPECT_NE(read("out").find("calibrate the field first"), std::string::npos) << read("out");
 }
 
-// Things beside the robots that somebody clicks on: a violet one called blue, which is learned as blue and then makes
-// the blue patch unlike its color, and one of the team's color, which is then a robot without an id.
+// Somebody clicks on other objects beside the robots. One object is violet and called blue: it is learned as blue, and
+// the blue patches then differ from this color. Another object has the team's color and is therefore a robot without an
+// id.
 TEST_F(Program, LeavesOutAClickThatMakesTheResultWorse) {
   std::vector<PaintedPatch> patches = {{"red", {200, 30, 30}, 80, 60},
                                        {"green", {30, 180, 60}, 93, 73},
@@ -315,7 +317,7 @@ TEST_F(Program, LeavesOutAClickThatMakesTheResultWorse) {
   }
 }
 
-// The working file stays unless the person accepts that the fourth robot is in no picture.
+// The file in use stays unchanged unless the person accepts that the fourth robot is in no picture.
 TEST_F(Program, NamesARobotThatIsInNoPicture) {
   std::vector<PaintedPatch> patches = {{"red", {200, 30, 30}, 80, 60},      {"green", {30, 180, 60}, 93, 73},
                                        {"red", {200, 30, 30}, 200, 150},    {"blue", {40, 80, 200}, 187, 163},
@@ -357,7 +359,7 @@ TEST_F(Program, ConfirmsAColorThatDoesNotLookLikeItsName) {
   EXPECT_TRUE(run(colors + " --odd-color blue")) << read("out");
 }
 
-// Nothing can be learned for a robot's patch with the color of its team.
+// Nothing can be learned for an identification patch that has the team's color.
 TEST_F(Program, ReportsContradictionsOfTheTeamFileFirst) {
   write("team.toml",
         "version = 1\n[own]\nlayout = \"paper\"\ncolor = \"red\"\n[[own.robot]]\nid = 0\ncolors = [\"red\"]\n");

@@ -57,7 +57,7 @@ TEST(SelfCheck, LetsARobotInGlareStayUnknown) {
       << "eight of nine";
 }
 
-// Each defect of one picture fails by itself, though all robots are explained in another one.
+// Each defect of one picture is enough to fail, even if all robots are explained in another one.
 TEST(SelfCheck, FailsForEachVisibleRobotThatIsNotExplained) {
   const CheckedPicture all = seen_in("a.png", {"own 0", "own 1", "opponent 0", "opponent 1"});
   ASSERT_TRUE(check_of({all}).passed());

@@ -28,7 +28,7 @@ double encoded(double x) {
   return 255 * (y <= 0.0031308 ? 12.92 * y : 1.055 * std::pow(y, 1 / 2.4) - 0.055);
 }
 
-// Whether a point in the patch's own frame, relative to the centroid, lies on it.
+// Returns whether a point in the patch's own frame, relative to the centroid, lies on it.
 bool covers(const PatchPlace& place, FloorPlace at) {
   const auto length = static_cast<double>(place.length_m), width = static_cast<double>(place.width_m);
   const FloorPlace own = at * std::polar(1.0, -static_cast<double>(place.turn_rad));

@@ -18,12 +18,12 @@ struct StandingRobot {
   Team team = Team::kOwn;
   int id = 0;
   double x_m = 0, y_m = 0, theta_rad = 0;
-  // In the order of the layout's patches; glare: reflection of a lamp, as a part of white.
+  // `paint` is in the order of the layout's patches; `glare` is the reflection of a lamp, as a share of white.
   std::vector<PaintRgb> paint;
   std::vector<double> glare;
 };
 
-/// What the camera sees.
+/// Content of a picture.
 struct TeamScene {
   MarkerLayout layout;
   std::vector<StandingRobot> robots;
@@ -32,16 +32,16 @@ struct TeamScene {
   PaintRgb ball{}, floor{}, line{}, outside{}, body{};
 };
 
-/// Lamps and camera beyond those of the arena.
+/// Effects of lamps and camera in addition to those of the arena.
 struct Exposure {
   std::array<double, 3> tint{1, 1, 1};
-  double gain = 1, veil = 0;  // veil: stray light, as a part of white
+  double gain = 1, veil = 0;  // `veil` is stray light, as a share of white
   double blur_px = 0.7, noise = 2;
-  bool shares_chroma = false;  // between two pixels of a row and two rows, as in a JPEG
+  bool shares_chroma = false;  // chroma is shared by two pixels of a row and two rows, as in a JPEG
 };
 
 /// Draws a scene: any layout, robots as cuboids, a shaded ball, the lines of the field, with the arena's lens and
-/// lamps. Four rays per pixel; blur, noise of 8-bit values.
+/// lamps. It casts four rays per pixel, blurs, and adds the noise of 8-bit values.
 hal::Picture draw_scene(const TeamScene& scene, const hal::mock::ArenaField& field,
                         const hal::mock::LensParameters& lens, const hal::mock::LightParameters& light,
                         const Exposure& exposure, int width_px, int height_px, unsigned seed);

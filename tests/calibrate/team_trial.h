@@ -6,13 +6,13 @@
 
 namespace touchline::calibrate {
 
-/// What a user gets from `touchline-calibrate colors` without clicks.
+/// Result of `touchline-calibrate colors` without clicks.
 struct TeamTrial {
-  bool accepted = false;  // exit code 0
-  bool offered = false;   // refused by the self-check: some robots would be recognized
+  bool accepted = false;  // the exit code is 0
+  bool offered = false;   // the self-check rejected the colors, but some robots would be recognized
   bool wrote = false;     // the venue file was changed
   std::string output;
-  // With the new colors, in the picture they were learned from and in the others.
+  // Results with the new colors, in the picture from which they were learned and in the others.
   std::size_t robots = 0, right = 0, wrong = 0, balls = 0, pictures = 0;
 };
 

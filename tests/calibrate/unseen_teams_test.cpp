@@ -33,7 +33,7 @@ TEST_F(UnseenTeams, AreCalibratedFromOnePictureOrRefusedWithAdvice) {
       right += trial.right;
     } else {
       offered += trial.offered ? 1U : 0U;
-      // Names what to show, what to click on, or which color to confirm.
+      // Returns whether the message names what to show, what to click on, or which color to confirm.
       const std::size_t at = trial.output.find("touchline-calibrate: ");
       ASSERT_NE(at, std::string::npos) << what << trial.output;
       const std::string refusal = trial.output.substr(at);
@@ -57,7 +57,7 @@ TEST_F(UnseenTeams, AreCalibratedFromOnePictureOrRefusedWithAdvice) {
   EXPECT_GE(static_cast<double>(right), 0.95 * static_cast<double>(robots));
 }
 
-// In 118 the bright part of the ball is more even than the ball; in 130 the ball is of an unusual red, and no other
+// In 118 the bright part of the ball is more even than the whole ball; in 130 the ball has an unusual red, and no other
 // patch is red.
 TEST_F(UnseenTeams, WithShadedOrUnusualBallsKeepTheirColors) {
   for (const unsigned seed : {118U, 130U}) {

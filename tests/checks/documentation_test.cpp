@@ -1,4 +1,4 @@
-// Links and paths in the documentation exist, in the repository and where the package installs it.
+// Checks that links and paths in the documentation exist, in the repository and where the package installs it.
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -46,7 +46,7 @@ Links links_of(std::initializer_list<fs::path> places) {
   return links;
 }
 
-/// Paths of the repository that a page names in backquotes: `core/pipeline.cpp`.
+/// Finds paths of the repository that a page names in backquotes: `core/pipeline.cpp`.
 Links named_paths(const fs::path& page, const fs::path& repository) {
   std::ostringstream read;
   read << std::ifstream(page).rdbuf();

@@ -4,12 +4,12 @@
 #include <string_view>
 #include <vector>
 
-// The include rules between folders: the core includes no operating system and no device, and a stage of the core
-// includes only the stages before it that it needs.
+// Checks the include rules between folders: the core includes no operating system and no device, and a stage of the
+// core includes only the earlier stages that it needs.
 namespace touchline::checks {
 
 struct SourceFile {
-  std::string path;  // from the repository's root, '/' between folders
+  std::string path;  // path from the repository's root, '/' between folders
   std::string text;
 };
 
@@ -20,14 +20,14 @@ struct Violation {
 };
 
 struct Findings {
-  std::size_t files = 0, includes = 0;  // examined
+  std::size_t files = 0, includes = 0;  // numbers of examined files and includes
   std::vector<Violation> violations;
 };
 
 /// Checks every #include line of files under core, hal, firmware, tools and tests.
 Findings check_inclusion(const std::vector<SourceFile>& files);
 
-/// All C++ files under these folders of the repository.
+/// Returns all C++ files under these folders of the repository.
 std::vector<SourceFile> read_sources(const std::string& root);
 
 }  // namespace touchline::checks

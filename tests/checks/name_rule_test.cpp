@@ -8,7 +8,7 @@
 namespace touchline::checks {
 namespace {
 
-// The first name of a file that the rule forbids; empty: none.
+// Returns the first name of a file that the rule forbids; empty: none.
 std::string forbidden_name(const std::string& text) {
   static const std::regex forbidden(R"(\bk(Most|Least|Fewest)([A-Z_]\w*)?\b)");
   std::smatch found;

@@ -1,4 +1,4 @@
-// A test lies in the folder that is named as a folder of what it tests, as CONTRIBUTING.md says.
+// Checks that a test lies in the folder named after the folder of the code that it tests, as CONTRIBUTING.md says.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -9,7 +9,7 @@
 namespace touchline::checks {
 namespace {
 
-// Drivers' fakes replace calls of the program that they are linked into.
+// Exceptions: drivers' fakes replace calls of the program that they are linked into.
 constexpr std::array<std::string_view, 3> kWithTheFakesOfDrivers{
     "tests/linux/camera_choice_test.cpp", "tests/linux/device_answer_test.cpp", "tests/linux/device_list_test.cpp"};
 // core/*.h have no folder of their own.
@@ -34,7 +34,7 @@ std::vector<std::string> tested_header(const SourceFile& test) {
   return {};
 }
 
-// What is wrong with the folder of a test; empty: nothing.
+// Returns what is wrong with the folder of a test; empty: nothing.
 std::string folder_violation(const SourceFile& test) {
   const std::vector<std::string> header = tested_header(test);
   const bool has_fakes = std::count(kWithTheFakesOfDrivers.begin(), kWithTheFakesOfDrivers.end(), test.path) > 0;

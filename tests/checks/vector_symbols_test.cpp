@@ -16,7 +16,7 @@ struct VectorFindings {
   std::vector<std::string> refused;  // mangled names
 };
 
-// True for a function that only objects for AVX2 define.
+// Returns true for a function that only objects for AVX2 define.
 bool names_its_instruction_set(const std::string& symbol) { return symbol.find("avx2") != std::string::npos; }
 
 std::unordered_set<std::string> weak_functions(const std::string& archive) {

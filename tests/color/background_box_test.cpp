@@ -47,7 +47,7 @@ TEST(BackgroundBox, ContainsLowChromaInYuv) {
   EXPECT_EQ(background.high, (Channels{179, 149, 159}));
 }
 
-// A grey floor between dark green, which has less red, and brown: no box contains both the floor and black.
+// A gray floor lies between dark green, which has less red, and brown, so no box contains both the floor and black.
 TEST(BackgroundBox, ContainsTheTypicalBackground) {
   ColorBoxes boxes;
   boxes.push_back({1, {0, 46, 0}, {47, 123, 101}});
@@ -120,7 +120,7 @@ TEST(BackgroundRanges, ExistForBoxesThatStayNear) {
   EXPECT_TRUE(ranges->exist());
 }
 
-// No box contains the floor and, between green and brown, also the grey carpet around it. The pale box does.
+// No box contains the floor and, between green and brown, also the grey carpet around it. The pale box contains it.
 TEST(BackgroundRanges, ThePaleBoxContainsFloorCarpetAndLines) {
   ColorBoxes boxes;
   boxes.push_back({1, {81, 61, 29}, {140, 135, 118}});

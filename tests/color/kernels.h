@@ -7,7 +7,7 @@
 
 namespace touchline::testing {
 
-// The kernels for this processor family, except the portable one. The processor may lack some of them.
+// Kernels for this processor family, except the portable one. The processor may lack some of them.
 #if defined(__x86_64__)
 constexpr std::array kKernels = {KernelChoice::kAvx2};
 #elif defined(__aarch64__)

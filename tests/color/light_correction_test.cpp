@@ -13,7 +13,8 @@
 namespace touchline::testing {
 namespace {
 
-// Bilinear between cell centers, constant beyond the outermost ones; u and v count from the picture's corner.
+// Interpolates bilinearly between cell centers, constant beyond the outermost ones; u and v count from the picture's
+// corner.
 double illumination(const LightMap& map, std::size_t channel, double u, double v, int width, int height) {
   const auto at = [&](int column, int row) {
     return static_cast<double>(map.illumination[channel][static_cast<std::size_t>(
@@ -27,7 +28,7 @@ double illumination(const LightMap& map, std::size_t channel, double u, double v
   return std::lerp(upper, lower, y - top);
 }
 
-// Illumination of a channel; in YUV all three channels have that of the luminance (ITU-R BT.601).
+// Returns the illumination of a channel; in YUV all three channels have that of the luminance (ITU-R BT.601).
 double light_of(const LightMap& map, ColorSpace space, std::size_t channel, double u, double v, int width, int height) {
   const auto of = [&](std::size_t c) { return illumination(map, c, u, v, width, height); };
   return space == ColorSpace::kRgb ? of(channel) : 0.299 * of(0) + 0.587 * of(1) + 0.114 * of(2);
@@ -63,7 +64,7 @@ LightMap hilly_light(std::mt19937& random) {
 
 class LightCorrectionTest : public ::testing::TestWithParam<PixelFormat> {
  protected:
-  // The illumination of a tile, in which the gain is constant.
+  // Returns the illumination of a tile, in which the gain is constant.
   Interval light_of_tile(const LightMap& map, const OwnedPicture& picture, std::size_t channel, int column, int row) {
     Interval light;
     for (int y = 0; y <= 2 * kTileHeight; y += 2) {
@@ -75,7 +76,7 @@ class LightCorrectionTest : public ::testing::TestWithParam<PixelFormat> {
     return light;
   }
 
-  // All results of eq. (17) in this light, within half a level and rounding.
+  // Returns all results of eq. (17) in this light, within half a level and rounding.
   Interval corrected_values(const Interval& light, std::size_t channel, std::uint8_t value) {
     const double half_step = std::exp2(1.0 / 64.0), dark = dark_value(color_space(GetParam()), channel);
     Interval interval;

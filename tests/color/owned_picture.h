@@ -9,7 +9,7 @@
 #include "core/color/color_tables.h"
 #include "core/types.h"
 
-// Pictures in every pixel format, and an independent, simple implementation of reading their pixels.
+// Pictures in every pixel format, and an independent, simple implementation that reads their pixels.
 namespace touchline::testing {
 
 inline constexpr auto kAllFormats = [] {
@@ -47,19 +47,19 @@ class OwnedPicture {
   std::array<std::vector<std::uint8_t>, kMaxPlanes> bytes_;
 };
 
-/// R, G, B or Y, U, V of a pixel.
+/// Returns R, G, B or Y, U, V of a pixel.
 Channels channels_at(const Frame& frame, int u, int v);
 
-/// Returns the color of the first box that contains the corrected value: the definition, without tables.
+/// Returns the color of the first box that contains the corrected value, which is the definition, without tables.
 ColorId color_by_boxes(const ColorBoxes& boxes, ColorSpace space, Channels value, Channels level);
 
-/// Random boxes, some of them one level wide, some of the full range.
+/// Returns random boxes, some of them one level wide, some with the full range.
 ColorBoxes random_boxes(std::mt19937& random, std::size_t count);
 
-/// A value that tests the bounds: 0, 255, a bound of a box or its neighbor; sometimes any value.
+/// Returns a value that tests the bounds: 0, 255, a bound of a box or its neighbor; sometimes any value.
 std::uint8_t critical_value(std::mt19937& random, const ColorBoxes& boxes);
 
-/// Uniform in [low, high]. (The standard's distributions differ between libraries.)
+/// Returns a uniformly distributed number in [low, high]. (The standard distributions differ between libraries.)
 int pick(std::mt19937& random, int low, int high);
 
 }  // namespace touchline::testing

@@ -6,7 +6,8 @@
 
 namespace touchline::testing {
 
-/// The channels of a color in a color space, by the definition (ITU-R BT.601), not rounded. R, G, B: 0 to 255.
+/// Returns the channels of a color in a color space, by the definition (ITU-R BT.601), not rounded. R, G, B are from 0
+/// to 255.
 inline std::array<double, 3> in_space(ColorSpace space, const std::array<double, 3>& rgb) {
   if (space == ColorSpace::kRgb) return rgb;
   const double luma = 0.299 * rgb[0] + 0.587 * rgb[1] + 0.114 * rgb[2];

@@ -126,7 +126,7 @@ class SpanKernelTest : public ::testing::TestWithParam<std::tuple<PixelFormat, K
     nibbles_->build(*tables_, boxes_.size());
     ranges_->build(format(), boxes_, 0, background_);
     for (TileParameters& tile : lights_) {
-      // Often the same value as its neighbor.
+      // In half of the cases, the pixel repeats its neighbor's value.
       Channels level = {kNeutralLevel, kNeutralLevel, kNeutralLevel};
       for (std::uint8_t& of_channel : level) of_channel = static_cast<std::uint8_t>(pick(random_, 40, 90));
       tile = &tile != lights_.data() && pick(random_, 0, 2) == 0 ? *(&tile - 1) : ranges_->of(level);
@@ -138,7 +138,7 @@ class SpanKernelTest : public ::testing::TestWithParam<std::tuple<PixelFormat, K
     return {tables_.get(),    nibbles_.get(),           lights_.data(), unshaded,
             ranges_->exist(), ranges_->begin_at_zero(), false,          unshaded ? nullptr : pale()};
   }
-  // The second range of a row with a light map. Null if it does not exist.
+  // The second range of a row with a light map. Returns null if it does not exist.
   [[nodiscard]] const TileParameters* pale() const { return has_pale_ ? &pale_ : nullptr; }
 
   // A row with a light map whose tiles are equal.
@@ -246,7 +246,8 @@ TEST_P(SpanKernelTest, AgreesWithThePortableKernelOnEverySpanOfAShortRow) {
   }
 }
 
-// Around the widths at which a kernel's tests of several tiles, and its passes over a row, end.
+// A kernel tests several tiles at once, and makes several passes over a row. The widths of this test lie around the
+// columns at which such a test or pass ends.
 TEST_P(SpanKernelTest, AgreesWithThePortableKernelOnSpansOfWholeTests) {
   ASSERT_NO_FATAL_FAILURE(choose_colors(13));
   OwnedPicture picture(format(), kMaxFrameWidth, 1, 0);

@@ -24,14 +24,14 @@ class ConfigFiles : public ::testing::Test {
   [[nodiscard]] std::string path(const std::string& name) const { return (folder_ / name).string(); }
 
   Result<void> load(std::vector<std::string> overrides = {});
-  /// The message of result_, each line ended by a newline, without the name of the folder.
+  /// Returns the message of result_, each line ended by a newline, without the name of the folder.
   [[nodiscard]] std::string errors() const;
   /// Loads the files, expects errors, and returns the messages.
   std::string refusal(std::vector<std::string> overrides = {});
 
   std::filesystem::path folder_;
   std::unique_ptr<Configuration> configuration_ = std::make_unique<Configuration>();
-  Result<void> result_;  // of the last load()
+  Result<void> result_;  // result of the last load()
 };
 
 }  // namespace touchline::config

@@ -1,4 +1,4 @@
-// What the core refuses is reported from the file that breaks the rule, with line and key.
+// Checks that values which the core rejects are reported with file, line and key.
 #include <algorithm>
 #include <utility>
 
@@ -12,7 +12,7 @@ namespace {
 
 class CoreRules : public ConfigFiles {
  protected:
-  // The core's answer to what load() has accepted.
+  // Returns the core's answer to a configuration that load() has accepted.
   Status configure() {
     if (pipeline_ == nullptr) pipeline_ = std::make_unique<Pipeline>();
     return pipeline_->configure(configuration_->pipeline);
@@ -115,7 +115,7 @@ TEST_F(CoreRules, RegionOfInterestCoversPixels) {
             "the field\n");
 }
 
-// A new rule of the core without a range or a message of its own fails here.
+// This fails if a new rule of the core has no range or message of its own.
 TEST_F(CoreRules, WhatTheFilesMaySayTheCoreAccepts) {
   std::vector<std::pair<std::string, Range>> ranges = ranges_of<VenueFile>(), of_team = ranges_of<TeamFile>();
   ranges.insert(ranges.end(), of_team.begin(), of_team.end());

@@ -49,7 +49,7 @@ TEST_F(DrivingTest, SaysWhetherTheEndOfASetupOrAPersonStoppedTheRobots) {
 TEST_F(DrivingTest, AStartNamesTheStopThatItEnds) {
   driving.take(1, kBegin);
   driving.stop();
-  driving.stop();  // somebody else, while the robots stand already
+  driving.stop();  // another client stops while the robots stand already
   EXPECT_EQ(driving.start(1, 1).code(), ErrorCode::kInconsistent);
   EXPECT_TRUE(driving.is_stopped());
   EXPECT_TRUE(driving.start(1, 2).ok());

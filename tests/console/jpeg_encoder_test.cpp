@@ -91,7 +91,7 @@ TEST_P(JpegEncoderTest, ABufferThatIsTooSmallIsAnErrorAndTheNextPictureIsFine) {
   EXPECT_EQ(encoder.encode(tiny.frame(), 8, 90, large).code(), ErrorCode::kOutOfRange);
 }
 
-// A console runs for days: what the library takes for a picture it gives back, after errors, too.
+// A console runs for days, so the library must free everything that it allocates for a picture, even after errors.
 TEST_P(JpegEncoderTest, MemoryDoesNotGrowWithTheNumberOfPictures) {
   JpegEncoder encoder;
   std::vector<std::byte> small(500), out(1 << 20);

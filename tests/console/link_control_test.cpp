@@ -9,9 +9,9 @@ using namespace std::chrono_literals;
 
 constexpr Instant kStart{std::chrono::hours(1)};
 
-// A link with a rate and a way that takes time: pictures arrive after each other.
+// A link with a limited rate and a delay: pictures arrive one after the other.
 struct Line {
-  /// Returns the number of pictures that arrive meanwhile.
+  /// Returns the number of pictures that have arrived until then.
   int send(LinkControl& link, double bytes_per_s, Duration round_trip, int milliseconds) {
     int arrived = 0;
     for (int i = 0; i < milliseconds; ++i, now += 1ms) {
@@ -24,7 +24,7 @@ struct Line {
       if (!on_the_way.empty()) link.delivered(on_the_way.front().end - 1, now, round_trip);
       if (i % 66 != 0 || !link.may_send()) continue;
       const PictureLevel level = link.level();
-      // Of the arena: 20 KB at a quality of 80.
+      // size of the arena's pictures: 20 KB at a quality of 80
       const auto bytes = static_cast<std::size_t>(20000.0 * (level.quality / 80.0) / (level.divisor * level.divisor));
       link.sent(++number, bytes, end += bytes, now);
       free = std::max(free, now) + from_seconds(static_cast<double>(bytes) / bytes_per_s);
@@ -64,7 +64,7 @@ TEST(LinkControl, ASlowLinkGetsSmallerPicturesUntilTheyArriveInTimeAndLargerOnes
   LinkControl link;
   link.set(1, 66ms);
   Line line;
-  line.send(link, 125000.0 / 2, 200ms, 10000);  // half a megabit
+  line.send(link, 125000.0 / 2, 200ms, 10000);  // half a megabit per second
   const PictureLevel slow = link.level();
   EXPECT_LT(slow.quality, 80);
   EXPECT_GE(slow.divisor, 2);

@@ -22,7 +22,7 @@
 namespace touchline::console {
 namespace {
 
-// A router's queue; what comes when it is full is lost, too.
+// Size of a router's queue; packets that arrive when it is full are lost, too.
 constexpr std::size_t kMaxWaiting = 100;
 
 Error refused(const char* what) {
@@ -31,13 +31,13 @@ Error refused(const char* what) {
   return failure(code, "%s: %s", what, std::strerror(errno));
 }
 
-// One direction.
+// One direction of the link.
 class Direction {
  public:
   Direction(int from, int to, const LinkQuality& quality)
       : from_(from), to_(to), quality_(quality), random_(quality.seed) {}
 
-  /// Takes what has come and hands over what is due.
+  /// Takes packets that have arrived and delivers those that are due.
   void move(Instant now, std::atomic<std::uint64_t>& packets, std::atomic<std::uint64_t>& lost) {
     std::array<std::uint8_t, 2048> packet{};
     for (ssize_t size = 0; (size = ::read(from_, packet.data(), packet.size())) > 0;) {
@@ -46,17 +46,17 @@ class Direction {
         ++lost;
         continue;
       }
-      // It leaves when those before it have left.
+      // A packet leaves when all earlier ones have left.
       free_ = std::max(free_, now) + from_seconds(8.0 * static_cast<double>(size) / quality_.bits_per_s);
       waiting_.push_back({free_ + quality_.delay, {packet.data(), packet.data() + size}});
     }
     for (; !waiting_.empty() && waiting_.front().due <= now; waiting_.pop_front()) {
       const std::vector<std::uint8_t>& bytes = waiting_.front().bytes;
-      // What the kernel does not take is lost.
+      // Packets that the kernel does not take are lost.
       static_cast<void>(!::write(to_, bytes.data(), bytes.size()));
     }
   }
-  /// When something is due; `latest` if that is earlier.
+  /// Returns the time at which something is due, or `latest` if it is earlier.
   [[nodiscard]] Instant due(Instant latest) const {
     return waiting_.empty() ? latest : std::min(latest, waiting_.front().due);
   }

@@ -33,7 +33,7 @@ TEST(PageFiles, OnlyFilesOfTheFolderAreFound) {
                                     "/link.txt", "/above/secret.txt", "//index.html", "/index.html/"}) {
     EXPECT_EQ(files.find(address), nullptr) << address;
   }
-  // Another build: who has the former page asks for its assets.
+  // After another build, a client with the former page still requests the former assets.
   std::filesystem::remove(folder / "assets/main-1a2b.js");
   std::ofstream(folder / "assets/main-9f9f.js") << "other code";
   std::ofstream(folder / "index.html") << "other page";

@@ -29,13 +29,14 @@ class ConsoleServer : public ::testing::Test {
     const std::scoped_lock lock(mutex_);
     return input_;
   }
-  /// Why the loop has robots stand; bits of Halt.
+  /// Returns the reasons for which the loop stops the robots, as bits of Halt.
   [[nodiscard]] std::uint32_t halt() const { return halt_; }
-  /// The member of a start that names the stop in force, as a page has it from the newest state.
+  /// Returns the member of a start that names the present stop; a page takes it from the newest state.
   [[nodiscard]] std::string stop_in_force() const { return "\"stop_number\":" + std::to_string(stop_number_); }
-  /// Lets a session begin, as the main thread does. Call it in `use_files`: the hub is told with its next turn.
+  /// Lets a session begin, as the main thread does. Call it in `use_files`: the hub learns of the session with its next
+  /// turn.
   void begin_session_later(bool is_draft, bool is_calibrated, std::string error = {});
-  /// Waits until the loop has got this, for at most half a minute.
+  /// Waits, for at most half a minute, until the condition holds for the input that the loop has taken.
   template <class Condition>
   [[nodiscard]] bool eventually(const Condition& condition) const {
     for (int i = 0; i < 6000; ++i) {
@@ -48,16 +49,16 @@ class ConsoleServer : public ::testing::Test {
   WebServerSettings settings{"127.0.0.1", 0, "", {}};
   double picture_rate_hz = 30.0;
   std::string setup_socket;
-  /// What the hub asks for; empty: it may not.
+  /// function that the hub calls to load files; empty: it cannot load any
   UseFiles use_files;
   std::atomic<bool> camera_delivers{true};
-  /// Before start(): pictures have a rectangle of the ball's color, kPatch, and a pipeline examines them.
+  /// Set it before start(): pictures then have a rectangle of the ball's color, kPatch, and a pipeline examines them.
   bool is_examined = false;
   static constexpr PixelBox kPatch{200, 100, 215, 115};
-  /// The values of its pixels.
+  /// Returns the values of the rectangle's pixels.
   [[nodiscard]] std::array<std::uint8_t, 3> patch_value() const;
   [[nodiscard]] ColorId patch_color() const { return configuration_->pipeline.marker.ball.color; }
-  bool is_crowded = false;  // before start(): 22 robots, and pictures whose JPEG is large
+  bool is_crowded = false;  // set before start(): 22 robots, and pictures whose JPEG is large
   std::atomic<std::uint64_t> pictures_copied{0}, frames{0};
   SharedReports reports;
   AdaptationRequests adaptation;
@@ -71,17 +72,17 @@ class ConsoleServer : public ::testing::Test {
   PictureExchange pictures_;
   ConsoleLink link_;
   mutable std::mutex mutex_;
-  ConsoleInput input_;  // as the loop has taken it
+  ConsoleInput input_;  // input that the loop has taken
   std::atomic<std::uint32_t> halt_{kHaltNone};
   std::atomic<std::uint32_t> stop_number_{0};
   std::unique_ptr<Hub> hub_;
-  std::function<void()> task_;  // of the console's thread
+  std::function<void()> task_;  // task for the console's thread
   std::unique_ptr<WebServer> server_;
   std::atomic<bool> end_{false};
   std::thread loop_, console_;
 };
 
-/// "stop" as a message, or with further members: text_of("drive", "\"id\":1").
+/// Returns a message of type "stop", or one with further members: text_of("drive", "\"id\":1").
 std::string text_of(std::string_view type, std::string_view members = {});
 
 }  // namespace touchline::console

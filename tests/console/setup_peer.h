@@ -9,7 +9,7 @@
 
 namespace touchline::console {
 
-/// A setup program that says what the test tells it, on a blocking Unix socket. It shares no code with the firmware. A
+/// A setup program that sends what the test tells it, on a blocking Unix socket. It shares no code with the firmware. A
 /// wait ends after half a minute, which no working test reaches.
 class SetupPeer {
  public:
@@ -24,18 +24,18 @@ class SetupPeer {
   SetupPeer(const SetupPeer&) = delete;
   SetupPeer& operator=(const SetupPeer&) = delete;
 
-  /// Waits for the firmware; false: it did not come.
+  /// Waits for the firmware; returns false if it did not connect.
   bool accept();
   void send(std::string_view text, std::string_view binary = {});
   void send_bytes(std::string_view bytes);
   Message read();
-  /// The next message of this type; others are skipped.
+  /// Returns the next message of this type; others are skipped.
   Message read_type(std::string_view type);
   /// Ends the connection; accept() waits for the next one.
   void hang_up() { connection_.reset(); }
-  /// Ends the connection in the direction to the firmware only.
+  /// Ends the connection only in the direction to the firmware.
   void end_sending();
-  /// Nobody listens any more.
+  /// Stops listening.
   void leave();
 
  private:
@@ -45,7 +45,7 @@ class SetupPeer {
   hal::Descriptor listener_, connection_;
 };
 
-/// "\x05\0\0\0": a length as it stands in front of a message.
+/// Returns a length as bytes in front of a message: "\x05\0\0\0".
 std::string length_bytes(std::uint32_t length);
 
 }  // namespace touchline::console

@@ -23,7 +23,7 @@ class SetupRelayTest : public ConsoleServer {
     end();
     std::filesystem::remove_all(folder_);
   }
-  /// A server, and a setup program that has said its state.
+  /// A server, and a setup program that has sent its state.
   void start_both() {
     peer = std::make_unique<SetupPeer>(setup_socket);
     start();
@@ -47,7 +47,7 @@ class SetupRelayTest : public ConsoleServer {
                                      (members.empty() ? std::string() : "," + std::string(members))));
     return read_answer(page, request);
   }
-  /// Waits until the page is told so, by its first message or later.
+  /// Waits until the page knows it, from its first message or later.
   static void wait_for_program(SocketPage& page, bool is_running) {
     for (;;) {
       const SocketMessage message = page.read();
@@ -123,7 +123,7 @@ TEST_F(SetupRelayTest, OnlyTheDriverGivesCommandsAndGetsTheAnswer) {
   EXPECT_EQ(passed["name"], "<script>");
   peer->send(R"({"type":"answer","client":1,"to":8,"ok":true,"result":{"rms_mm":1.5}})");
   EXPECT_EQ(read_answer(driver, 8)["result"]["rms_mm"], 1.5);
-  // The watcher sees the state, and no answer to somebody else before it.
+  // The watcher gets the state, and before it no answer to another client.
   peer->send(R"({"type":"setup","state":{"open":true}})");
   for (;;) {
     const json state = json::parse(watcher.read().payload);
@@ -167,7 +167,7 @@ TEST_F(SetupRelayTest, PicturesOfTheProgramArePassedOnAndNothingElseInBinary) {
   std::string picture("TLPC\x01\x02\x00\x00\x00\x00\x00\x00\x2a\x00\x00\x00", 16);
   picture.resize(32, '\0');
   picture += "PNG";
-  picture += std::string(std::size_t{3} * 2592 * 1944, 'x');  // of the largest camera
+  picture += std::string(std::size_t{3} * 2592 * 1944, 'x');  // picture of the largest camera
   peer->send(R"({"type":"binary"})", picture);
   for (;;) {
     const SocketMessage message = page.read();
@@ -177,7 +177,7 @@ TEST_F(SetupRelayTest, PicturesOfTheProgramArePassedOnAndNothingElseInBinary) {
       break;
     }
   }
-  picture[5] = 1;  // what the camera sees comes from the camera only
+  picture[5] = 1;  // pictures of the camera come only from the camera
   peer->send(R"({"type":"binary"})", picture);
   wait_for_program(page, false);
   EXPECT_TRUE(eventually([&] { return is_in_log("wrong header"); }));
@@ -277,7 +277,7 @@ TEST_F(SetupRelayTest, AProgramThatDoesNotReadIsLostAndTheConsoleGoesOn) {
   wait_for_program(page, true);
   become_driver(page);
   const std::string part(60000, 'p');
-  // More than the kernel keeps.
+  // more than the kernel buffers
   for (int i = 0; i < 60; ++i) {
     page.send_text(R"({"type":"setup","command":"import","part":")" + part + "\"}");
     std::this_thread::sleep_for(std::chrono::milliseconds(20));  // the server's limit is 100 a second
@@ -365,7 +365,7 @@ TEST_F(SetupRelayTest, ATryWhileFilesAreBeingLoadedIsRefused) {
 TEST_F(SetupRelayTest, ADraftThatTheRunningSessionAdoptsIsAnsweredAtOnce) {
   use_files = [](const config::FilePaths& /*files*/) -> Result<FilesUse> { return FilesUse::kAtOnce; };
   start_both();
-  // Twice: the first order does not stay open.
+  // Done twice, to check that the first order does not stay open.
   for (const char* request : {"4", "5"}) {
     peer->send(std::string(R"({"type":"use","source":"draft","board":"/draft/board.toml","request":)") + request + "}");
     const json used = peer->read_type("used").text;

@@ -16,7 +16,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-// What a socket takes although the link is busy: little, because the server's kernel counts it as arrived.
+// Buffer of a socket on a busy link; it is small, because the server's kernel counts these bytes as arrived.
 constexpr int kSocketBytes = 4096;
 constexpr Duration kTurn = 2ms;
 
@@ -28,15 +28,15 @@ sockaddr_in loopback(std::uint16_t port) {
   return address;
 }
 
-// One direction.
+// One direction of the link.
 class Lane {
  public:
   Lane(int from, int to, double bytes_per_s, Duration delay)
       : from_(from), to_(to), bytes_per_s_(bytes_per_s), delay_(delay) {}
 
-  /// False: one side has closed. Returns what has passed in `passed`.
+  /// Returns false if one side has closed. `passed` gets the number of bytes that have passed.
   bool move(Instant now, std::uint64_t& passed) {
-    // A turn that was late makes up for some of the time, as a link would.
+    // A turn that was late makes up for some of the lost time, as a real link would.
     budget_ = std::min(budget_ + bytes_per_s_ * seconds(now - last_), bytes_per_s_ * seconds(20ms) + 1500.0);
     last_ = now;
     while (budget_ >= 1.0) {

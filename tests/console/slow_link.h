@@ -8,8 +8,8 @@
 
 namespace touchline::console {
 
-/// A slow link in front of a server on this computer: what a client sends to port() arrives `delay` later, and so does
-/// what the server sends, of which `bytes_per_s` pass. For one client. Nothing is lost; LossyLink does that.
+/// A slow link in front of a server on this computer. Bytes of a client that are sent to port() arrive `delay` later;
+/// so do the server's bytes, of which `bytes_per_s` pass. It serves one client. Nothing is lost; LossyLink does that.
 class SlowLink {
  public:
   SlowLink(std::uint16_t server, double bytes_per_s, Duration delay);
@@ -18,11 +18,11 @@ class SlowLink {
   SlowLink& operator=(const SlowLink&) = delete;
 
   [[nodiscard]] std::uint16_t port() const { return port_; }
-  /// Bytes of the server that have passed.
+  /// Returns the number of the server's bytes that have passed.
   [[nodiscard]] std::uint64_t passed() const { return passed_; }
-  /// Nothing passes any more, and neither side is told: the cable is pulled.
+  /// Lets nothing pass any more without telling either side, like a pulled cable.
   void freeze() { is_frozen_ = true; }
-  /// What was sent meanwhile arrives, too.
+  /// Lets bytes pass again, including those that were sent in between.
   void thaw() { is_frozen_ = false; }
 
  private:

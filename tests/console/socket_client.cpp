@@ -59,7 +59,7 @@ void SocketClient::send(std::string_view bytes) const {
 }
 
 void SocketClient::shrink_window() const {
-  const int bytes = 1;  // the kernel takes its least
+  const int bytes = 1;  // the kernel raises it to its minimum
   ::setsockopt(socket_, SOL_SOCKET, SO_RCVBUF, &bytes, sizeof(bytes));
 }
 

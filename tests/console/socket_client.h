@@ -7,13 +7,13 @@
 
 namespace touchline::console {
 
-/// Of a server; on this computer unless it is said.
+/// Address of a server, by default on this computer.
 struct ServerAddress {
   ServerAddress(std::uint16_t port_, const char* host_ = "127.0.0.1",  // NOLINT(google-explicit-constructor)
                 const char* from_ = nullptr)
       : port(port_), host(host_), from(from_) {}
   std::uint16_t port;
-  const char* host;  // in numbers
+  const char* host;  // IPv4 address in numbers
   const char* from;  // the client's own address; null: any
 };
 
@@ -27,13 +27,13 @@ class SocketClient {
   SocketClient& operator=(const SocketClient&) = delete;
 
   void send(std::string_view bytes) const;
-  /// Whether the other side has not closed the connection. Never waits.
+  /// Returns whether the other side has not closed the connection. Never waits.
   [[nodiscard]] bool is_open() const;
   /// Makes the receive buffer as small as the kernel permits, so that the TCP window closes soon when nothing is read.
   void shrink_window() const;
-  /// Everything until the other side closes the connection, or until `end` has arrived.
+  /// Returns everything until the other side closes the connection, or until `end` has arrived.
   std::string read_until(std::string_view end = {});
-  /// Reads that many bytes; fewer if the connection ends.
+  /// Reads this number of bytes; fewer if the connection ends.
   std::string read(std::size_t size);
 
  private:
@@ -51,12 +51,12 @@ struct HttpAnswer {
 HttpAnswer get(ServerAddress server, std::string_view path, std::string_view headers = {},
                std::string_view method = "GET");
 
-/// A frame of the protocol.
+/// A frame of the WebSocket protocol.
 struct SocketMessage {
   int opcode = 0;  // 1: text, 2: binary, 8: close; 0: the connection has ended
   std::string payload;
 
-  /// Of a close frame; 0: there is none.
+  /// Returns the code of a close frame; 0 if there is none.
   [[nodiscard]] int close_code() const;
 };
 
@@ -65,14 +65,15 @@ class SocketPage {
   /// Opens the WebSocket. `headers` as for get().
   explicit SocketPage(ServerAddress server, std::string_view headers = {}, std::string_view path = "/ws",
                       std::string_view subprotocol = "touchline.1");
-  /// Of the handshake; 101: the WebSocket is open.
+  /// Returns the status of the handshake; 101: the WebSocket is open.
   [[nodiscard]] int status() const { return status_; }
   void send_text(std::string_view text) { send_frame(1, text); }
-  /// `is_final`: false for a message that goes on in the next frame (opcode 0).
+  /// `is_final`: false for a message that continues in the next frame (opcode 0).
   void send_frame(int opcode, std::string_view payload, bool is_final = true);
-  /// The next message. Pings are answered.
+  /// Returns the next message. Pings are answered.
   SocketMessage read();
-  /// The next text whose type is this one; others are skipped, and pictures too. nullopt: the connection has ended.
+  /// Returns the next text of this type; other texts, and pictures, are skipped. Returns nullopt if the connection has
+  /// ended.
   std::optional<std::string> read_type(std::string_view type);
   SocketClient& socket() { return client_; }
 

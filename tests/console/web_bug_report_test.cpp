@@ -30,7 +30,7 @@ std::string uncompressed(const std::string& gzip) {
   return result == Z_STREAM_END && stream.avail_in == 0 ? bytes : std::string();
 }
 
-// Content by name, without the folder, which all share.
+// Returns the contents by name, without the folder, which all share.
 std::map<std::string, std::string> files_of(const std::string& archive) {
   constexpr std::size_t kBlock = 512;
   std::map<std::string, std::string> files;
@@ -107,7 +107,7 @@ TEST_F(WebBugReport, ContainsPictureFilesVersionsAndResults) {
   ASSERT_TRUE(read.ok()) << read.text();
   EXPECT_EQ(read.value().width_px, 320U);
   ASSERT_GT(read.value().rgb8.size(), 5000U);
-  // As the fixture's camera delivers them: lossless.
+  // The pixels are as the fixture's camera delivers them, because the file is lossless.
   for (std::size_t i = 0; i < 5000; ++i) ASSERT_EQ(read.value().rgb8[i], static_cast<std::uint8_t>(i / 7));
 }
 
@@ -149,7 +149,7 @@ TEST_F(WebBugReport, OneIsMadeAtATimeAndAnAbandonedOneBlocksNobody) {
   start();
   ASSERT_TRUE(eventually([&] { return frames > 5; }));
   HttpAnswer second;
-  // A machine that is busy may have made the first one before the second one is asked for.
+  // A busy machine may have made the first report before the second report is requested.
   EXPECT_TRUE(eventually([&] {
     const SocketClient first(port());
     first.send("GET /bug-report HTTP/1.1\r\nHost: 127.0.0.1\r\n\r\n");

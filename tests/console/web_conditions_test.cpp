@@ -5,7 +5,8 @@
 #include "tests/console/server_fixture.h"
 #include "tests/console/slow_link.h"
 
-// Bad conditions: too many clients, clients that do not read or are gone, slow links, a camera without pictures.
+// Bad conditions: too many clients, clients that do not read or have disappeared, slow links, a camera without
+// pictures.
 namespace touchline::console {
 namespace {
 
@@ -15,14 +16,14 @@ class WebConditions : public ConsoleServer {
  protected:
   using Pages = std::vector<std::unique_ptr<SocketPage>>;
 
-  /// Whether the server answers a new client.
+  /// Returns whether the server answers a new client.
   [[nodiscard]] bool accepts() const { return SocketPage(port()).read().opcode == 1; }
-  /// Number of clients, as a client is told.
+  /// Returns the number of clients that a client is told.
   static std::uint64_t count_clients(SocketPage& page) {
     const std::optional<std::string> status = page.read_type("status");
     return status ? nlohmann::json::parse(*status)["clients"].get<std::uint64_t>() : 0;
   }
-  /// Sends a request and returns the answer to it; null: the connection ended.
+  /// Sends a request and returns its answer; null: the connection has ended.
   static nlohmann::json ask_with(SocketPage& page, int request, std::string_view type, std::string_view members = {}) {
     const std::string number = "\"request\":" + std::to_string(request);
     page.send_text(text_of(type, members.empty() ? number : number + "," + std::string(members)));
@@ -43,7 +44,7 @@ TEST_F(WebConditions, OfFiftyClientsSixteenAreServedAndTheOthersAreToldWhyNot) {
   int served = 1, refused = 0;
   for (int i = 1; i < 50; ++i) {
     pages.push_back(std::make_unique<SocketPage>(port()));
-    // Meanwhile the driver drives as before.
+    // In the meantime the driver drives as before.
     EXPECT_EQ(ask_with(driver, 100 + i, "drive", R"("id":1,"speed_mps":0.2,"turn_radps":0)")["ok"], true);
     const SocketMessage first = pages.back()->read();
     served += first.opcode == 1 ? 1 : 0;
@@ -64,7 +65,7 @@ TEST_F(WebConditions, ConnectionsThatSayNothingDoNotKeepOthersOutForLong) {
   start();
   SocketPage page(port());
   std::vector<std::unique_ptr<SocketClient>> silent;
-  // More than the server has room for.
+  // This is more than the server allows.
   for (int i = 0; i < 80; ++i) silent.push_back(std::make_unique<SocketClient>(port()));
   EXPECT_TRUE(page.read_type("state").has_value()) << "who is there already notices nothing";
   EXPECT_TRUE(eventually([&] { return get(port(), "/metrics").status == 200; }));
@@ -94,7 +95,7 @@ TEST_F(WebConditions, AConnectionWhoseOtherSideIsGoneIsClosed) {
   EXPECT_EQ(ask_with(gone, 2, "watch", R"("state_hz":0)")["ok"], true);
   SocketPage watcher(port());
   EXPECT_TRUE(eventually([&] { return count_clients(watcher) == 2; }));
-  // Neither side is told. The driver's silence stops the robots before the connection is given up.
+  // Neither side learns of the broken link. The driver's silence stops the robots before the connection is given up.
   link.freeze();
   EXPECT_TRUE(eventually([&] { return count_clients(watcher) > 0 && halt() == kHaltDriver; }));
   EXPECT_TRUE(eventually([&] { return count_clients(watcher) == 1; }));
@@ -109,9 +110,9 @@ TEST_F(WebConditions, ADriverThatWasLostDoesNotDriveOnWhenItIsBack) {
   EXPECT_EQ(ask_with(driver, 2, "drive", forward)["ok"], true);
   link.freeze();
   for (int i = 0; i < 60; ++i)
-    driver.send_text(text_of("drive", forward));  // three seconds of a page that does not know
+    driver.send_text(text_of("drive", forward));  // the page does not notice for three seconds
   EXPECT_TRUE(eventually([&] { return halt() == kHaltDriver; }));
-  // The link is found again: what was sent meanwhile arrives at once, and moves nothing.
+  // When the link works again, everything sent in between arrives at once, and must not move robots.
   link.thaw();
   EXPECT_EQ(ask_with(driver, 3, "ping")["ok"], true) << "the connection has survived";
   EXPECT_EQ(halt(), kHaltDriver);
@@ -147,8 +148,8 @@ TEST_F(WebConditions, OverASlowLinkThePictureShrinksAndAStopIsConfirmedInTime) {
   }
   EXPECT_GT(first, 40000U) << "the link needs five periods for one";
   EXPECT_LT(last, kBytesPerS / 15);
-  // In the time of the link, not of this computer, which may be busy: it carries something all the time, so that what
-  // passes between a stop and its answer tells how long it took.
+  // Measured in the link's time, because this computer may be busy: the link always carries bytes, so their number
+  // between a stop and its answer gives the time.
   const std::uint64_t before = link.passed();
   EXPECT_EQ(ask_with(page, 1, "stop")["ok"], true);
   const double answered_s = static_cast<double>(link.passed() - before) / kBytesPerS;

@@ -9,7 +9,7 @@
 #include "firmware/console/file_thread.h"
 #include "tests/console/server_fixture.h"
 
-// A disk that blocks: the console's thread goes on, and passes on every stop.
+// If a disk blocks, the console's thread continues, and passes on every stop.
 namespace touchline::console {
 namespace {
 
@@ -82,7 +82,7 @@ TEST_F(WebDisk, APageFileIsReadAtTheStartAndNotForARequest) {
   std::ofstream(folder / "assets/main.js") << code;
   settings.page_folder = folder.string();
   start();
-  // To open it would block for ever.
+  // Opening this file would block forever.
   std::filesystem::remove(folder / "assets/main.js");
   ASSERT_EQ(::mkfifo((folder / "assets/main.js").c_str(), 0600), 0);
   const HttpAnswer answer = get(port(), "/assets/main.js");

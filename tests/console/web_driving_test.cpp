@@ -55,7 +55,7 @@ TEST_F(WebDriving, AStopOfAnyClientReachesTheNextFrame) {
   EXPECT_EQ(ask(driver, "take")["ok"], true);
   const std::uint64_t before = frames;
   EXPECT_EQ(ask(watcher, "stop")["ok"], true);
-  // The answer is written after the input was passed on, so that the frame that begins after it must not move robots.
+  // The answer is sent only after the input was passed on, so a frame that begins after it must not move robots.
   const std::uint64_t answered = frames;
   EXPECT_TRUE(eventually([&] { return frames > answered + 1; }));
   EXPECT_TRUE(input().stop) << "frame " << before << " to " << frames;
@@ -112,7 +112,7 @@ TEST_F(WebDriving, AStartFromBeforeASilenceDoesNotEndIt) {
   EXPECT_TRUE(eventually([&] { return halt() == kHaltNone; }));
 }
 
-// A second connection on which nothing waits behind states and pictures.
+// The second connection carries no states and pictures behind which a Stop would wait.
 TEST_F(WebDriving, AStopLineStopsAndDoesNothingElse) {
   start();
   SocketPage driver(port()), line(port(), {}, "/ws", "touchline.stop.1");
@@ -131,7 +131,7 @@ TEST_F(WebDriving, AStopLineStopsAndDoesNothingElse) {
   EXPECT_TRUE(eventually([&] { return input().stop; }));
   EXPECT_EQ(ask(driver, "start", stop_in_force())["ok"], true);
   EXPECT_TRUE(eventually([&] { return !input().stop; }));
-  // It is told nothing but answers.
+  // It gets only answers.
   for (int number = 0; number < 3; ++number) {
     line.send_text(text_of("ping", "\"request\":" + std::to_string(number)));
     const nlohmann::json answer = nlohmann::json::parse(line.read().payload);

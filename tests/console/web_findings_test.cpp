@@ -103,7 +103,7 @@ TEST_F(WebFindings, BelongToThePictureThatFollows) {
         break;
       default:
         ASSERT_EQ(bytes[5], kCameraKind);
-        if (pictures > 0) {  // the first one may have been asked for before
+        if (pictures > 0) {  // the first picture may have been requested before
           EXPECT_EQ(regions, number);
           EXPECT_EQ(classes, number);
           EXPECT_EQ(light, number);

@@ -42,11 +42,11 @@ TEST_F(WebLimits, ALargeMessageEndsTheConnection) {
   start();
   SocketPage page(port());
   page.send_frame(1, std::string(4097, ' '));
-  // What the server has not read resets the connection, and the reason may be lost.
+  // If the server has not read everything, the connection is reset, and the reason may be lost.
   const int code_of_one = close_code_of(page);
   EXPECT_TRUE(code_of_one == 1009 || code_of_one == 0) << code_of_one;
   SocketPage huge(port());
-  // The length alone decides: the content never comes.
+  // The length alone decides, because the content is never sent.
   huge.socket().send(std::string("\x81\xff\x7f\xff\xff\xff\xff\xff\xff\xff\x01\x02\x03\x04", 14) +
                      std::string(8192, 'x'));
   close_code_of(huge);
@@ -125,7 +125,7 @@ TEST_F(WebLimits, AnotherStopLineTakesThePlaceOfTheOneThatWasSilentLongest) {
   start();
   std::vector<std::unique_ptr<SocketPage>> lines;
   for (std::size_t i = 0; i < kMaxClients; ++i) {
-    // The kernel tells in ticks of its clock, of at most 10 ms, when a message has arrived.
+    // The kernel reports the arrival of a message in ticks of its clock, of at most 10 ms.
     if (i == 2) std::this_thread::sleep_for(std::chrono::milliseconds(50));
     lines.push_back(open_line());
     EXPECT_TRUE(answers(*lines.back()));
@@ -196,7 +196,7 @@ TEST_F(WebLimits, AClientThatNeverReadsIsDroppedAndOthersNoticeNothing) {
   start();
   SocketPage silent(port());
   silent.send_text(text_of("watch", R"("state_hz":60,"picture":{"rate_hz":60})"));
-  // Without acknowledgments, at most two pictures are under way, and states fill the socket's memory.
+  // Without acknowledgments, at most two pictures are in flight, and states fill the socket's buffer.
   SocketPage reader(port());
   const std::uint64_t before = frames;
   while (frames < before + 300) ASSERT_TRUE(reader.read_type("state").has_value());
@@ -211,7 +211,7 @@ TEST_F(WebLimits, DamagedRequestsEndTheirConnectionOnly) {
     SocketClient client(port());
     client.send(bytes);
   }
-  // Half a request, left open.
+  // Half a request that is never completed.
   const SocketClient half(port());
   half.send("GET / HTTP/1.1\r\nHos");
   expect_alive();

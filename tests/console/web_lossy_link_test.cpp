@@ -20,7 +20,7 @@ class WebLossyLink : public ConsoleServer {
   }
   ~WebLossyLink() override { end_link(); }
 
-  /// Nothing if the link is open and the board's console is served, else why there is no link.
+  /// Returns nothing if the link is open and the board's console is served, else the reason why there is no link.
   std::string open() {
     const Result<void> opened = link_.open({});
     if (!opened.ok()) return opened.text();
@@ -44,7 +44,7 @@ class WebLossyLink : public ConsoleServer {
   bool is_open_ = false;
 };
 
-// What arrives at a page, while another thread sends.
+// Messages that arrive at a page, while another thread sends.
 class Reader {
  public:
   explicit Reader(SocketPage& page) : page_(page), thread_([this] { run(); }) {}
@@ -76,9 +76,9 @@ class Reader {
 
 TEST_F(WebLossyLink, ThePictureShrinksAndStopsArriveInTime) {
   if (const std::string refusal = open(); !refusal.empty()) GTEST_SKIP() << "no link between namespaces: " << refusal;
-  const auto driver = connect();  // at the board: it starts the robots again
+  const auto driver = connect();  // person at the board, who starts the robots again
   link_.enter_laptop();
-  // As the page does it: Stop goes both ways.
+  // As the page does, Stop is sent on both connections.
   const auto page = connect(), line = connect("touchline.stop.1");
   ASSERT_EQ(page->status(), 101);
   ASSERT_EQ(line->status(), 101);
@@ -98,7 +98,7 @@ TEST_F(WebLossyLink, ThePictureShrinksAndStopsArriveInTime) {
     // The second copy of the last stop may reach the loop only now.
     EXPECT_TRUE(ask_driver("take") && eventually([&] { return ask_driver("start"); }) && ask_driver("release"));
     EXPECT_TRUE(eventually([&] { return !input().stop; }));
-    // At another place of the pictures' rhythm each time.
+    // Each stop is sent at another phase of the pictures.
     std::this_thread::sleep_for(100ms + 37ms * (i % 5));
     const std::size_t answers = reader.answers();
     const Instant begin = hal::MonotonicClock::read();
@@ -106,12 +106,12 @@ TEST_F(WebLossyLink, ThePictureShrinksAndStopsArriveInTime) {
     line->send_text(text_of("stop", "\"request\":1"));
     EXPECT_TRUE(eventually([&] { return input().stop; }));
     times_s.push_back(seconds(hal::MonotonicClock::read() - begin));
-    // A stop that is late must not pass for the next one.
+    // A late stop must not be mistaken for the next one.
     EXPECT_TRUE(line->read_type("answer") && eventually([&] { return reader.answers() > answers; }));
   }
   std::sort(times_s.begin(), times_s.end());
-  // Over the page's connection alone the median is 0.27 s and every fifth stop is late. Over both, of 100 stops one is
-  // late, when both packets are lost.
+  // Over the page's connection alone the median is 0.27 s and every fifth stop is late. Over both connections one stop
+  // of 100 is late, because both of its packets are lost.
   EXPECT_GT(times_s.front(), 0.1) << "the link's delay";
   EXPECT_LT(times_s[kStops / 2], 0.2);
   EXPECT_LT(times_s[kStops - 3], 0.5) << "latest " << times_s.back();

@@ -49,7 +49,7 @@ TEST_F(ControllerTest, LimitsCanChangeDuringAGame) {
   decide(world_.tracks());
   const double most = slow.drive.max_wheel_acceleration_mps2 * 0.016 + 1e-6;
   for (std::size_t i = 0; i < 3; ++i) {
-    // The last commands are kept too: no robot starts from rest or jumps.
+    // The last commands are also kept, so that no robot starts from rest or jumps.
     const auto change = static_cast<double>(commands_.robots[i].wheels.left_mps - before.robots[i].wheels.left_mps);
     EXPECT_LE(std::abs(change), most + 0.064) << i;
   }

@@ -44,7 +44,7 @@ class ExternalControlTest : public ::testing::Test {
     ASSERT_TRUE(controller_.configure(parameters, world_.field).ok());
   }
 
-  // Replaces the former command of this robot. It arrives now.
+  // Replaces the former command of this robot by one that arrives now.
   void give(ExternalCommand command) {
     command.received = now();
     for (ExternalCommand& former : table_) {

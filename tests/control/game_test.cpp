@@ -76,7 +76,7 @@ TEST(Game, GoalsAreScoredFromEveryKickOff) {
   EXPECT_GE(goals, 45);
   EXPECT_LE(goals, 85);
   EXPECT_LE(own_goals, 2);
-  // Of 40 minutes of robot time.
+  // The limit is for 40 minutes of robot time.
   EXPECT_LT(contact, 15.0);
 }
 
@@ -117,7 +117,7 @@ TEST(Game, MovesTheBallOutOfCornersAndAwayFromWalls) {
 }
 
 TEST(Game, TheGoalkeeperStopsShots) {
-  // Shots at the goal from 0.7 m that the goalkeeper can reach. Without it all of them are goals.
+  // Shots at the goal from 0.7 m that the goalkeeper can reach. Without the goalkeeper, all of them are goals.
   std::mt19937 random(7);
   std::uniform_real_distribution<double> any(-1.0, 1.0);
   int stopped = 0, open = 0;

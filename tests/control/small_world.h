@@ -9,7 +9,7 @@
 
 namespace touchline {
 
-inline constexpr double kFrame = 0.016;  // s between two frames
+inline constexpr double kFrame = 0.016;  // time between two frames in s
 
 inline Instant at(double time_s) { return Instant{} + from_seconds(time_s); }
 
@@ -23,7 +23,7 @@ class SmallWorld {
     Vector2 position;
     double heading = 0.0, v = 0.0, w = 0.0;
     Twist command;
-    bool jammed = false;  // does not move, whatever the command
+    bool jammed = false;  // the robot does not move, whatever the command
   };
 
   FieldParameters field;
@@ -37,7 +37,7 @@ class SmallWorld {
   void place_three_robots();
   void obey(const Commands& commands);
   void advance(double dt_s);
-  /// Tracks of an ideal tracker; `noise` scatters positions by noise_m and headings by 10 noise_m rad.
+  /// Returns the tracks of an ideal tracker; `noise` scatters positions by noise_m and headings by 10 noise_m rad.
   Tracks tracks(std::mt19937* noise = nullptr, double noise_m = 0.0) const;
 
  private:

@@ -11,7 +11,7 @@
 
 namespace touchline::testing {
 
-/// A temporary folder, removed with the object.
+/// A temporary folder, which is removed with the object.
 class TemporaryFolder {
  public:
   TemporaryFolder() {
@@ -37,13 +37,13 @@ class TemporaryFolder {
     text << file.rdbuf();
     return text.str();
   }
-  /// Number of files, including hidden ones.
+  /// Returns the number of files, including hidden ones.
   [[nodiscard]] std::size_t count() const {
     std::size_t files = 0;
     for ([[maybe_unused]] const auto& entry : std::filesystem::directory_iterator(folder_)) ++files;
     return files;
   }
-  /// Permissions and type; 0 if there is no such file. Does not follow links.
+  /// Returns permissions and type; 0 if there is no such file. Does not follow links.
   [[nodiscard]] mode_t mode(const std::string& name) const {
     struct stat status {};
     return ::lstat((folder_ / name).c_str(), &status) == 0 ? status.st_mode : 0;

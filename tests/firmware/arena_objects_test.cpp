@@ -1,4 +1,4 @@
-// Robots and ball of an arena that somebody moves, while sessions come and go.
+// Tests that somebody can move robots and ball of an arena while sessions begin and end.
 #include "firmware/arena_objects.h"
 
 #include <gtest/gtest.h>

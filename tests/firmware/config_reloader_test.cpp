@@ -92,7 +92,7 @@ class ConfigReloaderTest : public LoopTest {
     }
     return messages;
   }
-  /// As reload(), with the checked number of the frame replaced by N.
+  /// As reload(), with the number of the frame, which is checked, replaced by N.
   std::string reload_from_next_frame() {
     std::string messages = reload();
     const std::string begin = "reload: from frame ";
@@ -132,7 +132,7 @@ TEST_F(ConfigReloaderTest, NewThresholdsApplyFromTheNextFrame) {
   write_venue("200, 100, 200");
   EXPECT_EQ(reload_from_next_frame(), "reload: from frame N on: color.orange\n");
   EXPECT_TRUE(ball_is_seen_);
-  // Changes back, which uses the scanner's first tables.
+  // This reload changes the values back, and so uses the scanner's first tables.
   write_venue("200, 20, 200");
   EXPECT_EQ(reload_from_next_frame(), "reload: from frame N on: color.orange\n");
   EXPECT_FALSE(ball_is_seen_);

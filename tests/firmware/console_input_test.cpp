@@ -1,4 +1,4 @@
-// What the clients of the console want, from the mailbox to the robots, and pictures from the loop to the console.
+// Tests the input of the console's clients, from the mailbox to the robots, and pictures from the loop to the console.
 #include "firmware/console_input.h"
 
 #include "firmware/external_input.h"
@@ -48,7 +48,7 @@ TEST_F(ConsoleInputTest, AStopIsAReasonToHaltUntilItIsTakenBack) {
   EXPECT_EQ(input->halt(kLoopTime + 1h, 1s), kHaltNone);
 }
 
-// "Stop was pressed" is not true after Save.
+// After Save, "Stop was pressed" would be wrong.
 TEST_F(ConsoleInputTest, TheEndOfASetupIsAReasonOfItsOwn) {
   ConsoleInput wanted;
   wanted.stop = wanted.setup_ended = true;
@@ -158,7 +158,7 @@ TEST_F(ConsoleInputTest, ADriverThatIsSilentForASecondStopsRobotsWhateverTheCons
   EXPECT_EQ(halt_after(1s + 1ns), kHaltDriver);
   EXPECT_EQ(console.held_number, before + 1) << "the console learns it when it goes on";
   EXPECT_TRUE(console.is_held);
-  // It goes on. Neither what waited in the socket nor a start that was meant for an earlier stop moves robots.
+  // The thread continues. Neither messages that waited in the socket nor a start for an earlier stop move robots.
   wanted.driver_heard = kMachineTime + 5s;
   wanted.starts = 1;
   wanted.start_number = before;
@@ -260,7 +260,7 @@ TEST_F(ConsoleLoop, AStartOfTheDriverEndsAnEmergencyAsTheButtonDoes) {
   EXPECT_FALSE(all_stop(0.55, 0.9));
   const std::uint32_t before = console.held_number;
   run_until(1.6);
-  press_start(before);  // it was on its way when the switch was pulled
+  press_start(before);  // it was sent before the switch was pulled
   run_until(2.0);
   EXPECT_TRUE(all_stop(1.001, 2.0));
   EXPECT_EQ(loop->halt(), kHaltEmergency);
@@ -270,7 +270,7 @@ TEST_F(ConsoleLoop, AStartOfTheDriverEndsAnEmergencyAsTheButtonDoes) {
 }
 
 TEST_F(ConsoleLoop, AnotherStopOfStandingRobotsIsReportedWithItsNumber) {
-  camera.add({1.0, 9.0, ErrorCode::kTimeout});  // without frames, clients learn it from reports
+  camera.add({1.0, 9.0, ErrorCode::kTimeout});  // without frames, clients learn of a stop from reports
   start();
   ConsoleInput stopped;
   stopped.stop = true;

@@ -49,7 +49,7 @@ class TerminalRadio final : public hal::Radio {
   int file_;
 };
 
-// Neither a tail call nor a call whose result the compiler knows.
+// The function must neither be called in tail position nor have a result that the compiler knows.
 int overflow_stack(int depth) {
   if (depth < 0) return 0;
   volatile char block[4096] = {};

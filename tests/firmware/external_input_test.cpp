@@ -14,7 +14,8 @@ using namespace std::chrono_literals;
 
 Instant at(double s) { return Instant(from_seconds(1000.0 + s)); }
 Instant machine(double s) { return Instant(from_seconds(77.0 + s)); }
-// A time of reception in the future counts as that at which the loop takes the value: for exact ages on the fake clock.
+// A time of reception in the future counts as the time at which the loop takes the value, which gives exact ages on the
+// fake clock.
 Instant when_taken() { return hal::MonotonicClock::read() + 1h; }
 
 ExternalCommand turn_robot(RobotId id, Instant received) {
@@ -151,7 +152,7 @@ class ExternalInputLoop : public LoopTest {
     stamped.received = when_taken();
     referee.put(stamped);
   }
-  // Of the only robot, in the frame at this time.
+  // Returns the command of the only robot in the frame at this time.
   [[nodiscard]] const RobotCommand& at_frame(double time_s) const {
     return seen[static_cast<std::size_t>(std::lround(time_s / 0.02)) - 1].robots[0];
   }
@@ -167,10 +168,10 @@ TEST_F(ExternalInputLoop, DrivesTheRobotUntilTheCommandIsTooOld) {
   EXPECT_EQ(at_frame(1.0).source, CommandSource::kPlay);
   put_command(when_taken());
   run_until(2.0);
-  // Taken at the end of the frame of 1.00 s. The age limit is 0.2 s.
+  // The command is taken at the end of the frame of 1.00 s; the age limit is 0.2 s.
   for (double t = 1.02; t < 1.205; t += 0.02) {
     EXPECT_EQ(at_frame(t).source, CommandSource::kExternal) << t;
-    // Within the limits of acceleration, whatever the play commanded before.
+    // It is within the limits of acceleration, whatever the play commanded before.
     EXPECT_GE(at_frame(t).twist.w_radps, std::min(2.99f, at_frame(t - 0.02).twist.w_radps)) << t;
   }
   EXPECT_NEAR(at_frame(1.2).twist.w_radps, 3.0f, 0.01f);
@@ -281,7 +282,7 @@ TEST_F(ExternalInputLoop, WithoutKnownTeamColorsThoseOfTheRefereeAreIgnored) {
   EXPECT_FALSE(all_stop(0.0, 1.0));
 }
 
-// Both mailboxes beside a running loop; also run under the thread sanitizer.
+// Both mailboxes while a loop runs; also run under the thread sanitizer.
 TEST(ThreadsExternalInput, LoopFollowsWhatAnotherThreadReceives) {
   hal::MonotonicClock clock;
   FakeCamera camera(clock);

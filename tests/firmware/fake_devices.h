@@ -14,7 +14,7 @@
 // Fake devices that follow a script of the test. During a scripted fault all calls fail.
 namespace touchline::testing {
 
-/// Sleeping advances the time at once.
+/// Sleeping advances the time immediately.
 class FakeClock final : public hal::Clock {
  public:
   [[nodiscard]] Instant now() const override { return now_; }
@@ -69,18 +69,18 @@ class FakeCamera final : public hal::Camera, public Script {
   /// Draws the robot of fake_camera_parameters() into the following pictures, in the middle, heading right.
   void show_robot();
 
-  Duration age = std::chrono::milliseconds(5);   // of a frame when wait() returns it
-  std::uint32_t skip_at = 0, skipped = 0;        // at this sequence number, `skipped` numbers are left out
-  std::uint64_t misstamped_frame = 0;            // the frame (counted from 1) that is stamped ahead; 0: none
-  Duration misstamped_by{};                      // how far ahead
-  std::uint64_t last_frame = ~std::uint64_t{0};  // kEndOfStream after this number of frames
-  std::uint16_t width = kWidth;                  // of the frames
-  std::vector<double> opened_s;                  // times of all attempts
-  double starts_from_s = 0.0;                    // until this time, start() fails
-  double fits_from_s = 0.0;                      // until this time, it does not offer the requested format
+  Duration age = std::chrono::milliseconds(5);  // age of a frame when wait() returns the frame
+  std::uint32_t skip_at = 0, skipped = 0;       // at this sequence number, `skipped` numbers are left out
+  std::uint64_t misstamped_frame = 0;  // number (from 1) of a frame that is stamped with a future time; 0: none
+  Duration misstamped_by{};            // how far in the future the frame's time stamp is
+  std::uint64_t last_frame = ~std::uint64_t{0};  // wait() returns kEndOfStream after this number of frames
+  std::uint16_t width = kWidth;                  // width of the frames
+  std::vector<double> opened_s;                  // times of all attempts to open the device
+  double starts_from_s = 0.0;                    // start() fails until this time
+  double fits_from_s = 0.0;                      // the requested format is not offered until this time
   bool leased = false, running = false, is_open = false;
   std::optional<int> adjusted_exposure_us;
-  std::string negotiated;  // what adjust() returns
+  std::string negotiated;  // return value of adjust()
 
  private:
   Result<void> do_open() override;
@@ -112,7 +112,7 @@ class FakeRadio final : public hal::Radio, public Script {
 
   /// Adds bytes that the next receive() calls return.
   void add_received(std::span<const std::byte> bytes) { received_.insert(received_.end(), bytes.begin(), bytes.end()); }
-  /// Transmission time of a packet. A packet that is sent meanwhile replaces the waiting one.
+  /// Transmission time of a packet. A packet that is sent in this time replaces the waiting one.
   Duration line_time{};
 
   std::vector<SentPacket> sent;
@@ -145,7 +145,7 @@ class FakeGpio final : public hal::Gpio, public Script {
   void press(double at_s) { pressed_.push_back(at_s); }
 
   std::vector<std::pair<double, bool>> led, strobe;
-  Status outputs;  // result of status light and strobe only
+  Status outputs;  // result of setting status light and strobe
   Duration next_poll_in = Duration::max();
   int reads = 0;
   int opened = 0;

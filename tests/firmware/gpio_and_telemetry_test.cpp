@@ -11,7 +11,7 @@ using namespace std::chrono_literals;
 
 constexpr double kReleaseTime = 0.1;
 
-/// Longest time without a change of the light in the interval [from_s, to_s).
+/// Returns the longest time without a change of the light in the interval [from_s, to_s).
 double longest_rest(const std::vector<std::pair<double, bool>>& light, double from_s, double to_s) {
   double longest = 0.0, last = from_s;
   for (const auto& [at_s, on] : light) {
@@ -172,7 +172,7 @@ TEST_F(LoopTest, StartButtonEndsAnEmergencyOnlyAfterTheRelease) {
   gpio.press(1.5);
   gpio.press(3.0);
   gpio.pull(5.0, 6.0);
-  gpio.press(6.05);  // within the release time: has its effect at the end of that time
+  gpio.press(6.05);  // the pull is within the release time, so it takes effect at the end of that time
   gpio.pull(8.0, 8.5);
   start();
   run_until(12.0);

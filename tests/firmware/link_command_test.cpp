@@ -13,7 +13,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// An installed board in a folder, with a systemctl that only notes what it is asked for.
+/// An installed board in a folder, with a systemctl that only records its arguments.
 class LinkCommand : public testing::ProgramFolder {
  protected:
   void SetUp() override {

@@ -25,9 +25,9 @@ class LoopTest : public ::testing::Test {
   void run_until(double end_s);
   [[nodiscard]] double now_s() const { return camera.now_s(); }
 
-  /// Packets sent in [from_s, to_s).
+  /// Returns the packets sent in [from_s, to_s).
   [[nodiscard]] std::vector<SentPacket> packets(double from_s, double to_s) const;
-  /// Whether these packets are stop packets. Fails if there are none, or both kinds.
+  /// Returns whether these packets are stop packets. Fails if there are none, or both kinds.
   [[nodiscard]] bool all_stop(double from_s, double to_s) const;
   /// Takes all reports from the ring.
   std::vector<Report> reports();

@@ -19,7 +19,8 @@
 namespace touchline::testing {
 namespace {
 
-// With the console a board without calibration runs, to be set up there. A path on the command line is no such board.
+// With the console, a board without calibration runs, so that it can be set up on the page. This does not apply to a
+// path on the command line.
 TEST_F(Program, AVenueThatIsNotCalibratedNeedsTheConsoleAndAMistypedOneIsAnError) {
   const std::string run = "run --headless --frames 3 --console 127.0.0.1:0 ";
   const CommandOutput mistyped = touchline(run + board() + "--venue '" + (folder_ / "venu.toml").string() + "'");
@@ -45,7 +46,7 @@ TEST_F(Program, SaysAtTheStartThatPacketsWithoutATeamNumberDriveEveryRobot) {
   EXPECT_EQ(with.text.find(note), std::string::npos) << with.text;
 }
 
-// The only place that states the hash of a game. It covers the whole way from rendered picture to wheels.
+// This is the only place with the hash of a game. It covers the whole way from rendered picture to wheels.
 TEST_F(Program, AGameInTheArenaKeepsItsHash) {
   constexpr const char* kHash = "8bd2eb4ff8313a5b";
   const CommandOutput game = touchline("run --board '" TOUCHLINE_MOCK_BOARD "' --duration 3 --seed 1 --headless");
@@ -91,7 +92,7 @@ TEST_F(Program, AMissingDeviceGivesExitCode2) {
   EXPECT_NE(outcome.text.find("there-is-no-such-camera"), std::string::npos) << outcome.text;
 }
 
-// The page is where a person finds out what is missing, and chooses the camera.
+// On the page, a person can see what is missing, and choose the camera.
 TEST_F(Program, WithoutItsCameraThePageIsServedAndSaysWhy) {
   write_board("v4l2", "there-is-no-such-camera");
   const std::string board_file = (folder_ / "board.toml").string(), output = (folder_ / "output.txt").string();
@@ -132,7 +133,8 @@ TEST_F(Program, WithoutItsCameraThePageIsServedAndSaysWhy) {
   EXPECT_EQ(testing::exit_code_after_termination(process, 20), 0);
 }
 
-// Another camera, or another mode, makes the calibration useless, not the page: the field is calibrated there again.
+// Another camera, or another mode, invalidates the calibration but not the page, on which the field can be calibrated
+// again.
 TEST_F(Program, ACalibrationForAnotherPictureNeedsTheConsole) {
   const std::string run = "run --headless --frames 3 --set camera.width_px=32 --set camera.height_px=24 ";
   for (int i = 0; i < 30; ++i) {
@@ -170,7 +172,7 @@ TEST_F(Program, TheStatusLineStatesTheOffsetToUnixTimeWhileSomethingIsPublished)
 }
 
 TEST_F(Program, PlaysARecordingAtTheBoardsRate) {
-  // 30 pictures, 29 periods. A loaded machine may take longer, but never less.
+  // 30 pictures have 29 periods. A loaded machine may take longer, but never less.
   const auto duration_s = [this](const std::string& rate_hz) {
     const CommandOutput outcome = touchline("run --headless --set camera.rate_hz=" + rate_hz + " " + board());
     const std::string before = "frames    30 in ";
@@ -231,7 +233,7 @@ TEST_F(BlockedTerminal, APipeThatNobodyReadsDoesNotHoldUpTheEnd) {
   for (const int end : ends) ::close(end);
 }
 
-// As Ctrl-S does.
+// This has the effect of Ctrl-S.
 TEST_F(BlockedTerminal, AStoppedTerminalDoesNotHoldUpTheEnd) {
   const int master = ::posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC);
   ASSERT_EQ(::grantpt(master), 0);
@@ -262,7 +264,7 @@ TEST_F(Program, AfterAnUnexpectedEndRobotsWaitForAStart) {
       std::string::npos)
       << restarted.text;
   EXPECT_NE(restarted.text.find("packets   12 sent, 12 of them stop packets"), std::string::npos) << restarted.text;
-  // That run ended properly, so robots move after the next start.
+  // That run ended normally, so robots move after the next start.
   const CommandOutput started = run_command(service + "--frames 7 " + board() + " 2>&1");
   EXPECT_NE(started.text.find("packets   12 sent, 5 of them stop packets"), std::string::npos) << started.text;
 }

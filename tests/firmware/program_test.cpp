@@ -141,7 +141,7 @@ TEST_F(Program, InitWritesFilesThatOnlyLackTheCalibration) {
     ASSERT_EQ(made.code, 0) << made.text;
     EXPECT_NE(made.text.find("touchline-calibrate field --venue " + folder + "/venue.toml"), std::string::npos)
         << made.text;
-    // The only errors are those that the calibration mends.
+    // The calibration would correct the only errors.
     const CommandOutput checked = touchline("check --board '" + board + "'");
     EXPECT_EQ(checked.code, 1);
     const std::string where = folder + "/venue.toml", next = where + " is not calibrated yet. Next steps: ";
@@ -149,7 +149,7 @@ TEST_F(Program, InitWritesFilesThatOnlyLackTheCalibration) {
                                 ": colors: is missing\n" + next),
               0U)
         << checked.text;
-    // A drawing needs none of that.
+    // A drawing needs no calibration.
     const CommandOutput drawn = touchline("check --board '" + board + "' --draw '" + picture + "'");
     EXPECT_EQ(drawn.code, 0);
     EXPECT_EQ(drawn.text.find("the robots' tops of " + folder + "/team.toml are drawn in " + picture + "\n" + next), 0U)

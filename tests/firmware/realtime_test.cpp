@@ -19,7 +19,7 @@
 namespace touchline {
 namespace {
 
-// In a separate thread, so that the test's thread keeps its scheduling and its processor.
+// Runs in a separate thread, so that the test's thread keeps its scheduling and its processor.
 std::vector<std::string> refusals_of(const config::RealtimeSettings& settings, int* processor = nullptr) {
   std::vector<std::string> refused;
   std::thread([&] {

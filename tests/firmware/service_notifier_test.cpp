@@ -44,7 +44,7 @@ class ServiceNotifierTest : public testing::LoopTest {
     std::filesystem::remove(path_);
   }
 
-  /// The next message, or "" if none comes in time.
+  /// Returns the next message, or "" if none arrives in time.
   [[nodiscard]] std::string message(milliseconds patience) const {
     pollfd waiting{socket_, POLLIN, 0};
     if (::poll(&waiting, 1, static_cast<int>(patience.count())) <= 0) return "";

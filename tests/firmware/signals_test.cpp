@@ -13,8 +13,8 @@
 namespace touchline {
 namespace {
 
-// Threadsafe style: the process has threads of drivers' libraries, and the thread sanitizer cannot follow a fork
-// without exec.
+// Death tests use the threadsafe style, because the process has threads of drivers' libraries, and the thread sanitizer
+// cannot follow a fork without exec.
 class Signals : public ::testing::Test {
  protected:
   Signals() { GTEST_FLAG_SET(death_test_style, "threadsafe"); }

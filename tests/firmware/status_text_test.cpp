@@ -207,7 +207,8 @@ TEST(Summary, ContainsAllCounts) {
           "reopened  camera, 2 times\n");
 }
 
-// Noise damages some reports on every link, in the arena too. Their numbers are missing in the reports that follow.
+// Noise damages some reports on every link, in the arena too. The following reports show that their numbers are
+// missing.
 TEST(Summary, DamagedReportsAreNoForeignBytes) {
   constexpr std::size_t kReportBytes = 10;
   LoopStatistics statistics;

@@ -118,7 +118,7 @@ TEST_F(ThreadsReportPrinter, DrawsEachMapOverTheLastOne) {
   EXPECT_EQ(std::count(picture.begin(), picture.end(), '\n'), 24);
 }
 
-// A pipe whose reader does not read: the other receivers get every report, and nobody waits at the end.
+// The reader of a pipe does not read: the other receivers still get every report, and nothing waits at the end.
 TEST_F(ThreadsReportPrinter, ABlockedTerminalHoldsUpNobody) {
   std::signal(SIGPIPE, SIG_IGN);  // as in the program
   std::array<int, 2> ends{};
@@ -143,7 +143,7 @@ TEST_F(ThreadsReportPrinter, ABlockedTerminalHoldsUpNobody) {
   EXPECT_EQ(statuses, 3);
   EXPECT_EQ(halts, 1);
   EXPECT_TRUE(radio.sent.back().stop);
-  ::close(ends[0]);  // lets the writer go, which may still use the other end
+  ::close(ends[0]);  // lets the writer continue, which may still use the other end
 }
 
 TEST_F(ThreadsReportPrinter, TerminationStopsTheRobots) {

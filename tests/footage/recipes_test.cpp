@@ -9,7 +9,7 @@ namespace {
 
 using Recipes = testing::ProgramFolder;
 
-// The fields of real halls are painted less exactly than their drawings: their calibration must not be refused for it.
+// The fields of real halls deviate from their drawings, and their calibration must not be rejected for this.
 TEST_F(Recipes, EveryRealFieldIsAccepted) {
   if (std::getenv("TOUCHLINE_SHARED") == nullptr) {  // NOLINT(concurrency-mt-unsafe): one thread
     GTEST_SKIP() << "TOUCHLINE_SHARED must name the folder that contains footage/";

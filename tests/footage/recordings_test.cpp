@@ -60,7 +60,7 @@ TEST_F(Footage, FindsFourRobotsAndTheBallIn99PercentOfTheFrames) {
     std::set<std::string> names;
     for (const evaluate::RobotRecord& robot : frame.sightings.robots) {
       if (!robot.id) {
-        // Of the fifth, little more than the team patch is in the picture.
+        // Of the fifth robot, little more than the team patch is in the picture.
         EXPECT_EQ(robot.team, "blue");
         EXPECT_LT(distance(robot.position_m, {-0.69, -0.07}), 0.03) << "frame " << frame.frame;
         ++unknown;
@@ -73,7 +73,7 @@ TEST_F(Footage, FindsFourRobotsAndTheBallIn99PercentOfTheFrames) {
     found["ball"] += frame.sightings.ball ? 1u : 0u;
   }
   for (const char* name : {"blue 0", "blue 1", "yellow 0", "yellow 1", "ball"}) EXPECT_GE(found[name], 497u) << name;
-  // No others except the fifth, in every frame, often without its id.
+  // In every frame there are no other robots, except the fifth, often without its id.
   EXPECT_EQ(found.size(), 6u);
   EXPECT_EQ(found["blue 2"] + unknown, frames.size());
   EXPECT_GE(found["blue 2"], 200u);

@@ -12,7 +12,7 @@ namespace {
 class DamagedInput : public ::testing::TestWithParam<DecoderCheck> {
  protected:
   static void check(const std::string& text) {
-    // On the heap without room behind it, so that the address sanitizer finds reads beyond the end.
+    // Inputs are on the heap without free bytes after them, so that the address sanitizer finds reads beyond the end.
     const std::vector<char> copy(text.begin(), text.end());
     GetParam().check(std::as_bytes(std::span<const char>(copy)));
   }

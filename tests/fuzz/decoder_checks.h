@@ -7,20 +7,20 @@
 
 #include "hal/result.h"
 
-// What must hold for any bytes that a decoder gets. The fuzz targets and a test with fixed random numbers use it.
+// Requirements that a decoder must meet for any bytes. The fuzz targets and a test with fixed random numbers use it.
 namespace touchline::fuzz {
 
 struct DecoderCheck {
   const char* name;
   /// Decodes the bytes. Aborts with a message if the result breaks a promise of the decoder.
   void (*check)(std::span<const std::byte> bytes);
-  /// Valid inputs to start from.
+  /// Returns valid inputs to start from.
   std::vector<std::string> (*seeds)();
-  /// Number of damaged inputs in the short test: those that take longer get fewer.
+  /// Number of damaged inputs in the short test; decoders that take longer get fewer.
   int inputs = 20000;
 };
 
-/// All checks. tests/fuzz/CMakeLists.txt names them in the same order.
+/// Returns all checks. tests/fuzz/CMakeLists.txt names them in the same order.
 std::span<const DecoderCheck> decoder_checks();
 
 /// Aborts with a message that names the promise.

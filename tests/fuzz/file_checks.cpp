@@ -1,4 +1,4 @@
-// The three files of a board, whatever they contain.
+// Checks of the three files of a board, whatever they contain.
 #include <memory>
 
 #include "firmware/config/configuration.h"
@@ -27,7 +27,7 @@ void require_lines(const Result<T>& result) {
   }
 }
 
-// False: the file is not valid.
+// Returns false if the file is not valid.
 template <class File>
 bool read(std::string_view text, File& out, config::Locations& where) {
   where = config::Locations("file.toml");

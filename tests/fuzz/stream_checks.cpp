@@ -1,4 +1,4 @@
-// What arrives from robots, camera and setup program.
+// Checks of data from robots, camera and setup program.
 #include <algorithm>
 #include <cmath>
 #include <memory>
@@ -160,7 +160,7 @@ std::vector<std::string> command_packet_seeds() {
 void check_setup_message(std::span<const std::byte> bytes) {
   setup::MessageReader reader;
   const std::string text = text_of(bytes);
-  // In parts, as from a socket.
+  // The bytes arrive in parts, as from a socket.
   for (std::size_t at = 0; at < text.size(); at += 100) {
     reader.append(std::string_view(text).substr(at, 100));
     for (;;) {
@@ -169,7 +169,7 @@ void check_setup_message(std::span<const std::byte> bytes) {
       if (!message.ok()) return;
       if (!message.value()) break;
       require(message.value()->content.is_object(), "a message is an object");
-      // Members as commands have them.
+      // The members are those of commands.
       const setup::Arguments arguments(message.value()->content);
       require_result(arguments.text("command"));
       require_result(arguments.text("error", ""));

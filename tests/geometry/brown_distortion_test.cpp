@@ -15,7 +15,7 @@ struct Lens {
   [[nodiscard]] BrownDistortion model() const { return {k1, k2, k3, p1, p2}; }
 };
 
-// Barrel, pincushion and mustache distortion, a webcam's, and one whose slope falls and rises again.
+// Lenses: barrel, pincushion and mustache distortion, a webcam's, and one whose slope falls and rises again.
 constexpr std::array<Lens, 6> kLenses{{{0, 0, 0, 0, 0},
                                        {-0.3, 0, 0, 0, 0},
                                        {0.25, 0.1, 0, 0, 0},
@@ -88,7 +88,7 @@ TEST(BrownDistortion, RadiusIsStrictlyIncreasing) {
   std::mt19937 random(8);
   std::uniform_real_distribution<double> k1(-10, 10), k2(-100, 100), k3(-1000, 1000);
   for (int i = 0; i < 300; ++i) {
-    // The whole range of the venue file, then that of real lenses.
+    // First the whole range of the venue file, then that of real lenses.
     const double part = i < 100 ? 1.0 : 0.04;
     const BrownDistortion model(part * k1(random), part * part * k2(random), part * part * part * k3(random), 0, 0);
     double before = 0;
@@ -107,7 +107,7 @@ TEST(BrownDistortion, ContinuesAlongItsTangent) {
   EXPECT_NEAR(at_limit, 0.7, 1e-9);
   EXPECT_NEAR(model.distort({3, 0})[0], 0.7 + 2 * BrownDistortion::kMinSlope, 1e-9);
   EXPECT_NEAR(model.undistort({0.9, 0})[0], 3.0, 1e-7);
-  // Continuous, with a continuous derivative.
+  // The model is continuous, with a continuous derivative.
   constexpr double kStep = 1e-6;
   const double below = (at_limit - model.distort({1 - kStep, 0})[0]) / kStep;
   const double above = (model.distort({1 + kStep, 0})[0] - at_limit) / kStep;

@@ -101,7 +101,7 @@ TEST(CameraLimits, AnErrorLeavesTheModelUnchanged) {
   }
 }
 
-// Valid cameras, one that looks horizontally, one that looks up, and the limits of the venue file.
+// Cameras: valid ones, one that looks horizontally, one that looks up, and the limits of the venue file.
 std::vector<CameraParameters> all_kinds() {
   std::vector<CameraParameters> out{full(), paper()};
   for (const double pitch : {-1.5708, -2.5, 3.14159}) {

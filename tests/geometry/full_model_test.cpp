@@ -20,7 +20,7 @@ FullModelParameters lens(float focal_px, float k1 = 0, float k2 = 0, float k3 = 
   return out;
 }
 
-// Vertical; rotated; beside the field and tilted; wide-angle; wide-angle, tilted and above a corner.
+// Cameras: vertical; rotated; beside the field and tilted; wide-angle; wide-angle, tilted and above a corner.
 std::vector<FullCamera> cameras() {
   return {{{0, 0, 0, {0, 0, 2}}, lens(450)},
           {{1.9, 0, 0, {0.1, -0.05, 2.2}}, lens(480, -0.12f, 0.03f)},
@@ -53,7 +53,7 @@ TEST(FullModel, ProjectsLikeThePinholeBehindItsLens) {
 }
 
 TEST(FullModel, FindsPointsAtEachHeight) {
-  // One micrometer: the rounding of a float is 0.00003 px for pixels and 0.06 um for field points.
+  // The tolerance is one micrometer, from the rounding to float: 0.00003 px for pixels and 0.06 um for field points.
   for (const FullCamera& camera : cameras()) {
     const CameraModel model = model_of(camera.parameters());
     for (const Point2 at : whole_field()) {

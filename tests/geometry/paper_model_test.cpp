@@ -4,7 +4,7 @@
 namespace touchline::testing {
 namespace {
 
-// Vertical; rotated; tilted about one axis, about the other, about both; wide-angle and beside the field.
+// Cameras: vertical; rotated; tilted about one axis, about the other, about both; wide-angle and beside the field.
 std::vector<PaperCamera> paper_cameras() {
   return {{{0, 0, 0, {0, 0, 2}}},
           {{0.8, 0, 0, {0.1, -0.1, 2.1}}, 520, {322, 238}},
@@ -33,7 +33,8 @@ TEST(PaperModel, FollowsTheEquationsOverTheWholePicture) {
 }
 
 TEST(PaperModel, BothFormsOfEquation12AreEqual) {
-  // H / 2 (1 - e^(-2r/H)) / e^(-r/H) = H sinh(r / H), with a camera whose floor is the rectified picture.
+  // The equation is H / 2 (1 - e^(-2r/H)) / e^(-r/H) = H sinh(r / H). The camera is chosen so that its floor coincides
+  // with the rectified picture.
   CameraParameters parameters;
   parameters.kind = CameraModelKind::kPaper;
   parameters.paper.focal_px = 400;
@@ -69,7 +70,8 @@ TEST(PaperModel, PixelToFieldToPixelOverTheWholePicture) {
 }
 
 TEST(PaperModel, Equation15GivesTheTilt) {
-  // About one axis only, one vanishing point lies on the other axis of the picture and the other one at infinity.
+  // If the camera is tilted about one axis only, one vanishing point lies on the other axis of the picture and the
+  // other one at infinity.
   const PaperCamera pitched{{0, 0.15, 0, {0, -0.3, 2}}}, rolled{{0, 0, -0.2, {0.4, 0, 1.9}}};
   const Point2 vertical = pitched.pinhole.vanishing_point({0, 1, 0});
   EXPECT_NEAR(vertical[0], 0, 1e-9);
@@ -79,7 +81,7 @@ TEST(PaperModel, Equation15GivesTheTilt) {
   EXPECT_NEAR(horizontal[1], 0, 1e-9);
   EXPECT_NEAR(value(rolled.parameters().paper.p_per_px), 1 / (rolled.h_px * horizontal[0]), 1e-9);
   EXPECT_NEAR(value(rolled.parameters().paper.q_per_px), 0, 1e-9);
-  // About both, the line pX + qY = 1 contains both vanishing points.
+  // If it is tilted about both, the line pX + qY = 1 contains both vanishing points.
   const PaperCamera both{{0.2, 0.2, 0.1, {-0.2, -0.5, 2.2}}};
   const PaperModelParameters p = both.parameters().paper;
   for (const Point3 direction : {Point3{1, 0, 0}, Point3{0, 1, 0}}) {

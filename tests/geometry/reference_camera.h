@@ -40,13 +40,13 @@ struct Pinhole {
     return turn(roll_rad, Eigen::Vector3d::UnitY()) * turn(pitch_rad, Eigen::Vector3d::UnitX()) * down *
            turn(yaw_rad, Eigen::Vector3d::UnitZ());
   }
-  /// Ideal normalized coordinates at depth 1: right and down from the optical axis.
+  /// Returns ideal normalized coordinates at depth 1: right and down from the optical axis.
   [[nodiscard]] Point2 project(Point3 p) const {
     const Eigen::Vector3d c =
         rotation() * Eigen::Vector3d(p[0] - position_m[0], p[1] - position_m[1], p[2] - position_m[2]);
     return {c.x() / c.z(), c.y() / c.z()};
   }
-  /// Vanishing point of this direction in the same coordinates.
+  /// Returns the vanishing point of this direction in the same coordinates.
   [[nodiscard]] Point2 vanishing_point(Point3 direction) const {
     const Eigen::Vector3d c = rotation() * Eigen::Vector3d(direction[0], direction[1], direction[2]);
     return {c.x() / c.z(), c.y() / c.z()};
@@ -56,7 +56,7 @@ struct Pinhole {
 /// A pinhole with Brown's lens, and the corresponding parameters.
 struct FullCamera {
   Pinhole pinhole;
-  FullModelParameters lens;  // without rotation and position
+  FullModelParameters lens;  // lens parameters; rotation and position are zero
 
   [[nodiscard]] CameraParameters parameters() const {
     CameraParameters out;
@@ -70,7 +70,7 @@ struct FullCamera {
     }
     return out;
   }
-  /// Brown 1971 in OpenCV's order, term by term.
+  /// Applies Brown 1971 in OpenCV's order, term by term.
   [[nodiscard]] Point2 pixel(Point3 point) const {
     const auto [x, y] = pinhole.project(point);
     const auto value = [](float v) { return static_cast<double>(v); };
@@ -83,24 +83,24 @@ struct FullCamera {
   }
 };
 
-/// Klancar eq. (12), its exponential form.
+/// Returns the radius by Klancar eq. (12) in its exponential form.
 inline double paper_radius(double r, double h) { return h / 2 * (1 - std::exp(-2 * r / h)) / std::exp(-r / h); }
 
-/// Klancar eq. (12) and (13): a pixel relative to the picture's center without its radial distortion.
+/// Removes the radial distortion of a pixel relative to the picture's center, by Klancar eq. (12) and (13).
 inline Point2 paper_straighten(Point2 distorted, double h) {
   const double r = std::sqrt(distorted[0] * distorted[0] + distorted[1] * distorted[1]);
   const double phi = std::atan2(distorted[1], distorted[0]);
   return {paper_radius(r, h) * std::cos(phi), paper_radius(r, h) * std::sin(phi)};
 }
 
-/// Klancar eq. (14), solved as two linear equations by Cramer's rule.
+/// Applies Klancar eq. (14), solved as two linear equations by Cramer's rule.
 inline Point2 paper_untilt(Point2 straight, double p, double q) {
   const auto [x, y] = straight;
   const double determinant = (p * x - 1) * (q * y - 1) - q * x * p * y;
   return {(-x * (q * y - 1) + y * q * x) / determinant, (-(p * x - 1) * y + p * y * x) / determinant};
 }
 
-/// A pinhole with the paper's lens, whose H is the pinhole's focal length; and the corresponding parameters.
+/// A pinhole with the paper's lens, whose H is the pinhole's focal length, and the corresponding parameters.
 struct PaperCamera {
   Pinhole pinhole;
   double h_px = 600;
@@ -151,7 +151,7 @@ inline bool in_picture(Point2 pixel) {
   return pixel[0] >= -0.5 && pixel[0] <= kWidth - 0.5 && pixel[1] >= -0.5 && pixel[1] <= kHeight - 0.5;
 }
 
-/// Every 8th pixel, and the border to its outermost edge, half a pixel beyond the outermost centers.
+/// Returns every 8th pixel, and the border to its outermost edge, half a pixel beyond the outermost centers.
 inline std::vector<PixelPoint> whole_picture() {
   std::vector<float> us{-0.5f, kWidth - 0.5f}, vs{-0.5f, kHeight - 0.5f};
   for (int u = 0; u < kWidth; u += 8) us.push_back(static_cast<float>(u));
@@ -163,14 +163,14 @@ inline std::vector<PixelPoint> whole_picture() {
   return out;
 }
 
-/// True if the pixel is above the horizon, where the model differs.
+/// Returns true if the pixel is above the horizon, where the model differs.
 inline bool over_horizon(const CameraModel& model, PixelPoint pixel) {
   const std::array<float, 3> d = model.ray(pixel).direction;
   const double level = std::hypot(static_cast<double>(d[0]), static_cast<double>(d[1]));
   return static_cast<double>(-d[2]) < 1.001 * CameraModel::kMinDip * level;
 }
 
-/// The field of 2.2 m x 1.8 m and its goals, in steps of 10 cm.
+/// Returns points of the field of 2.2 m x 1.8 m and its goals, in steps of 10 cm.
 inline std::vector<Point2> whole_field() {
   std::vector<Point2> out;
   for (int x = -13; x <= 13; ++x) {
@@ -179,7 +179,7 @@ inline std::vector<Point2> whole_field() {
   return out;
 }
 
-/// Floor, ball's center, a robot's patches, and the tallest robots of other leagues.
+/// Heights of the floor, the ball's center, a robot's patches, and the tallest robots of other leagues.
 inline constexpr std::array<float, 4> kHeights{0.0f, 0.02135f, 0.075f, 0.15f};
 
 }  // namespace touchline::testing

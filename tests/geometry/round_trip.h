@@ -12,7 +12,7 @@ inline CameraModel model_of(const CameraParameters& parameters) {
   return out;
 }
 
-/// Pixel -> field -> pixel over the whole picture, at every height; a few pixels may be above the horizon.
+/// Checks pixel -> field -> pixel over the whole picture, at every height; a few pixels may be above the horizon.
 inline void expect_round_trips(const CameraModel& model) {
   int over = 0;
   for (const PixelPoint pixel : whole_picture()) {

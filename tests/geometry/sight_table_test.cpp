@@ -14,7 +14,7 @@ namespace {
 
 constexpr PixelPoint kFirst{0, 0}, kLast{640, 480};
 
-// A lens of 85 degrees across the picture, in which lines bend strongly, tilted.
+// A tilted camera with a lens of 85 degrees across the picture, which bends lines strongly.
 CameraModel wide_lens() {
   FullCamera camera;
   camera.pinhole = {.yaw_rad = 0.1, .pitch_rad = 0.08, .roll_rad = -0.05, .position_m = {0.1, -0.2, 2.1}};
@@ -73,7 +73,7 @@ TEST(SightTable, AgreesWithTheCameraModel) {
 }
 
 TEST(SightTable, LeavesOutWhatItDoesNotKnowExactly) {
-  // Its horizon is in the picture, where points on the field are infinitely far.
+  // The camera's horizon is in the picture, where points on the field are infinitely far.
   FullCamera camera;
   camera.pinhole = {.yaw_rad = 0, .pitch_rad = 1.2, .roll_rad = 0, .position_m = {0, -2, 1.5}};
   camera.lens.fx_px = camera.lens.fy_px = 500;

@@ -1,4 +1,4 @@
-// FieldLight: the change of light that it measures on made-up fields with texture, noise, robots and shadows.
+// Tests the change of light that FieldLight measures on drawn fields with texture, noise, robots and shadows.
 #include "core/light/field_light.h"
 
 #include <gtest/gtest.h>
@@ -15,7 +15,7 @@ namespace touchline::testing {
 namespace {
 
 constexpr int kPictureWidth = 640, kPictureHeight = 480;
-// A sixth of a box's usual width; 4.4 %.
+// Tolerance: a sixth of a box's usual width, or 4.4 %.
 constexpr float kAccuracy_levels = 2.0f;
 
 using Factors = std::array<double, 3>;
@@ -67,7 +67,7 @@ class FieldLightTest : public ::testing::Test {
     ASSERT_TRUE(field_->configure(*reference_, frame.format, kPictureWidth, kPictureHeight).ok());
   }
 
-  // The largest deviation from the true change, away from the borders of shadows.
+  // Returns the largest deviation from the true change, away from the borders of shadows.
   float error(const Light& light, int skip_from_u = 0, int skip_to_u = 0) {
     float most = 0;
     for (std::uint16_t row = 0; row < kPictureHeight / kTileHeight; ++row) {
@@ -103,7 +103,7 @@ TEST_F(FieldLightTest, AStepIsKnownInItsFirstFrame) {
     EXPECT_LT(error(light), kAccuracy_levels) << factor;
     EXPECT_NEAR(std::exp2(field_->mean() / kLevelsPerOctave), factor, 0.03 * factor);
     for (std::uint16_t row = 0; row < kPictureHeight / kTileHeight; ++row) EXPECT_TRUE(field_->changed(row));
-    // And back.
+    // Then the light changes back.
     field_->measure(show(uniform(1, 1, 1)));
     EXPECT_LT(error(uniform(1, 1, 1)), kAccuracy_levels) << factor;
   }
@@ -162,7 +162,8 @@ TEST_F(FieldLightTest, RobotsThatComeGoAndCrowdAreNoChangeOfLight) {
   EXPECT_LT(error(uniform(0.5, 0.5, 0.5)), kAccuracy_levels) << "also below the robots";
 }
 
-// Rows in which nothing fits look as after a step of the light, but measuring all rows again changes nothing.
+// Rows in which nothing fits look as after a step of the light, but measuring all rows again does not change the
+// result.
 TEST_F(FieldLightTest, WhatNeverFitsIsNoStepAndHidesNone) {
   start();
   constexpr int kCell_px = 16, kRowsOfAFrame = 8;

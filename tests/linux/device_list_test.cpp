@@ -77,7 +77,7 @@ class DeviceListTest : public V4l2Test {
 };
 
 TEST_F(DeviceListTest, ListsEverythingThatABoardFileCanName) {
-  kernel_.link("/dev/gpiochip4", "/dev/gpiochip0");  // its former number
+  kernel_.link("/dev/gpiochip4", "/dev/gpiochip0");  // the chip's former number
   EXPECT_EQ(to_text(list_devices({"", "", ""})),
             R"(cameras
   /dev/video0  Fake Camera (driver fake, usb-0000:00:14.0-1)

@@ -7,7 +7,7 @@
 // Counts the allocations of a driver without those of the fakes below it.
 namespace touchline::testing {
 
-/// Allocations of this thread during its lifetime belong to a fake and are not counted.
+/// While it exists, allocations of this thread belong to a fake and are not counted.
 class UncountedAllocations {
  public:
   UncountedAllocations() : begin_(latency::allocations_of_this_thread()) { ++depth_; }
@@ -28,7 +28,7 @@ class UncountedAllocations {
 /// Counts the allocations of the calling thread since its construction.
 class DriverAllocations {
  public:
-  /// False with a sanitizer, which has its own allocator: tests that count are skipped then.
+  /// Returns false with a sanitizer, which has its own allocator; tests that count are then skipped.
   static bool are_counted() { return latency::allocations_are_counted(); }
   [[nodiscard]] std::uint64_t count() const { return total() - begin_; }
 

@@ -9,8 +9,8 @@
 
 namespace touchline::fake {
 
-/// A dma-buf on a machine where DMA bypasses the caches: a mapping shows the content of the caches, which are up to
-/// date only after the beginning of a read was announced.
+/// A dma-buf on a machine where DMA bypasses the caches: a mapping shows the content of the caches, which is up to date
+/// only after the beginning of a read was announced.
 class DmaBufferFile final : public File {
  public:
   explicit DmaBufferFile(std::size_t bytes) : memory_(bytes), cached_(bytes) {}
@@ -18,7 +18,7 @@ class DmaBufferFile final : public File {
   /// The device writes. Writing during a read is a violation.
   void write(std::size_t offset, const std::vector<std::uint8_t>& bytes);
 
-  bool is_dma = true;  // otherwise ordinary memory, which refuses the request
+  bool is_dma = true;  // false: ordinary memory, which rejects the request
   int fail_with = 0;   // error of the next synchronization
   [[nodiscard]] std::size_t size() const { return memory_.size(); }
   [[nodiscard]] bool reading() const { return reading_; }
@@ -37,10 +37,10 @@ class DmaBufferFile final : public File {
   std::string violation_;
 };
 
-/// A heap under /dev/dma_heap.
+/// A heap in /dev/dma_heap.
 class DmaHeapFile final : public File {
  public:
-  std::size_t room = SIZE_MAX;  // free bytes
+  std::size_t room = SIZE_MAX;  // number of free bytes
   [[nodiscard]] const std::vector<std::unique_ptr<DmaBufferFile>>& buffers() const { return buffers_; }
 
   [[nodiscard]] bool never_blocks() const override { return true; }

@@ -23,15 +23,15 @@ struct GpioChip : File {
   };
   struct Pin {
     int driven = -1;     // level from outside; -1: not driven
-    int level = 0;       // of an output
+    int level = 0;       // level of an output
     std::string holder;  // "": free
     bool output = false, active_low = false, has_edge_events = false;
     int bias = 0;         // 1: up, -1: down
-    Duration debounce{};  // by the kernel
-    int file = -1;        // of its events
+    Duration debounce{};  // debounce time in the kernel
+    int file = -1;        // descriptor of its events
     std::deque<Event> events;
-    bool settled = false;  // the debounced value
-    Instant changed{};     // of the raw value
+    bool settled = false;  // debounced value
+    Instant changed{};     // time of the last change of the raw value
   };
   std::map<unsigned, Pin> pins;
 
@@ -39,9 +39,9 @@ struct GpioChip : File {
   int open_error = 0, request_error = 0, value_error = 0, read_error = 0;
   bool blocked = false;  // a call waited for events
 
-  /// For listings: the label, and lines without any information.
+  /// Requests for listings: the label, and lines without any information.
   int ioctl(unsigned long request, void* argument) override;
-  /// Changes the level from outside.
+  /// Sets the level from outside.
   void drive(unsigned line, int level, Instant at);
 
   // Entry points of the wrapped functions. They return a value or a negative errno.
@@ -63,7 +63,7 @@ struct GpioChip : File {
   static void settle(Pin& pin, Instant until);
 };
 
-/// All chips of the machine during its lifetime; the fake kernel also lists them.
+/// All chips of the machine while it exists; the fake kernel also lists them.
 class GpioChips {
  public:
   explicit GpioChips(std::vector<GpioChip*> chips);
@@ -78,7 +78,7 @@ class GpioChips {
   std::vector<GpioChip*> chips_;
 };
 
-/// The current machine.
+/// Returns the current machine.
 GpioChips& gpio_chips();
 
 /// True if this version of libgpiod supports debouncing by the kernel.

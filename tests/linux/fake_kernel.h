@@ -18,16 +18,16 @@ class File {
  public:
   virtual ~File() = default;
   virtual int open() { return 0; }
-  /// True if it may be opened without O_NONBLOCK, because its calls never wait.
+  /// Returns true if it may be opened without O_NONBLOCK, because its calls never wait.
   [[nodiscard]] virtual bool never_blocks() const { return false; }
   virtual void close() {}
   virtual int ioctl(unsigned long request, void* argument) = 0;
-  /// The current events for poll(), and the time at which they may change (Instant::max(): never).
+  /// Returns the current events for poll(), and the time at which they may change (Instant::max(): never).
   virtual short events() { return 0; }
   virtual Instant next_event() { return Instant::max(); }
-  /// Null: EINVAL.
+  /// Returns null for EINVAL.
   virtual void* map(std::size_t length, long offset, int protection);
-  /// False: the memory does not belong to this file.
+  /// Returns false if the memory does not belong to this file.
   virtual bool unmap(void* memory);
   virtual int lock() { return 0; }
 };
@@ -45,7 +45,7 @@ class Kernel {
   void refuse_open(const std::string& path, int error) { refusals_[path] = error; }
   void link(const std::string& from, const std::string& to) { links_[from] = to; }
   void unlink(const std::string& from) { links_.erase(from); }
-  /// The next waits and sleeps, or requests, fail with EINTR, as after a signal.
+  /// Makes the next waits and sleeps, or requests, fail with EINTR, as after a signal.
   void interrupt_waits(int times) { interrupted_waits_ = times; }
   void interrupt_requests(int times) { interrupted_requests_ = times; }
   /// Uses the real clock, for code whose threads wait for each other.
@@ -64,12 +64,12 @@ class Kernel {
   int adopt(File& file);
   bool unmap(void* memory);
   int wait(File& file, short events, Instant deadline, short& found);
-  /// True while interruptions are left; counts them down.
+  /// Returns true while interruptions are left, and counts them down.
   bool wait_is_interrupted() { return interrupted_waits_ > 0 && interrupted_waits_-- > 0; }
   bool request_is_interrupted() { return interrupted_requests_ > 0 && interrupted_requests_-- > 0; }
   Instant read_clock();
   const std::string* resolve(const std::string& path) const;
-  /// Files and links whose names begin with `prefix`, without those in subfolders.
+  /// Returns the files and links whose names begin with `prefix`, except those in subfolders.
   [[nodiscard]] std::vector<std::string> names_with(const std::string& prefix) const;
 
  private:
@@ -77,13 +77,13 @@ class Kernel {
   std::map<std::string, int> refusals_;
   std::map<std::string, std::string> links_;
   std::map<int, File*> open_;
-  int next_number_ = 10000;  // above all real descriptors
+  int next_number_ = 10000;  // higher than all real descriptors
   int interrupted_waits_ = 0, interrupted_requests_ = 0;
   bool has_clock_ = true;
   Instant now_{std::chrono::seconds(1000)};
 };
 
-/// The current fake kernel, null if there is none.
+/// Returns the current fake kernel, null if there is none.
 Kernel* kernel();
 
 }  // namespace touchline::fake

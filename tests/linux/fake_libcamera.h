@@ -22,13 +22,13 @@ struct LibcameraWorld {
   using Change = std::function<void(hal::LibcameraFrame&)>;
   // Properties.
   std::vector<hal::LibcameraName> cameras{{"/base/soc/i2c0mux/i2c@1/imx219@10", "imx219", false}};
-  std::map<std::string, int> errors;  // by name of the call; each occurs once
-  int good_queues = 0;                // number of calls of queue() before its error
+  std::map<std::string, int> errors;  // errors by name of the call; each occurs once
+  int good_queues = 0;                // number of successful calls of queue() before its error
   std::string offers = "nv12 32x32 to 3280x2464";
-  std::uint32_t padding_bytes = 0;  // per row
-  std::size_t spare_bytes = 0;      // after the picture
-  std::size_t actual_buffers = 0;   // 0: as requested
-  std::size_t missing_bytes = 0;    // of buffers that the driver allocates
+  std::uint32_t padding_bytes = 0;  // padding of each row
+  std::size_t spare_bytes = 0;      // bytes after the picture
+  std::size_t actual_buffers = 0;   // 0: as many as requested
+  std::size_t missing_bytes = 0;    // missing bytes of buffers that the driver allocates
   bool full_range = false, mirrored = false;
   hal::LibcameraLimits limits;
   hal::LibcameraNumbers metadata;        // reported by each frame
@@ -60,7 +60,7 @@ struct LibcameraWorld {
   std::mutex mutex_;
   std::condition_variable changed_;
   std::deque<std::uint32_t> queued_;
-  std::map<std::uint32_t, hal::LibcameraNumbers> carried_;  // by buffer
+  std::map<std::uint32_t, hal::LibcameraNumbers> carried_;  // controls sent with each buffer
   std::size_t frame_bytes_ = 0;
   int frames_left_ = 0;
   std::thread::id caller_;

@@ -20,13 +20,13 @@ class SerialPort final : public File {
   int usb_vendor = 0x0403, usb_product = 0x6001;  // -1: not a USB device
   std::size_t buffer_bytes = 4096;
   std::size_t chip_bytes = 0;  // bytes in the adapter, which the kernel does not count
-  bool stalled = false;        // sends nothing
-  bool flushes = true;         // false: a driver that cannot drop bytes
+  bool stalled = false;        // the port sends nothing
+  bool flushes = true;         // false: the driver cannot drop bytes
   int open_error = 0;
   int actual_baud = 0;  // 0: as requested
   int baud_error = 0, bits_error = 0, write_error = 0;
   bool locked_by_another = false;
-  bool offers_low_latency = true;  // as FTDI adapters and most UARTs do
+  bool offers_low_latency = true;  // true for FTDI adapters and most UARTs
   int read_error = 0;
   /// Makes bytes from the robots available for reading.
   void receive_from_robots(std::span<const std::byte> bytes) {
@@ -66,7 +66,7 @@ class SerialPort final : public File {
   Instant sent_until_{};
 };
 
-/// All ports of the machine during its lifetime.
+/// All ports of the machine while it exists.
 class SerialPorts {
  public:
   explicit SerialPorts(std::vector<SerialPort*> ports);

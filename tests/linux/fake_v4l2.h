@@ -18,20 +18,20 @@ namespace touchline::fake {
 
 struct V4l2Format {
   std::uint32_t fourcc = V4L2_PIX_FMT_YUYV;
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> sizes;  // stepwise: smallest and largest
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> sizes;  // for a stepwise list: smallest and largest size
   bool stepwise = false;
 };
 
 struct V4l2Control {
   int low = 0, high = 0, step = 1, value = 0;
-  int set_error = 0;            // error of setting it
-  int refused_value = -1;       // a value that it refuses
-  bool ignores_writes = false;  // accepts new values but keeps its own
+  int set_error = 0;            // error of setting the control
+  int refused_value = -1;       // a value that the control rejects
+  bool ignores_writes = false;  // accepts new values without using them
   std::uint32_t flags = 0;
   std::uint32_t type = V4L2_CTRL_TYPE_INTEGER;
   std::string name = "Control";
   std::int64_t unit = 1;            // for 64-bit controls: factor of all values
-  std::vector<std::string> menu{};  // "": not used
+  std::vector<std::string> menu{};  // names of the values; "": the value does not exist
   int reads = 0, writes = 0;
   int default_value = low;  // the default
 };
@@ -39,8 +39,8 @@ struct V4l2Control {
 /// Faults of a frame, by the driver's sequence number.
 struct V4l2FrameFault {
   bool damaged = false;
-  bool dropped = false;        // lost before it got a buffer
-  std::int64_t bytes = -1;     // in the last memory plane; -1: all
+  bool dropped = false;        // the frame is lost before it gets a buffer
+  std::int64_t bytes = -1;     // bytes in the last memory plane; -1: all
   std::int64_t wrong_at = -1;  // position of a wrong byte in a JPEG
   Duration stamp_shift{};
   std::int64_t sequence = -1;  // sequence number instead of the right one
@@ -53,7 +53,7 @@ class DmaBuf final : public File {
   int ioctl(unsigned long request, void* argument) override;
   void close() override { open = false; }
   bool open = true, readable = false;
-  int interruptions = 0;  // number of calls that return EAGAIN
+  int interruptions = 0;  // number of calls that return EAGAIN first
 
  private:
   std::vector<std::string>& violations_;
@@ -76,9 +76,9 @@ class VideoDevice final : public File {
   std::uint32_t quantization = V4L2_QUANTIZATION_DEFAULT;
   std::uint32_t plane_offset = 0;   // multi-planar: bytes before the picture in each memory plane
   std::vector<std::uint8_t> jpeg;   // content of MJPG frames
-  std::uint32_t padding_bytes = 0;  // per row
+  std::uint32_t padding_bytes = 0;  // padding of each row
   std::uint32_t field = V4L2_FIELD_NONE;
-  std::uint32_t missing_bytes = 0;  // of a buffer
+  std::uint32_t missing_bytes = 0;  // bytes missing from a buffer
   std::uint32_t min_buffers = 2, max_buffers = 32;
   std::uint32_t stamp_flags = V4L2_BUF_FLAG_TIMESTAMP_MONOTONIC | V4L2_BUF_FLAG_TSTAMP_SRC_SOE;
   std::map<std::uint32_t, V4l2Control> controls;
@@ -86,8 +86,8 @@ class VideoDevice final : public File {
 
   // Faults.
   std::map<std::uint32_t, V4l2FrameFault> frame_faults;
-  std::int64_t gone_at_frame = -1;    // unplugged at this frame
-  std::int64_t stalls_at_frame = -1;  // no frames from this one on, until the stream is restarted
+  std::int64_t gone_at_frame = -1;    // the device is unplugged at this frame
+  std::int64_t stalls_at_frame = -1;  // there are no frames from this one on, until the stream is restarted
   bool maps = true;
   int sync_interruptions = 0;
   int spurious_wakeups = 0;  // number of times that poll() reports a frame although there is none
@@ -101,7 +101,7 @@ class VideoDevice final : public File {
   [[nodiscard]] Instant start_of_exposure(std::uint32_t sequence) const;
   [[nodiscard]] std::size_t queued() const { return queue_.size(); }
   [[nodiscard]] std::size_t mapped() const;
-  /// Numbers of buffers whose dma-buf is synchronized for reading, and of open dma-bufs.
+  /// Return the numbers of buffers whose dma-buf is synchronized for reading, and of open dma-bufs.
   [[nodiscard]] std::size_t readable() const;
   [[nodiscard]] std::size_t exported() const;
   [[nodiscard]] bool cached_memory_requested() const { return cached_memory_requested_; }

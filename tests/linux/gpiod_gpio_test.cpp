@@ -81,7 +81,7 @@ TEST_F(GpiodGpioTest, AChipIsFoundByItsLabel) {
   requested.chip = "pinctrl-rp1";
   {
     fake::GpioChips two({&chip_, &header});
-    kernel_.link("/dev/gpiochip0", "/dev/gpiochip4");  // its former number
+    kernel_.link("/dev/gpiochip0", "/dev/gpiochip4");  // the chip's former number
     GpiodGpio gpio(requested);
     ASSERT_OK(gpio.open());
     EXPECT_EQ(header.pins[kLed].holder, "touchline");

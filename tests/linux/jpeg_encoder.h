@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-// libjpeg's header needs FILE, hence after <cstdio>.
+// Included after <cstdio>, because libjpeg's header needs FILE.
 #include <jpeglib.h>
 
 namespace touchline::testing {

@@ -41,7 +41,7 @@ class LibcameraTest : public ::testing::Test {
     settings.backend = hal::CameraBackend::kLibcamera;
     settings.device = "auto";
     settings.format = hal::CameraFormat::kNv12;
-    settings.exposure_us = 0;  // otherwise every start reports that the camera lacks the control
+    settings.exposure_us = 0;  // a value would make every start report that the camera lacks the control
     settings.white_balance_k = 0;
     return settings;
   }
@@ -58,7 +58,7 @@ class LibcameraTest : public ::testing::Test {
     make(requested);
     expect_error(camera_->open(), code, reason);
   }
-  /// Late enough for any machine; only failing tests wait for it.
+  /// Returns a time that is late enough for any machine; only failing tests wait for it.
   static Instant late() { return hal::MonotonicClock::read() + std::chrono::seconds(20); }
   /// The next frame must be lost with `code` and the message `reason`.
   void expect_loss(ErrorCode code, const std::string& reason) {

@@ -9,7 +9,7 @@
 namespace touchline::hal {
 namespace {
 
-/// Its destructor takes long, as that of libcamera's camera manager.
+/// An object whose destructor takes long, like that of libcamera's camera manager.
 struct Slow {
   static inline std::atomic<int> alive{0}, max_alive{0};
   Slow() { max_alive = std::max(max_alive.load(), ++alive); }

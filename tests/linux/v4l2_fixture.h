@@ -27,7 +27,7 @@ class V4l2Test : public ::testing::Test {
     settings.backend = hal::CameraBackend::kV4l2;
     return settings;
   }
-  /// What adjust() reports; it must succeed.
+  /// Returns the report of adjust(), which must succeed.
   static std::string negotiated_by(const Result<std::string>& adjusted) {
     EXPECT_TRUE(adjusted.ok()) << adjusted.text();
     return adjusted.ok() ? adjusted.value() : "";
@@ -60,7 +60,7 @@ class V4l2Test : public ::testing::Test {
   fake::VideoDevice device_;
 };
 
-/// With a camera that streams after begin().
+/// Fixture with a camera that streams after begin().
 class V4l2RunningTest : public V4l2Test {
  protected:
   void begin(const hal::CameraSettings& requested = settings()) {

@@ -94,7 +94,7 @@ TEST(Ambiguity, TwoEquallyGoodHeadingsGiveNoHeading) {
   EXPECT_FALSE(seen.robots[0].has_heading);
 }
 
-// Patches 7 mm from their place in the layout belong to a robot, but the id is not certain.
+// Patches 7 mm from their position in the layout belong to a robot, but its id is not certain.
 TEST(Ambiguity, AnImpreciseFitHasNoId) {
   const MarkerParameters parameters = paper_teams();
   RegionList list(straight_camera(), parameters);

@@ -10,8 +10,8 @@
 #include "tests/marker/painted_colors.h"
 #include "tests/marker/painted_field.h"
 
-// The ball from the pixels of a frame. The color boxes see the picture `boxes`, in which a ball may be cut, in several
-// boxes or missing. The camera sees the painted robots and a ball with its own colors.
+// Tests finding the ball from the pixels of a frame. The color boxes see the picture `boxes`, in which a ball may be
+// cut, in several boxes or missing. The camera sees the painted robots and a ball with its own colors.
 namespace touchline::testing {
 namespace {
 
@@ -31,7 +31,7 @@ class BallFromPixels : public ::testing::TestWithParam<PixelFormat> {
     boxes.set_typical_colors(typical);
   }
 
-  // A place in the picture, relative to the ball's center in radii.
+  // A position in the picture, relative to the ball's center in radii.
   struct BallPixel {
     int u, v;
     float right, down;
@@ -49,7 +49,7 @@ class BallFromPixels : public ::testing::TestWithParam<PixelFormat> {
     }
   }
 
-  // Shows a ball and gives the part of it that `in_box` selects to the color orange, and the rest to `other`.
+  // Shows a ball; the part that `in_box` selects gets the color orange, and the rest gets `other`.
   void show_ball(FieldPoint at, const Shade& shade, const std::function<bool(float right, float down)>& in_box,
                  ColorId other = kBackground) {
     for_each_pixel(at, [&](const BallPixel& p) {
@@ -156,7 +156,7 @@ TEST_P(BallFromPixels, IsNoOrangePatchOfARobot) {
   EXPECT_FALSE(seen.ball.seen);
 }
 
-// A square that a disk of the ball's size fills as well as a ball with its reflections does.
+// A disk of the ball's size fills a square as well as it fills a ball with reflections.
 TEST_P(BallFromPixels, IsNoSquare) {
   const auto is_in_square = [](float right, float down) { return std::max(std::abs(right), std::abs(down)) < 0.95f; };
   show_area({0.3f, 0.2f}, 1.5f, is_in_square);
@@ -232,7 +232,8 @@ TEST_P(BallFromPixels, OfTwoTheExpectedOneIsReported) {
   expect_ball(look({true, {0.31f, 0.3f}, 0.01f}), {0.3f, 0.3f}, 0.8f, 0.6f);
 }
 
-// The expected one is duller, or fell into no box. The other one is taken as soon as the expected one has gone.
+// The expected ball is duller than the other one, or fell into no box. The other ball is reported as soon as the
+// expected ball has disappeared.
 TEST_P(BallFromPixels, AnotherOneIsReportedOnlyIfTheExpectedOneHasGone) {
   const FieldPoint at{-0.3f, 0.2f}, other{0.3f, 0.3f};
   const ExpectedBall expected{true, {-0.31f, 0.2f}, 0.01f};
@@ -247,7 +248,7 @@ TEST_P(BallFromPixels, AnotherOneIsReportedOnlyIfTheExpectedOneHasGone) {
   expect_ball(look(expected), other, 0.8f, 0.9f);
 }
 
-// A square paper at the expected place is not reported. Without a sighting, the track soon expects nothing any more.
+// A square paper at the expected place is not reported. Without sightings, the track soon stops expecting the ball.
 TEST_P(BallFromPixels, IsFoundBesideWhatTheTrackWronglyFollows) {
   const FieldPoint at{-0.3f, 0.2f}, other{0.3f, 0.3f};
   const auto in_square = [](float right, float down) { return std::max(std::abs(right), std::abs(down)) < 0.95f; };
@@ -268,7 +269,7 @@ TEST_P(BallFromPixels, IsFoundWithoutARegionWhereItIsExpected) {
 
 TEST_P(BallFromPixels, IsNotInventedWhereItIsExpected) {
   EXPECT_FALSE(look({true, {0.3f, 0.3f}, 0.01f}).ball.seen);
-  // Neither on a patch of a robot nor far outside of the picture.
+  // It is sampled neither on a patch of a robot nor far outside the picture.
   const Placed robot{Team::kOpponent, 0, {{0.3f, 0.3f}, 0.4f}};
   boxes.paint(robot);
   shown.paint(robot);

@@ -21,7 +21,8 @@ std::uint8_t byte_of(float linear) {
   return static_cast<std::uint8_t>(std::lround(std::min(255.0f, std::sqrt(linear))));
 }
 
-// A patch on a robot's top (Gamma 2), blurred by the lens before it saturates. `beside`: what is left of the top.
+// A patch on a robot's top (Gamma 2), blurred by the lens before it saturates. `beside`: the top's color on the left
+// side of the patch.
 OwnedPicture patch_in_light(const Values& paint, float gain, const Values& beside = kBlackTop) {
   OwnedPicture picture(PixelFormat::kRgb24, 80, 80, 0);
   const auto covered = [](float distance) { return 0.5f * std::erfc(distance / 1.4f); };

@@ -26,7 +26,7 @@ class PaintedPatches : public ::testing::Test {
     evidence.configure(typical);
   }
 
-  // What a camera shows of a patch. `glare`: share of the lamps' light that the patch reflects like a mirror.
+  // Returns the camera's values of a patch. `glare`: share of the lamps' light that the patch reflects like a mirror.
   [[nodiscard]] SurfaceColor seen(ColorId paint, const Values& gain, float glare = 0.0f) const {
     SurfaceColor out;
     for (std::size_t c = 0; c < 3; ++c) {
@@ -38,7 +38,7 @@ class PaintedPatches : public ::testing::Test {
     }
     return out;
   }
-  // By how much the paint is likelier than each other identification color and than no known color.
+  // Returns how much likelier the paint is than each other identification color, and than no known color.
   [[nodiscard]] float margin(ColorId paint, const SurfaceColor& patch, const LocalLight& light,
                              ColorId box = kBackground) const {
     float best = ColorEvidence::kNoColor;
@@ -48,7 +48,7 @@ class PaintedPatches : public ::testing::Test {
     return likelihood(patch, light, paint, box) - best;
   }
   [[nodiscard]] float likelihood(const SurfaceColor& patch, const LocalLight& light, ColorId paint, ColorId box) const {
-    // Each paint in a lane of its own, beside other paints.
+    // Each paint is tested in a lane of its own, beside other paints.
     const std::size_t lane = paint % 4;
     ExpectedColors4 expected;
     Simd4<std::int32_t> in_box{};
@@ -79,7 +79,7 @@ TEST_F(PaintedPatches, AreUnderTheLightOfTheTeamPatch) {
   }
 }
 
-// One stop more light: two channels of yellow are saturated, and the third says little.
+// With one stop more light, two channels of yellow are saturated, and the third contains little information.
 TEST_F(PaintedPatches, AreKnownBesideASaturatedTeamPatchIfTheFieldShowsTheLight) {
   const Values gain{1.37f, 1.37f, 1.37f};
   const SurfaceColor team_patch = seen(kYellowPaint, gain);
@@ -93,10 +93,10 @@ TEST_F(PaintedPatches, AreKnownBesideASaturatedTeamPatchIfTheFieldShowsTheLight)
 
 TEST_F(PaintedPatches, ASaturatedTeamPatchIsALowerBoundOfTheLight) {
   const SurfaceColor team_patch = seen(kYellowPaint, {1.37f, 1.37f, 1.37f});
-  // The field says less, because the robot is under a lamp.
+  // The field gives a weaker prior, because the robot is under a lamp.
   const LocalLight brighter = light(team_patch, kYellowPaint, field({0.8f, 0.8f, 0.8f}));
   EXPECT_GT(brighter.gain[0], 1.05f);
-  // The bounds say nothing if the field is brighter already.
+  // The bounds add no information if the field is already brighter.
   const LocalLight bright = light(team_patch, kYellowPaint, field({1.5f, 1.5f, 1.5f}));
   EXPECT_GT(bright.gain[0], 1.4f);
 }
@@ -128,7 +128,7 @@ TEST_F(PaintedPatches, AreWhitenedByTheGlareOnTheTeamPatch) {
   EXPECT_LT(least_matt, 0.0f) << "glare confuses some of them";
 }
 
-// The channels that are left decide, and a saturated one only excludes what is darker.
+// The remaining channels decide; a saturated one only excludes colors that are darker.
 TEST_F(PaintedPatches, ASaturatedChannelIsALowerBound) {
   const LocalLight found = light(seen(kBluePaint, {1, 1, 1}), kBluePaint, field({1, 1, 1}));
   SurfaceColor patch = seen(kPinkPaint, {1, 1, 1});
@@ -139,7 +139,7 @@ TEST_F(PaintedPatches, ASaturatedChannelIsALowerBound) {
   patch.saturated[0] = true;
   const float at_least = likelihood(patch, found, kPinkPaint, kBackground);
   EXPECT_GT(at_least, darker + kClear);
-  // It is less evidence than the exact value.
+  // A bound is weaker evidence than the exact value.
   EXPECT_LT(at_least, exact);
   // A color that is certainly darker than the bound.
   patch.rgb[0] = 250;

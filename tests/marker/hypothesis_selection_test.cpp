@@ -63,7 +63,7 @@ Choice best_of_all(const std::vector<Hypothesis>& hypotheses, LeftOut left_out) 
 class Selecting : public ::testing::Test {
  protected:
   void choose(std::vector<Hypothesis> list, std::size_t team_patches) {
-    // In the order of the search: those of a team patch together, best first.
+    // Hypotheses are in the order of the search: all hypotheses of a team patch together, best first.
     std::stable_sort(list.begin(), list.end(), [](const Hypothesis& a, const Hypothesis& b) {
       return a.team_patch != b.team_patch ? a.team_patch < b.team_patch : a.value > b.value;
     });

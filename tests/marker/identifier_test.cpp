@@ -30,7 +30,7 @@ TEST_P(LongTeamPatch, NamesRobotsOfWhichNoIdentificationRegionExists) {
       EXPECT_LT(result.heading_rad, 0.15f);
       right += result.right;
       robots += placed.size();
-      // Without pixels there are only positions.
+      // Without pixels, only positions are reported.
       EXPECT_EQ(compare(placed, boxes->match(), parameters).right, 0u);
     }
     EXPECT_GE(right, robots * 9 / 10) << name_of(f) << " of " << robots;
@@ -55,7 +55,7 @@ TEST_F(IdsFromPixels, FindThePatchBesideASquareThatFellIntoNoBox) {
       for (const Placed& robot : placed) paint_without_regions(robot);
       const Comparison result = compare(placed, look(kLampLight), parameters, 0.05f);
       EXPECT_EQ(result.wrong + result.ghosts + result.missed, 0u) << name_of(f) << ", picture " << n;
-      // Only those with a heading count.
+      // Only robots with a heading count.
       EXPECT_LT(result.heading_rad, 0.1f);
       right += result.right;
       robots += placed.size();
@@ -64,7 +64,7 @@ TEST_F(IdsFromPixels, FindThePatchBesideASquareThatFellIntoNoBox) {
   }
 }
 
-// The patch of the robot in front is as far from the team patch of the one behind as its own patch, which fell into no
+// The front robot's patch is as far from the rear robot's team patch as the rear robot's own patch, which fell into no
 // box.
 TEST_F(IdsFromPixels, FindThePatchOfARobotBehindAnotherOne) {
   use(teams_with(paper_teams().teams[0].layout, 3));
@@ -98,8 +98,8 @@ TEST_F(IdsFromPixels, FindThePatchThatIsMergedWithALine) {
   }
 }
 
-// The region of the patch is in its box, but nothing of its pixels is left below saturation. A line covers two of its
-// sides; its other two are visible, which is enough for a patch, but not for any saturated surface.
+// The region of the patch is in its box, but all of its pixels are saturated. A line covers two of its sides; its other
+// two are visible, which is enough for a patch, but not for any saturated surface.
 TEST_F(IdsFromPixels, AreKnownOfASaturatedRegionThatIsMergedWithALine) {
   use(teams_with(paper_teams().teams[0].layout, 3));
   const ColorId color = parameters.teams[0].robots[2].colors[0];
@@ -215,7 +215,7 @@ TEST_F(IdsFromPixels, FindARobotByAPartOfItsTeamPatch) {
 TEST_F(IdsFromPixels, ReportNoRobotWhereASpeckHasTheTeamColor) {
   use(teams_with(bar_layout(), 3));
   paint(kLeft);
-  // One beside a robot, one alone, one as large as a team patch that is half hidden.
+  // One patch beside a robot, one alone, and one as large as a team patch that is half hidden.
   const Placed beside{Team::kOwn, 0, {{-0.3f, 0.16f}, 0.3f}}, alone{Team::kOwn, 0, {{0.2f, -0.2f}, 0.3f}},
       large{Team::kOwn, 0, {{0.4f, 0.3f}, 1.3f}};
   for (PaintedField* field : {boxes.get(), shown.get()}) {
@@ -264,8 +264,8 @@ TEST_F(IdsFromPixels, AreKnownOfPatchesThatMirrorALamp) {
   }
 }
 
-// Values that were clipped and then darkened end below 255. Nothing else tells pink from lavender than the borders of
-// the patches, which show how bright the clipped channels really are.
+// Values that were clipped and then darkened end below 255. Only the borders of the patches, which show how bright the
+// clipped channels really are, distinguish pink from lavender.
 TEST_F(IdsFromPixels, AreKnownOfPatchesThatWereClippedBeforeTheyWereDarkened) {
   MarkerParameters teams = teams_with(halves_layout(), 3);
   teams.teams[0].robots[1].colors[0] = kMagenta;
@@ -288,8 +288,8 @@ TEST_F(IdsFromPixels, AreKnownOfPatchesThatWereClippedBeforeTheyWereDarkened) {
   }
 }
 
-// Motion blur leaves a fifth of the identification patch and half of the team patch in their boxes, and a thing of the
-// team's color touches the team patch: its pixels alone do not tell where it ends.
+// Motion blur leaves a fifth of the identification patch and half of the team patch in their boxes. An object of the
+// team's color touches the team patch, so its pixels alone do not show where it ends.
 TEST_F(IdsFromPixels, FindARobotByPartsOfItsPatches) {
   use(teams_with(halves_layout(), 3));
   const PatchPlace &team = parameters.teams[0].layout.patches[0], &id = parameters.teams[0].layout.patches[1];
@@ -306,7 +306,8 @@ TEST_F(IdsFromPixels, FindARobotByPartsOfItsPatches) {
   EXPECT_LT(result.heading_rad, 0.2f);
 }
 
-// A part of another robot's color beside a team patch names nobody: the pixels around it are not those of a patch.
+// A part of another robot's color beside a team patch gives no id, because the pixels around it are not those of a
+// patch.
 TEST_F(IdsFromPixels, AreNotToldByASpeckWhereNoPatchIs) {
   use(teams_with(halves_layout(), 3));
   const PatchPlace& id = parameters.teams[0].layout.patches[1];

@@ -15,8 +15,8 @@
 #include "tests/marker/portable_random.h"
 #include "tests/marker/real_layouts.h"
 
-// Ids from the pixels of a frame. The color boxes see one picture (`boxes`), the camera another one (`shown`): a patch
-// that fell into no box is missing only in the first.
+// Fixture for ids from the pixels of a frame. The color boxes see one picture (`boxes`), the camera another one
+// (`shown`): a patch that fell into no box is missing only in the first.
 namespace touchline::testing {
 
 inline TypicalColors typical_colors(ColorSpace space) {
@@ -45,18 +45,18 @@ class IdsFromPixels : public ::testing::Test {
     boxes->paint(robot);
     shown->paint(robot);
   }
-  // A robot whose team patch alone falls into its box.
+  // Paints a robot of which only the team patch falls into its box.
   void paint_without_regions(const Placed& robot) {
     shown->paint(robot);
     boxes->paint_patch(robot, 0, parameters.teams[static_cast<std::size_t>(robot.team)].team_color);
   }
-  // Colors in `repainted` are seen, and known, in another shade.
+  // Sets the typical colors; colors in `repainted` are seen, and known, in another shade.
   void set_known_colors() {
     TypicalColors typical = typical_colors(color_space(format));
     for (const auto& [color, rgb] : repainted) typical[color] = pixel_value(rgb, color_space(format));
     boxes->set_typical_colors(typical);
   }
-  // Patches painted grey have the color `covered`.
+  // Runs the matcher; patches painted gray have the color `covered`.
   const Sightings& look(const Rgb& light = {1, 1, 1}, int noise = 3) {
     std::array<Rgb, 256> painted;
     for (std::size_t i = 0; i < painted.size(); ++i) {
@@ -65,7 +65,7 @@ class IdsFromPixels : public ::testing::Test {
       painted[i] = color == kGrey ? covered : other != repainted.end() ? other->second : painted_rgb(color);
     }
     const auto shown_rgb = [&](int u, int v) { return painted[shown->grid().at(u, v)]; };
-    // Mean of the light (square of the value) of nine pixels.
+    // Returns the mean of the light (square of the value) of nine pixels.
     const auto blurred_rgb = [&](int u, int v) {
       Rgb sum{};
       for (int i = 0; i < 9; ++i) {
@@ -92,8 +92,8 @@ class IdsFromPixels : public ::testing::Test {
   PixelFormat format = PixelFormat::kRgb24;
   Rgb covered{};
   std::map<ColorId, Rgb> repainted;
-  double clipped_at = 255;  // the camera's highest value
-  bool is_blurred = false;  // pixels at edges are mixtures, as a lens makes them
+  double clipped_at = 255;  // highest value of the camera
+  bool is_blurred = false;  // pixels at edges are mixtures, as behind a lens
   std::unique_ptr<PaintedField> boxes, shown;
   PortableRandom random{17};
 };

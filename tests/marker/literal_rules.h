@@ -40,7 +40,7 @@ struct Pair {
 };
 
 struct Solution {
-  std::vector<Pair> pairs;  // by row
+  std::vector<Pair> pairs;  // for each row
   /// Every row has a pair, no column has two, and the left-over rule never had a choice. Otherwise the text does not
   /// define a complete result, and `pairs` contains only the defined pairs.
   bool unambiguous = false;
@@ -55,7 +55,7 @@ Solution solve(const Table& table);
 /// their areas.
 FieldPoint refined(const std::vector<Region>& regions, std::size_t region, const Constants& constants = {});
 
-/// Eq. (3).
+/// Returns the pose by eq. (3).
 Pose pose(FieldPoint team, FieldPoint identification);
 
 }  // namespace touchline::testing::literal

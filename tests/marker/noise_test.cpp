@@ -106,7 +106,7 @@ TEST(CrumbledPatches, AreMergedFromTheirPieces) {
   EXPECT_GE(result.right, 8u) << "of " << placed.size();
 }
 
-// A quarter to a half of a patch has no color. The region's center moves; the stated error must contain how far.
+// A quarter to a half of a patch has no color. The region's center moves, and the stated error must cover this.
 TEST(TornPatches, StateTheirError) {
   const MarkerParameters parameters = paper_teams();
   const MarkerLayout& layout = parameters.teams[0].layout;
@@ -128,7 +128,8 @@ TEST(TornPatches, StateTheirError) {
     field.paint(robot);
     const RobotSighting* const intact = seen();
     ASSERT_NE(intact, nullptr);
-    // A fifth of a pixel for each coordinate of a center. Whole pixels seldom leave a residual that explains more.
+    // The error is a fifth of a pixel for each coordinate of a center. Whole pixels seldom leave a residual that
+    // explains more.
     const float usual_m = 0.2f / field.camera().scale_px_per_m(intact->pose.position, layout.height_m);
     EXPECT_NEAR(sigma_m(*intact), usual_m, 0.05f * usual_m);
     // From one side of the patch.

@@ -16,7 +16,7 @@ using Rgb = std::array<double, 3>;
 
 inline constexpr Rgb kFloorRgb{40, 42, 40}, kOrangeRgb{220, 100, 30};
 
-/// What the camera sees of a patch in a color, or of the floor.
+/// Returns the color of a patch, or of the floor, as the camera sees it.
 inline Rgb painted_rgb(ColorId color) {
   switch (color) {
     case kBlue:
@@ -44,7 +44,7 @@ inline Rgb painted_rgb(ColorId color) {
   }
 }
 
-/// Rounded and clipped to bytes; YUV as BT.601 in its limited range.
+/// Rounds and clips a color to bytes; YUV is BT.601 in limited range.
 inline Channels pixel_value(const Rgb& rgb, ColorSpace space) {
   const auto byte = [](double x) { return static_cast<std::uint8_t>(std::lround(std::clamp(x, 0.0, 255.0))); };
   const std::array<double, 3> value = in_space(space, rgb);

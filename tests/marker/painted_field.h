@@ -30,13 +30,14 @@ enum TestColor : ColorId {
   kWhite
 };
 
-/// 640 x 480, 2 m above the middle of a field of 2.2 x 1.8 m: 250 px per meter on the floor.
+/// Returns a camera of 640 x 480 pixels, 2 m above the middle of a field of 2.2 x 1.8 m: 250 px per meter on the floor.
 CameraParameters straight_camera();
-/// The same picture from 2.3 m, beside the middle, tilted by 8 degrees, through a lens that bends edges by 20 px.
+/// Returns a camera for the same picture from 2.3 m, beside the middle, tilted by 8 degrees, with a lens that bends
+/// edges by 20 px.
 CameraParameters tilted_camera();
 
-/// Five robots per team in the paper's layout: blue with red, green, magenta, cyan, violet; yellow with pink, lime,
-/// brown, grey, white; the ball orange. Ids are 0 to 4.
+/// Returns five robots per team in the paper's layout: blue with red, green, magenta, cyan, violet; yellow with pink,
+/// lime, brown, gray, white; the ball is orange. Ids are 0 to 4.
 MarkerParameters paper_teams();
 
 /// A robot of MarkerParameters with a pose.
@@ -46,17 +47,17 @@ struct Placed {
   Pose pose;
 };
 
-/// True if the point (in the robot's frame) is on the patch.
+/// Returns true if the point (in the robot's frame) is on the patch.
 bool covers(const PatchPlace& place, FieldPoint point);
 
 /// Transforms a point of the robot's frame to the field.
 FieldPoint on_field(const Pose& pose, float x_m, float y_m);
 
-/// True if the two squares overlap.
+/// Returns true if the two squares overlap.
 bool overlap(const Pose& a, const Pose& b, float side_m);
 
-/// Robots 0 to `robots` - 1 of every team with a color, their centers anywhere in the rectangle around the field's
-/// center, without overlap. They may cover at most a third of the rectangle.
+/// Returns robots 0 to `robots` - 1 of every team with a color, their centers anywhere in the rectangle around the
+/// field's center, without overlap. They may cover at most a third of the rectangle.
 std::vector<Placed> scattered(PortableRandom& random, const MarkerParameters& parameters, std::size_t robots,
                               float length_m, float width_m);
 
@@ -67,24 +68,24 @@ class PaintedField {
   void clear();
   void paint(const Placed& robot);
   void paint(const std::vector<Placed>& robots);
-  /// One of its patches, in any color; kBackground hides it.
+  /// Paints one of its patches in any color; kBackground hides it.
   void paint_patch(const Placed& robot, std::size_t patch, ColorId color);
   /// Paints a rectangle of the robot's top (its frame, [left, right) x [bottom, top)) in a color.
   void paint_part(const Placed& robot, FieldPoint low, FieldPoint high, ColorId color);
   void paint_ball(FieldPoint at);
   ColorGrid& grid() { return grid_; }
-  /// The picture's pixels of a color.
+  /// Returns the number of the picture's pixels with a color.
   [[nodiscard]] std::ptrdiff_t pixels_of(ColorId color) const;
 
-  /// Labels and matches the picture. With a frame, ids and ball also follow from its pixels, the typical colors, what
-  /// is known about the light, and the place where the ball is expected.
+  /// Labels and matches the picture. With a frame, ids and ball also follow from its pixels, the typical colors, the
+  /// known light, and the position at which the ball is expected.
   const Sightings& match(const Frame* frame = nullptr, const ExpectedGain& light = {}, const ExpectedBall& ball = {});
-  /// Whether an overload cut the regions of the next pictures.
+  /// Sets whether an overload cut the regions of the next pictures.
   void set_cut(bool is_cut) { is_cut_ = is_cut; }
   void set_typical_colors(const TypicalColors& typical) { matcher_->set_typical_colors(typical); }
 
   [[nodiscard]] const Regions& regions() const { return *regions_; }
-  /// Verdict of the region at this pixel of the last picture. The pixel must not be background.
+  /// Returns the verdict of the region at this pixel of the last picture. The pixel must not be background.
   [[nodiscard]] Verdict verdict_at(PixelPoint pixel) const;
   [[nodiscard]] Verdict verdict_at(FieldPoint point, float height_m) const {
     return verdict_at(camera_.to_pixel(point, height_m));
@@ -96,7 +97,7 @@ class PaintedField {
 
  private:
   static std::array<FieldPoint, 4> corners_of(const Pose& pose, FieldPoint low, FieldPoint high);
-  // Pixels within the corners whose point on the plane is inside.
+  // Calls a function for pixels within the corners whose point on the plane is inside.
   template <class Inside>
   void fill(const std::array<FieldPoint, 4>& corners, float height_m, ColorId color, Inside inside);
 
@@ -113,12 +114,12 @@ class PaintedField {
 
 /// Compares reported with painted robots. A reported robot is matched with the nearest painted one within `near_m`.
 struct Comparison {
-  std::size_t right = 0;    // team and id
-  std::size_t unknown = 0;  // team, but no id
-  std::size_t wrong = 0;    // another one's id, or team
-  std::size_t ghosts = 0;   // where no robot is
+  std::size_t right = 0;    // number with the right team and id
+  std::size_t unknown = 0;  // number with the right team, but no id
+  std::size_t wrong = 0;    // number with another robot's id or team
+  std::size_t ghosts = 0;   // number reported where no robot is
   std::size_t missed = 0;
-  float position_m = 0, heading_rad = 0;  // largest errors of those that have a heading
+  float position_m = 0, heading_rad = 0;  // largest errors of robots with a heading
 };
 Comparison compare(const std::vector<Placed>& placed, const Sightings& seen, const MarkerParameters& parameters,
                    float near_m = 0.035f);

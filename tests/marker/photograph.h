@@ -18,10 +18,11 @@ class Photograph {
  public:
   Photograph(PixelFormat format, int width, int height) : picture_(format, width, height, 5), format_(format) {}
 
-  /// Pixels [left, right) x [top, bottom), clipped to the picture; light(u, v) is the light of a point of the picture.
+  /// Renders pixels [left, right) x [top, bottom), clipped to the picture; light(u, v) is the light of a point of the
+  /// picture.
   template <class Scene>
   void expose(int left, int top, int right, int bottom, Scene light) {
-    // Complete pairs and blocks, so that all pixels with shared chroma are present.
+    // Extend to complete pairs and blocks, so that all pixels with shared chroma are present.
     left = std::max(left / 2 * 2, 0);
     top = std::max(top / 2 * 2, 0);
     right = std::min((right + 1) / 2 * 2, picture_.width());
@@ -42,7 +43,7 @@ class Photograph {
   [[nodiscard]] Frame frame() const { return picture_.frame(); }
 
  private:
-  // A uniform pixel and a uniform blur of 1.5 pixels around it.
+  // Averages over a pixel and a uniform blur of 1.5 pixels around it.
   template <class Scene>
   static Light blurred(int u, int v, Scene light) {
     constexpr int kSteps = 5;

@@ -9,11 +9,11 @@ class PortableRandom {
  public:
   explicit PortableRandom(std::uint32_t seed) : engine_(seed) {}
 
-  /// Uniform in [low, high).
+  /// Returns a uniformly distributed number in [low, high).
   float real(float low, float high) {
     return low + (high - low) * static_cast<float>(static_cast<double>(engine_()) / 4294967296.0);
   }
-  /// Uniform in [low, high].
+  /// Returns a uniformly distributed integer in [low, high].
   int whole(int low, int high) {
     return low + static_cast<int>(engine_() % static_cast<std::uint32_t>(high - low + 1));
   }

@@ -5,19 +5,19 @@
 // Marker layouts of real teams (../shared/footage has pictures of them), with complete teams.
 namespace touchline::testing {
 
-/// Team bar over the front half, two identification squares behind it.
+/// Layout with a team bar over the front half, and two identification squares behind it.
 MarkerLayout bar_layout();
-/// Team half to the left, identification half to the right.
+/// Layout with the team half to the left, and the identification half to the right.
 MarkerLayout halves_layout();
-/// Team bar, one identification square in the middle of the other half.
+/// Layout with a team bar, and one identification square in the middle of the other half.
 MarkerLayout single_layout();
-/// A square divided along its diagonal. The team's triangle is one half; the other half is divided again.
+/// Layout of a square divided along its diagonal. The team's triangle is one half; the other half is divided again.
 MarkerLayout triangles_layout();
-/// Five disks: the team's in the center, four around it.
+/// Layout of five disks: the team's in the center, four around it.
 MarkerLayout disks_layout();
 
-/// Both teams in this layout, blue and yellow, `robots` each. Identification colors are red, green and magenta, in
-/// ordered sets that no two robots of a team share, and that both teams use.
+/// Returns both teams in this layout, blue and yellow, with `robots` each. Identification colors are red, green and
+/// magenta, in ordered sets that no two robots of a team share, and that both teams use.
 MarkerParameters teams_with(const MarkerLayout& layout, std::size_t robots);
 
 }  // namespace touchline::testing

@@ -7,15 +7,16 @@
 
 namespace touchline::testing {
 
-/// Synthetic regions without pixels: centroid, area and color with any accuracy. For tests of the matcher only.
+/// Synthetic regions without pixels: centroid, area and color with any accuracy. They are only for tests of the
+/// matcher.
 class RegionList {
  public:
   RegionList(const CameraParameters& camera, const MarkerParameters& parameters);
 
   void clear() { regions_->clear(); }
-  /// A region at this point of the plane, with `ratio` times the area of the patch at this place.
+  /// Adds a region at this point of the plane, with `ratio` times the area of the patch at this position.
   void add(FieldPoint at, ColorId color, const PatchPlace& patch, float height_m, float ratio = 1.0f);
-  /// All patches of a robot, each center moved by up to `error_m` along both axes.
+  /// Adds all patches of a robot, each center moved by up to `error_m` along both axes.
   void add(const Placed& robot, PortableRandom& random, float error_m);
 
   const Sightings& match();

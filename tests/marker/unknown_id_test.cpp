@@ -1,4 +1,5 @@
-// Robots whose pixels do not decide their id: they stay without one, and confidence says how sure the others are.
+// Tests robots whose pixels do not decide their id: such a robot gets no id, and its confidence is the probability that
+// it is a robot.
 #include <gtest/gtest.h>
 
 #include "tests/marker/ids_from_pixels.h"
@@ -15,7 +16,7 @@ TEST_F(IdsFromPixels, IsUnknownIfTheRatioFitsTwoRobots) {
   const Sightings& seen = look(kLampLight);
   ASSERT_EQ(seen.robots.size(), 1u);
   EXPECT_EQ(seen.robots[0].id, kUnknownId);
-  EXPECT_TRUE(seen.robots[0].has_heading);  // whichever of both it is
+  EXPECT_TRUE(seen.robots[0].has_heading);  // the heading is the same for both possible robots
 }
 
 TEST_F(IdsFromPixels, IsNeverWrongIfThePatchIsCovered) {
@@ -43,8 +44,8 @@ TEST_F(IdsFromPixels, IsNeverWrongIfThePatchIsCovered) {
   }
 }
 
-// Things of a team's color and of an identification color on the floor, of which the boxes see a part and a whole
-// patch. Beside them is floor, not the top of a robot.
+// Objects of a team's color and of an identification color lie on the floor; boxes contain a part of the first and a
+// whole patch of the second. Beside them is floor, not the top of a robot.
 TEST_F(IdsFromPixels, WithoutAHeadingNeedTheShapeOfARobot) {
   use(paper_teams());
   const MarkerLayout& layout = parameters.teams[0].layout;
@@ -68,7 +69,7 @@ TEST_F(IdsFromPixels, WithoutAHeadingNeedTheShapeOfARobot) {
   }
 }
 
-// Of a sheet of the team's color, an overload left as much as a team patch. The pixels show the whole sheet.
+// An overload left as much of a sheet of the team's color as a team patch has. The pixels show the whole sheet.
 TEST_F(IdsFromPixels, NeedOutlinesIfAnOverloadCutThePatches) {
   use(paper_teams());
   for (const bool is_sheet : {false, true}) {
@@ -88,7 +89,8 @@ TEST_F(IdsFromPixels, NeedOutlinesIfAnOverloadCutThePatches) {
   EXPECT_EQ(boxes->match().robots[0].id, kUnknownId);
 }
 
-// Stripes of a shoe: the pixels of the second one are as near to an identification color as the team's color is.
+// Two stripes of a shoe look like a robot: the first has the team's color, and the pixels of the second are as near to
+// an identification color as to the team's color.
 TEST_F(IdsFromPixels, AreUnknownIfAPatchHasTheColorOfTheTeam) {
   use(teams_with(paper_teams().teams[0].layout, 3));
   const ColorId color = parameters.teams[0].robots[0].colors[0];
@@ -105,7 +107,7 @@ TEST_F(IdsFromPixels, AreUnknownIfAPatchHasTheColorOfTheTeam) {
   }
 }
 
-// One of its two colors fits a robot of the team.
+// One of the robot's two colors fits a robot of the team.
 TEST_F(IdsFromPixels, AreUnknownForARobotThatIsNotInTheTeamFile) {
   use(teams_with(bar_layout(), 2));  // red and green, green and green
   paint(kLeft);
@@ -140,7 +142,7 @@ TEST_F(IdsFromPixels, TheOthersOfTheTeamDecideADoubtfulId) {
   teams.teams[0].robots[0].colors[0] = kRed;
   teams.teams[0].robots[1].colors[0] = kLime;
   use(teams);
-  // Halfway between red and lime, a robot alone may be either of the two.
+  // A color halfway between red and lime alone fits either of the two robots.
   paint_without_regions(kMiddle);
   shown->paint_patch(kMiddle, 1, kGrey);
   for (std::size_t c = 0; c < 3; ++c) covered[c] = 0.5 * (painted_rgb(kRed)[c] + painted_rgb(kLime)[c]);

@@ -8,7 +8,7 @@
 #include "tests/marker/real_layouts.h"
 #include "tests/marker/region_list.h"
 
-// The matcher's bounds of work. Frames of the largest teams never reach them.
+// Tests the matcher's bounds of work, which frames of the largest teams never reach.
 namespace touchline::testing {
 namespace {
 
@@ -136,8 +136,8 @@ TEST(WorkBound, WorkThatIsNotNeededIsLeftToOthers) {
   EXPECT_EQ(work.left(), 100);
 }
 
-// Eleven things of the own team's color, with four white dots each, come first in the order. All dots are saturated, so
-// that only their borders tell their colors.
+// Eleven objects of the own team's color, with four white dots each, come first in the order. All dots are saturated,
+// so only their borders show their colors.
 TEST_F(IdsFromPixels, AreKnownOfSaturatedPatchesBehindClutter) {
   MarkerParameters teams = teams_with(disks_layout(), 6);
   teams.teams[0].robots.resize(3);

@@ -20,7 +20,7 @@ namespace {
 constexpr int kPictures = 4, kRobots = 10;
 constexpr Duration kPeriod = std::chrono::milliseconds(100);
 
-// Remaining share of red, green and blue light at the left and right border of the picture.
+// Share of red, green and blue light that is left at the left and right border of the picture.
 struct Light {
   std::array<double, 3> left{1, 1, 1}, right{1, 1, 1};
   // `share` 0: full light; 1: this light; interpolated logarithmically.
@@ -65,7 +65,7 @@ class AdaptationTest : public ::testing::Test {
     pipeline->set_observing(true);
   }
 
-  // Number of robots with an id in the last frame.
+  // Returns the number of robots with an id in the last frame.
   int run(int frames, const Light& light, double from_share, double to_share) {
     int seen = 0;
     for (int i = 1; i <= frames; ++i) seen = step(light, from_share + (to_share - from_share) * i / frames);
@@ -112,7 +112,7 @@ class AdaptationTest : public ::testing::Test {
   double shadow = 1.0;  // remaining light on the left half of the picture
 };
 
-// Learns only from recognized robots, and quickly.
+// The adaptation learns only from recognized robots, and quickly.
 const std::vector<std::string> kFast = {"adaptation.time_constant_s=1", "adaptation.max_light=3",
                                         "light.reference=\"\""};
 std::vector<std::string> with(std::vector<std::string> overrides, const std::string& one) {
@@ -136,7 +136,7 @@ TEST_F(AdaptationTest, FollowsAChangeOfLightThatWouldPreventRecognition) {
   }
   EXPECT_NEAR(static_cast<double>(trace->light.brightness) / std::exp(brightness), 1.0, 0.15)
       << "a part of the change goes into the boxes, and little is known where no robot stands";
-  // And back to full light.
+  // Then the light changes back to full.
   EXPECT_EQ(run(120, kCloud, 1, 0), kRobots);
   run(100, kCloud, 0, 0);
   EXPECT_NEAR(static_cast<double>(trace->light.brightness), 1.0, 0.05);
@@ -195,7 +195,7 @@ class ChangedLight : public AdaptationTest {
     EXPECT_GE(on.right, percent * 20 * kRobots / 100) << what;
     EXPECT_EQ(on.wrong, 0) << what;
     EXPECT_GE(on.right, off.right) << what;
-    // Also if the light is not measured, so that robots are all that it learns from.
+    // The same is true if the light is not measured from the field: then the adaptation learns only from robots.
     const Score learned = after_step(changed, light, {"light.reference=\"\""});
     EXPECT_GE(learned.right, off.right) << what;
     EXPECT_LE(learned.wrong, off.wrong) << what;

@@ -200,7 +200,7 @@ TEST_F(ArenaTest, AnObjectIsMovedToWhereThePictureWasPointedAt) {
   };
   const double top_m = parameters.robot_height_m;
   const Placement robot = arena->world().snapshot().robots[2];
-  // Held beside its center, so that it is put down beside the place, too.
+  // The robot is held beside its center, so it is put down beside the given position, too.
   ASSERT_TRUE(arena->move_object(pixel_of(robot.x_m + 0.02, robot.y_m, top_m), pixel_of(0.42, 0.7, top_m)).ok());
   Snapshot moved = arena->world().snapshot();
   EXPECT_NEAR(moved.robots[2].x_m, 0.4, 1e-3);
@@ -214,7 +214,7 @@ TEST_F(ArenaTest, AnObjectIsMovedToWhereThePictureWasPointedAt) {
 
   EXPECT_EQ(arena->move_object(pixel_of(-0.9, 0.8, top_m), pixel_of(0, 0, top_m)).code(), ErrorCode::kNotFound);
   EXPECT_EQ(arena->move_object(pixel_of(0.4, 0.7, top_m), pixel_of(-0.3, -0.7, top_m)).code(), ErrorCode::kBusy);
-  // Beyond a wall it stays beside it.
+  // Beyond a wall, it stays beside the wall.
   ASSERT_TRUE(arena->move_object(pixel_of(0.4, 0.7, top_m), pixel_of(0.2, 1.5, top_m)).ok());
   EXPECT_LT(arena->world().snapshot().robots[2].y_m, 0.9);
   EXPECT_GT(arena->world().snapshot().robots[2].y_m, 0.8);

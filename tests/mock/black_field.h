@@ -8,8 +8,8 @@
 
 namespace touchline::hal::mock {
 
-/// A black field with black robots in uniform light. Only a white square patch in the center of the robot's top and a
-/// green ball are visible.
+/// Returns a black field with black robots in uniform light. Only a white square patch in the center of the robot's top
+/// and a green ball are visible.
 inline ArenaParameters black_field() {
   ArenaParameters parameters = noise_free_arena();
   parameters.light.lamp.clear();

@@ -75,7 +75,7 @@ class ExternalGame : public ::testing::Test {
 };
 
 TEST_F(ExternalGame, WhenAStrategyEndsItsRobotStopsAndTheOthersPlayOn) {
-  begin({"arena.opponents=stand"});  // they would push it
+  begin({"arena.opponents=stand"});  // playing opponents would push the stopped robot
   run(30);
   for (int i = 0; i < 60; ++i) {
     ExternalCommand command;
@@ -88,7 +88,7 @@ TEST_F(ExternalGame, WhenAStrategyEndsItsRobotStopsAndTheOthersPlayOn) {
     run(1);
   }
   EXPECT_GT(way_m_[2], 0.1);
-  // The age limit is 12 frames. After as many more, the robot has stopped.
+  // The age limit is 12 frames. After another 12 frames, the robot has stopped.
   run(25);
   way_m_ = {};
   run(60);

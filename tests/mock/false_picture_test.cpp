@@ -1,4 +1,4 @@
-// Pictures that do not show what the camera sees must stop the robots; everything else must not.
+// Pictures that do not show the scene before the camera must stop the robots; nothing else may.
 #include <gtest/gtest.h>
 
 #include <limits>
@@ -83,12 +83,12 @@ class WatchedGame : public MockGame {
   }
 };
 
-// From second 2.5 on. Without these rules, all packets drive robots.
+// The fault lasts from second 2.5 on. Without these rules, all packets drive robots.
 struct Attack {
   const char* name;
   FaultKind kind;
   std::uint32_t halts;
-  int most_driving;  // packets, of 60 a second
+  int most_driving;  // number of packets, of 60 a second
 };
 void PrintTo(const Attack& attack, std::ostream* out) { *out << attack.name; }
 class FalsePicture : public ::testing::TestWithParam<Attack> {};
@@ -114,7 +114,8 @@ INSTANTIATE_TEST_SUITE_P(, FalsePicture,
                                            Attack{"Dark", FaultKind::kDark, kHaltField, 5}),
                          [](const auto& param_info) { return std::string(param_info.param.name); });
 
-// What can be checked while robots stand ends by itself, and tracks begin anew.
+// Some reasons for stopped robots can be checked while robots stand: such a stop ends as soon as the reason has ended,
+// and tracks begin anew.
 TEST(FalsePictureEnds, RobotsGoOnWithANewPicture) {
   for (const FaultKind kind : {FaultKind::kPictureFrozen, FaultKind::kPictureRandom, FaultKind::kDark}) {
     WatchedGame game(1, {{kind, 2.0, 1.0}});
@@ -128,7 +129,8 @@ TEST(FalsePictureEnds, RobotsGoOnWithANewPicture) {
   }
 }
 
-// What cannot be checked while robots stand holds until a person starts them, whatever the picture shows meanwhile.
+// A reason that cannot be checked while robots stand holds until a person starts them, whatever the picture shows in
+// the meantime.
 TEST(FalsePictureEnds, ATurnedOrTornPictureNeedsAStart) {
   for (const FaultKind kind : {FaultKind::kPictureTurned, FaultKind::kPictureTorn}) {
     WatchedGame game(1, {{kind, 2.0, 0.8}, {FaultKind::kStartButton, 4.0, 0.2}});

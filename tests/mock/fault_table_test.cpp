@@ -1,5 +1,5 @@
-// Plays every row of docs/faults.md: robots drive, the fault is planted, its reason holds and packets stop the robots,
-// and after what ends it they drive again. Errors after which the program ends do end it.
+// Plays every row of docs/faults.md: robots drive, the fault is planted, its reason holds and packets stop the robots;
+// when the end condition is met, they drive again. Errors after which the program ends do end it.
 #include <gtest/gtest.h>
 
 #include <cctype>
@@ -229,7 +229,7 @@ TEST_P(FaultRow, StopsTheRobotsAndEnds) {
     if (scenario.plant) scenario.plant(game);
   }
   ASSERT_TRUE(game.run_until([&] { return (game.loop->halt() & description->bit) != 0; }, 3.0));
-  // A frame later at most, unless there are no frames.
+  // Robots stop at most one frame later, unless there are no frames.
   const std::uint64_t frames = game.loop->statistics().frames;
   game.run_until([&] { return game.loop->statistics().frames > frames; }, 0.1);
   EXPECT_TRUE(!game.drives || GetParam() == "no_frames");

@@ -15,7 +15,7 @@
 
 namespace touchline {
 
-/// What a loop on the mock board's arena needs, built as by Session, but with access to the arena.
+/// Everything that a loop in the mock board's arena needs, built as by Session, but with access to the arena.
 class MockGame {
  public:
   MockGame(std::uint64_t seed, std::vector<hal::mock::ArenaFault> faults, std::vector<std::string> overrides = {}) {
@@ -42,7 +42,7 @@ class MockGame {
   std::optional<hal::mock::MockGpio> gpio;
 
  protected:
-  /// Those of the board file.
+  /// Returns the settings of the board file.
   [[nodiscard]] LoopSettings settings() const {
     const config::BoardFile& board = configuration->board;
     LoopSettings out;
@@ -51,8 +51,8 @@ class MockGame {
     out.radio_byte_time = hal::byte_time(board.radio);
     return out;
   }
-  /// Opens `loop`, which ends before whatever it uses: declare it last. The devices may stand between it and those of
-  /// the arena.
+  /// Opens `loop`; declare it last, so that it is destroyed before the objects that it uses. The devices may be
+  /// wrappers around those of the arena.
   void open(std::optional<Loop>& loop, hal::Camera& used_camera, hal::Radio& used_radio, hal::Gpio& used_gpio,
             const LoopSettings& settings, const LoopObserver& observer) {
     loop.emplace(HalDevices{used_camera, used_radio, used_gpio, *clock, true}, *pipeline, settings, *ring, observer);

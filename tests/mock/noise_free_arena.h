@@ -12,7 +12,7 @@
 
 namespace touchline::hal::mock {
 
-/// An arena without noise, errors or losses, with one own robot (id 0) in the center of its half.
+/// Returns an arena without noise, errors or losses, with one own robot (id 0) in the center of its half.
 inline ArenaParameters noise_free_arena() {
   ArenaParameters parameters;
   parameters.physics.wheel_error = parameters.physics.wheel_slip = parameters.physics.floor_roughness_mps_rts = 0.0;
@@ -24,7 +24,7 @@ inline ArenaParameters noise_free_arena() {
   return parameters;
 }
 
-/// 22 robots in two rows.
+/// Returns an arena with 22 robots in two rows.
 inline ArenaParameters full_arena() {
   ArenaParameters parameters;
   parameters.robot.clear();
@@ -41,7 +41,8 @@ inline void run(World& world, double seconds) {
 
 inline Vector2 position(const Placement& placement) { return {placement.x_m, placement.y_m}; }
 
-/// Distance of a point from the field including its goals, computed independently of the simulation. 0 inside.
+/// Returns the distance of a point from the field including its goals, computed independently of the simulation. 0
+/// inside.
 inline double distance_outside(const ArenaField& field, Vector2 p) {
   const double x = std::abs(p.x) - 0.5 * field.length_m, y = std::abs(p.y) - 0.5 * field.width_m;
   const double in_corner = (x + y + field.corner_m) / std::sqrt(2.0);

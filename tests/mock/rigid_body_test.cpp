@@ -129,7 +129,7 @@ TEST(Collision, SquaresFarApartDoNotTouch) {
   Contacts contacts;
   collide(Square{&a, kHalfSide}, Square{&b, kHalfSide}, {}, contacts);
   EXPECT_TRUE(contacts.empty());
-  // Their circumscribed circles overlap, but the squares do not.
+  // The robots' circumscribed circles overlap, but the squares do not.
   b = robot_at({2.0 * kHalfSide + 0.001, 0.0}, 0.0);
   a.theta = 0.0;
   collide(Square{&a, kHalfSide}, Square{&b, kHalfSide}, {}, contacts);

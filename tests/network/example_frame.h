@@ -9,18 +9,18 @@
 #include "firmware/network/ssl_vision.h"
 #include "firmware/report/trace_json.h"
 
-// A frame with everything that the protocols publish: known and unknown robots of both teams, seen and predicted ones,
+// Frames with everything that the protocols publish: known and unknown robots of both teams, seen and predicted ones,
 // commands and telemetry.
 namespace touchline::network {
 
 Snapshot example_snapshot();
-/// All lists are full, and all values have as many digits as possible.
+/// Returns a snapshot in which all lists are full, and all values have as many digits as possible.
 Snapshot fullest_snapshot();
 
-/// The own team is blue.
+/// Returns a frame in which the own team is blue.
 OutputFrame example_output(const Snapshot& snapshot);
 
-/// The mock board's field and a camera above it.
+/// Returns the mock board's field and a camera above it.
 VenueGeometry example_geometry();
 
 inline const report::TraceNames kExampleNames{{"background", "orange", "blue", "yellow", "red"}, {"blue", "yellow"}};

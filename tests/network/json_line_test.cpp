@@ -61,7 +61,7 @@ TEST(JsonLine, TheFullestFrameFitsIntoADatagram) {
   const ordered_json parsed = ordered_json::parse(line);
   EXPECT_EQ(parsed["sightings"]["robots"].size(), 22u);
   EXPECT_EQ(parsed["commands"].size(), 11u);
-  // The names of this frame are short: 32 KB are left for longer ones.
+  // The names in this frame are short; 32 KB of the message's maximum size must remain for longer names.
   EXPECT_LT(line.size(), 32000u);
 }
 

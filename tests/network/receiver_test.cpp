@@ -197,7 +197,7 @@ TEST_F(ThreadsReceiver, ForeignAndMalformedMessagesChangeNothing) {
   EXPECT_EQ(counts().accepted, 1U);
 }
 
-// One input without a thread, in a time of its own.
+// One input without a thread; the test sets its time.
 class Input : public ::testing::Test {
  protected:
   explicit Input(config::InputProtocol protocol = config::InputProtocol::kVsssReferee)
@@ -205,7 +205,7 @@ class Input : public ::testing::Test {
     input_.serve(now_, print_);
   }
 
-  // Receives all that waits.
+  // Receives all messages that wait.
   std::vector<AcceptedMessage> receive() {
     std::vector<AcceptedMessage> accepted;
     std::optional<AcceptedMessage> message;
@@ -271,7 +271,7 @@ TEST_F(Input, AFloodOfDifferentMessagesPrintsFewLines) {
 }
 
 // 100 messages of refused senders in each millisecond, and a socket that holds as many as one of the usual size. The
-// receiver's thread wakes up with the first ones, and later gets the processor every 20 ms only.
+// receiver's thread wakes up with the first ones, and later gets the processor only every 20 ms.
 TEST_F(Input, NoStopIsLostInAFloodOfRefusedMessages) {
   line_.capacity = 270;
   std::size_t halts = 0, sent = 0;
@@ -290,7 +290,7 @@ TEST_F(Input, NoStopIsLostInAFloodOfRefusedMessages) {
   EXPECT_EQ(sent, 93U);
   EXPECT_EQ(halts, 93U);
   EXPECT_EQ(input_.counts().accepted, 93U);
-  // All are counted as soon as the flood is over, and the refused ones reach us again.
+  // When the flood is over, all messages are counted, and rejected ones reach the receiver again.
   for (int i = 0; i < 30; ++i) {
     now_ += 100ms;
     receive();
@@ -353,7 +353,7 @@ TEST(SenderLimits, ManySendersShareOneLimitAndDoNotDriveOutTheFirst) {
   EXPECT_EQ(passed, 15U + 10U);
   for (int i = 0; i < 9; ++i) EXPECT_TRUE(limits.pass(first, begin));
   EXPECT_FALSE(limits.pass(first, begin));
-  // Those that are silent for a second are forgotten.
+  // Senders that are silent for a second are forgotten.
   hal::ReceivedMessage late;
   late.port = 60003;
   for (int i = 0; i < 10; ++i) EXPECT_TRUE(limits.pass(late, begin + 2s));

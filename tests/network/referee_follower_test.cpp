@@ -40,7 +40,7 @@ class Following : public ::testing::Test {
     take(by, message);
   }
   void wait(double s) { now_ += from_seconds(s); }
-  // While the referee repeats a message 20 times a second.
+  // The referee repeats a message 20 times a second in the meantime.
   void repeat(const Computer& by, GamePhase phase, std::uint32_t counter, double for_s) {
     for (double t = 0.0; t < for_s; t += 0.05) {
       wait(0.05);
@@ -51,7 +51,7 @@ class Following : public ::testing::Test {
 
   std::optional<RefereeFollower> follower_{std::in_place, "ssl", 1s};
   Instant now_{100s};
-  RefereeState state_;  // as the loop has it
+  RefereeState state_;  // state as the loop has it
   std::vector<std::string> printed_;
 
  private:
@@ -70,7 +70,7 @@ TEST_F(Following, AReplayedStartReleasesNoHalt) {
   ssl(kA, kHalt, 6);
   EXPECT_EQ(state_.phase, kHalt);
   const Instant halted = state_.received;
-  // By the same sender (forged, or delayed), another port of its computer, and another computer.
+  // Messages from the same sender (forged, or delayed), from another port of its computer, and from another computer.
   for (const Computer& by : {kA, Computer{kA.address, 4001, 0}, kB}) {
     for (int i = 0; i < 8; ++i) {
       wait(0.01);

@@ -76,7 +76,7 @@ TEST_F(SslVision, DetectionHasRobotsByColor) {
   EXPECT_FLOAT_EQ(robot.x(), 661.2f);
   EXPECT_FLOAT_EQ(robot.y(), 500.0f);
   EXPECT_EQ(robot.orientation(), -2.0227f);
-  // Of the team patch, which is not the first one in the list.
+  // The pixel is that of the team patch, which is not the first patch in the list.
   EXPECT_EQ(robot.pixel_x(), 313.0f);
   EXPECT_EQ(robot.pixel_y(), 200.0f);
   EXPECT_FLOAT_EQ(robot.height(), 75.0f);

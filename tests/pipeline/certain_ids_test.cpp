@@ -53,7 +53,7 @@ class CertainIds : public ::testing::Test {
   }
   static std::uint8_t dimmed(std::uint8_t value) { return static_cast<std::uint8_t>(value - value / 10); }
 
-  // Number of patches that it learns from.
+  // Returns the number of patches from which the adaptation learns.
   std::uint32_t learned(const std::function<void(RobotSighting&, RobotTrack&)>& change) {
     change(trace_->sightings.robots[0], trace_->tracks.robots[0]);
     trace_->frame.capture_time += std::chrono::milliseconds(50);

@@ -10,7 +10,8 @@
 namespace touchline {
 namespace {
 
-// Best sum of log likelihoods by trying everything. `forbidden`: a robot (row) that may not have the given name.
+// Returns the best sum of log likelihoods, by trying all assignments. `forbidden`: a robot (row) that may not have the
+// given name.
 float best_sum(const IdEvidences& evidence, std::size_t known, std::size_t row, std::set<int>& taken,
                std::size_t forbidden_row, int forbidden) {
   if (row == evidence.size()) return 0;

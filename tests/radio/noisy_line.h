@@ -7,7 +7,7 @@
 
 namespace touchline::testing {
 
-/// A line that loses, changes and inserts bytes: one of a hundred each.
+/// A line that loses, changes and inserts bytes, each with a probability of one percent.
 class NoisyLine {
  public:
   explicit NoisyLine(std::mt19937& random) : random_(random) {}
@@ -24,7 +24,7 @@ class NoisyLine {
     }
     return intact;
   }
-  /// All bytes that have arrived; more can be added.
+  /// Returns all bytes that have arrived; more can be added.
   [[nodiscard]] std::vector<std::byte>& received() { return received_; }
 
  private:

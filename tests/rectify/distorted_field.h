@@ -12,7 +12,8 @@ namespace touchline::rectify {
 
 inline constexpr std::uint32_t kWidth = 320, kHeight = 240;
 
-/// A tilted camera with lens distortion above a field of 1.5 x 1.3 m, and Klancar's model of nearly the same view.
+/// Returns a tilted camera with lens distortion above a field of 1.5 x 1.3 m, and Klancar's model of nearly the same
+/// view.
 inline CameraParameters distorted_camera() {
   CameraParameters camera;
   camera.full = {270, 270, 160, 118, -0.35f, 0.09f, 0, 0.001f, -0.001f, {3.0f, 0.05f, 0.1f}, {0.05f, -0.2f, 1.9f}};

@@ -25,7 +25,7 @@ ColorGrid make_grid(int width, int height);
 
 struct PixelList {
   ColorId color = kBackground;
-  std::vector<Pixel> pixels;  // in the order in which they were added
+  std::vector<Pixel> pixels;  // pixels in the order in which they were added
 };
 
 /// A literal implementation of the algorithm of the paper's section 4.1, in one pass: a pixel opens a new region or
@@ -40,7 +40,7 @@ class LiteralLabeling {
   std::size_t new_region(ColorId color);
   std::size_t merge(std::size_t a, std::size_t b, const ColorGrid& grid);
 
-  std::vector<std::size_t> region_of_;  // one per pixel
+  std::vector<std::size_t> region_of_;  // region of each pixel
   std::vector<PixelList> regions_;
   std::vector<std::size_t> deleted_;  // empty lists that can be reused
 };

@@ -148,7 +148,7 @@ TEST_F(OverloadTest, RowsThatAreNotReadUseNoRuns) {
   EXPECT_EQ(scan(grid, 1).code(), ErrorCode::kFull);
   EXPECT_TRUE(scan(grid, 1, 2).ok());
   EXPECT_TRUE(runs_->empty());
-  // One column of a color: the 64 columns around it are read, which end with background.
+  // One column has a color: the 64 columns around it are read, which end with background.
   for (int v = 0; v < 100; v += 2) grid.at(200, v) = 3;
   EXPECT_EQ(scan(grid, 1, 2).code(), ErrorCode::kFull);
   EXPECT_EQ(difference_from_limited(grid, 1, *runs_, *regions_, 2), "");

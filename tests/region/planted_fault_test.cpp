@@ -15,7 +15,7 @@ namespace {
 
 enum class Fault {
   kNone,
-  kLosesFirstPixelOfLaterRuns,  // a run that ends where the next one begins takes its first pixel
+  kLosesFirstPixelOfLaterRuns,  // if a run ends where the next run begins, it takes the first pixel of the next run
   kLinksOnlyTheFirstAbove,      // a run that touches several runs above joins only one of them
   kLinksOnlyTheFirstBelow,      // a run that touches several runs below is joined to only one of them
   kTakesDiagonals,              // 8-neighborhood

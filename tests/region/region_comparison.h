@@ -17,12 +17,12 @@ struct ExpectedRegion {
   int left = 0, top = 0, right = 0, bottom = 0;
 };
 
-/// Returns the regions that a scan must report: those of the literal algorithm with at least that area and height, in
-/// raster order of their first pixel.
+/// Returns the regions that a scan must report: the regions of the literal algorithm that have at least the given area
+/// and height, in raster order of their first pixel.
 std::vector<ExpectedRegion> expected_regions(const ColorGrid& grid, std::uint32_t min_area_px = 1,
                                              std::uint32_t min_height_px = 1);
 
-/// Returns the first difference as a sentence, or an empty text. Also checks the runs: raster order, maximal length,
+/// Returns the first difference as a sentence, or an empty text. It also checks the runs: raster order, maximal length,
 /// each run in exactly one chain, chains in raster order.
 std::string difference(const std::vector<ExpectedRegion>& expected, const Runs& runs, const Regions& regions);
 

@@ -215,8 +215,9 @@ TEST_F(RegionScannerTest, LeastHeightsMayChangeBetweenFrames) {
   }
 }
 
-// Nothing remains of what other tables found outside of a region of interest, or in rows that are read in part. With
-// 30 to 32 rows, each of the scanner's rows is the last one of a picture once.
+// After a change of tables, nothing remains of the colors that the former tables found outside of the region of
+// interest or in rows that are read in part. With 30 to 32 rows, each of the scanner's rows is the last one of a
+// picture once.
 TEST_F(RegionScannerTest, NothingRemainsOfScansWithOtherTables) {
   for (const int height : {30, 31, 32}) {
     const OwnedPicture dense =

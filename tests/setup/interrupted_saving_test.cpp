@@ -22,7 +22,7 @@ class InterruptedSaving : public touchline::testing::ProgramFolder {
   InterruptedSaving() : before_(files("before")), after_(files("after")) {
     after_.content["venue-light-2.png"] = after_.content["venue-light.png"];  // a new file
     for (const auto& [name, content] : after_.content) names_.push_back(name);
-    // In memory if possible: hundreds of saves wait for the disk otherwise.
+    // The folder is in memory if possible, because hundreds of saves would wait for the disk otherwise.
     disk_ = fs::exists("/dev/shm") ? "/dev/shm/touchline_saving_" + std::to_string(::getpid()) : path("disk");
     fs::create_directories(disk_);
   }
@@ -67,7 +67,8 @@ class InterruptedSaving : public touchline::testing::ProgramFolder {
     }
     return number;
   }
-  // Kills a save when its journal is complete and no file is replaced yet. Returns that step; -1: not permitted.
+  // Kills a save when its journal is complete and no file is replaced yet. Returns the step at which it was killed; -1:
+  // not permitted.
   int kill_at_first_rename(int first_step = 0) const {
     for (int number = first_step;; ++number) {
       begin();
@@ -98,7 +99,7 @@ class InterruptedSaving : public touchline::testing::ProgramFolder {
     fs::rename(copy, disk_);
     return left.ok() ? left.value() : std::vector<std::string>();
   }
-  // After finish_after().
+  // To be called after finish_after().
   [[nodiscard]] std::string finished(const std::string& name) const {
     std::ifstream file(disk_ + "-finished/etc/" + name);
     return {std::istreambuf_iterator<char>(file), {}};
@@ -132,7 +133,7 @@ TEST_F(InterruptedSaving, ChangesAllFilesOrNoneAndNeverWhatAPersonWroteSince) {
           for (const std::string& path : left) EXPECT_EQ(path, etc() + "/" + name);
           kept += static_cast<int>(left.size());
         }
-        // Every byte is that of the file before the save, and yet it is the person's.
+        // Every byte equals the file before the save, but the file is the person's.
         if (content("board.toml") != after_.text("board.toml")) return;
         static_cast<void>(finish_after([&] {
           for (const auto& [name, text] : before_.content)

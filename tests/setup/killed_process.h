@@ -14,7 +14,7 @@ namespace touchline::setup {
 
 enum class Killed : std::uint8_t { kYes, kEndedBefore, kNotPermitted };
 
-/// Whether a system call can change a file or a folder. There are more of them; those are not used.
+/// Returns whether a system call can change a file or a folder. (Further such calls exist, but are not used.)
 inline bool changes_files(std::uint64_t system_call) {
   constexpr std::array kChanges{SYS_write,  SYS_openat,   SYS_renameat, SYS_renameat2, SYS_unlinkat,
                                 SYS_fchmod, SYS_fchownat, SYS_mkdirat,  SYS_ftruncate,
@@ -25,8 +25,8 @@ inline bool changes_files(std::uint64_t system_call) {
   return std::find(kChanges.begin(), kChanges.end(), static_cast<long>(system_call)) != kChanges.end();
 }
 
-/// Runs `work` in a process of its own and kills it with SIGKILL in front of its system call number `number` (from 0)
-/// of those that change files. These are all steps that a save can be interrupted at.
+/// Runs `work` in a process of its own and kills it with SIGKILL before the `number`-th (from 0) system call that
+/// changes files. These calls are all steps at which a save can be interrupted.
 template <class Work>
 Killed kill_at_change(int number, const Work& work) {
   const pid_t process = ::fork();

@@ -51,7 +51,7 @@ TEST_F(ScriptedFirmware, FindsTheFieldAndSavesIt) {
 
 class SetupWithRegion : public ScriptedFirmware {
  protected:
-  // What is said of the field if the region of interest ends at this column.
+  // Returns the warning about the field if the region of interest ends at this column.
   nlohmann::json field_with(const std::string& right_px) {
     write("etc/venue.toml", "version = 1\n[region_of_interest]\nu_px = [0, " + right_px + ", " + right_px +
                                 ", 0]\nv_px = [0, 0, 480, 480]\n");
@@ -63,7 +63,7 @@ class SetupWithRegion : public ScriptedFirmware {
   }
 };
 
-// A region that was drawn for another view of the camera would hide robots without a word.
+// A region drawn for another view of the camera would hide robots without a message.
 TEST_F(SetupWithRegion, ThatLeavesOutHalfTheFieldIsNamed) {
   const nlohmann::json field = field_with("320");
   EXPECT_EQ(field["quality"]["level"], "warning");
@@ -76,7 +76,7 @@ TEST_F(SetupWithRegion, ThatContainsTheFieldIsNotMentioned) {
   EXPECT_EQ(field["notes"].dump().find("region"), std::string::npos) << field["notes"];
 }
 
-// What the page calls good states what it assumes; what the picture contradicts is refused.
+// A result that the page calls good states its assumptions; a result that the picture contradicts is rejected.
 TEST_F(ScriptedFirmware, JudgesAHeightByThePicture) {
   start_program();
   camera_ = {arena_picture(hal::mock::Floor::kField, 1)};
@@ -94,7 +94,7 @@ TEST_F(ScriptedFirmware, JudgesAHeightByThePicture) {
   expect_error("light.measure", {{"surface", "grey"}}, "the field is not covered with grey paper");
 }
 
-// From no venue file to robots that the pipeline recognizes.
+// Goes from no venue file to robots that the pipeline recognizes.
 TEST_F(ScriptedFirmware, CalibratesFromNothingAndSavesAllFiles) {
   start_program();
   camera_ = {arena_picture(hal::mock::Floor::kField, 1)};
@@ -123,7 +123,7 @@ TEST_F(ScriptedFirmware, CalibratesFromNothingAndSavesAllFiles) {
   EXPECT_FALSE(state_["steps"]["robots"]["similar"].empty());
   EXPECT_EQ(expect_ok("differences")["problems"], "");
 
-  // A wrong color, as a click, takes no pixel away: it is not used.
+  // A click with a wrong color is not used, so it takes no pixels away.
   expect_ok("colors.click", {{"name", "orange"}, {"u_px", 5}, {"v_px", 5}});
   ASSERT_EQ(state_["steps"]["colors"]["clicks"].size(), 1u);
   EXPECT_FALSE(state_["steps"]["colors"]["clicks"][0]["used"]);
@@ -168,7 +168,7 @@ TEST_F(ScriptedFirmware, MeasuresTheCameraWithoutAStep) {
   EXPECT_EQ(state_["undo"], nlohmann::json::array());
 }
 
-// Advice that is followed must not be answered with the same advice.
+// A person who follows the advice must not get the same advice again.
 TEST_F(ScriptedFirmware, IsContentWithTheExposureThatItAdvises) {
   start_program();
   camera_ = {arena_picture(hal::mock::Floor::kField, 1)};
@@ -194,7 +194,7 @@ TEST_F(ScriptedFirmware, IsContentWithTheExposureThatItAdvises) {
   EXPECT_GT(rounded_up, 0) << "a limit whose nearest whole number is too long";
 }
 
-// The picture with the advised exposure would be refused, too: as too dark.
+// The picture with the advised exposure would be rejected, too, because it is too dark.
 TEST_F(ScriptedFirmware, AdvisesMoreLightWithAnExposureThatWouldBeTooDark) {
   start_program();
   camera_ = {arena_picture(hal::mock::Floor::kField, 1)};

@@ -33,7 +33,7 @@ TEST_F(ScriptedFirmware, SetsKeysAsStepsOfUndo) {
   expect_ok("set", {{"key", "camera.exposure_us"}, {"value", 2000}});
   EXPECT_EQ(state_["steps"]["camera"]["values"]["exposure_us"], 2000);
   EXPECT_EQ(state_["undo"], nlohmann::json({"camera.exposure_us 2000"}));
-  // A slider is moved on: still one step. Another key begins a new one.
+  // All moves of a slider count as one step; another key begins a new one.
   expect_ok("set", {{"key", "camera.exposure_us"}, {"value", 2500}, {"continues", true}});
   EXPECT_EQ(state_["undo"], nlohmann::json({"camera.exposure_us 2500"}));
   expect_ok("set", {{"key", "camera.gain"}, {"value", 7}, {"continues", true}});
@@ -88,7 +88,7 @@ TEST_F(ScriptedFirmware, WritesALayoutAndTheBallBeforeTheColors) {
   EXPECT_EQ(std::count(needed.begin(), needed.end(), "our paint"), 1);
   EXPECT_EQ(std::count(needed.begin(), needed.end(), "tennis green"), 1);
   EXPECT_EQ(std::count(needed.begin(), needed.end(), "green"), 0) << "of a robot that does not play any more";
-  // Again under the same name: it is replaced.
+  // A second layout of the same name replaces the first one.
   layout["height_m"] = 0.07;
   expect_ok("robots.set", {{"layout", layout}});
   EXPECT_NEAR(state_["steps"]["robots"]["layouts"][0]["height_m"].get<double>(), 0.07, 1e-6);
@@ -99,7 +99,7 @@ TEST_F(ScriptedFirmware, WritesALayoutAndTheBallBeforeTheColors) {
                "needs patches");
 }
 
-// A camera and its mode belong together: no step between two of these keys would be a camera that works.
+// A camera and its mode belong together, because between two separate steps the camera would not work.
 TEST_F(ScriptedFirmware, ChoosesACameraAsOneStepOfUndo) {
   start_program();
   expect_ok("begin");
@@ -140,7 +140,7 @@ TEST_F(ScriptedFirmware, AnotherModeOfTheCameraNeedsAnotherCalibration) {
   expect_ok("undo");
   EXPECT_TRUE(state_["steps"]["field"]["done"]);
   EXPECT_TRUE(state_["steps"]["colors"]["done"]);
-  // Files for another picture are calibrated again from what the camera delivers.
+  // Files for other pictures are calibrated again with pictures of the present camera.
   expect_ok("set", {{"key", "picture.width_px"}, {"value", 320}});
   EXPECT_FALSE(state_["steps"]["field"]["done"]);
   camera_ = {arena_picture(hal::mock::Floor::kField, 1)};
@@ -195,7 +195,7 @@ TEST_F(ScriptedFirmware, RefusesBadInputAndLives) {
   }
 }
 
-// A session that begins ends a try: "Try it" right after a change must not be forgotten.
+// Starting a session cancels a running try: a "Try it" right after a change must not be forgotten.
 TEST_F(SetupOfACalibratedBoard, TriesTheDraftWhenItsFilesAreLoaded) {
   start_program();
   expect_ok("begin");
@@ -232,7 +232,7 @@ TEST_F(SetupOfACalibratedBoard, DoesNotTryFilesThatCannotBeLoaded) {
   EXPECT_TRUE(tries_.empty());
 }
 
-// A tick says that a person has compared and driven: not that the colors of the files differ.
+// A tick means that a person has compared and driven, not that the colors of the files differ.
 TEST_F(SetupOfACalibratedBoard, TicksRobotsAndRadioOnlyWhenAPersonHasConfirmedThem) {
   const auto level = [&](const char* step) { return state_["steps"][step]["quality"]["level"]; };
   start_program();
@@ -245,7 +245,7 @@ TEST_F(SetupOfACalibratedBoard, TicksRobotsAndRadioOnlyWhenAPersonHasConfirmedTh
   expect_ok("confirm", {{"step", "radio"}});
   EXPECT_EQ(level("robots"), "ok");
   EXPECT_EQ(level("radio"), "ok");
-  // What is changed afterwards was not confirmed; the other step remains so.
+  // A later change was not confirmed; the other step stays confirmed.
   expect_ok("set", {{"key", "radio.baud"}, {"value", 38400}});
   EXPECT_EQ(level("radio"), "none");
   EXPECT_EQ(level("robots"), "ok");

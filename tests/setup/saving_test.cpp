@@ -48,8 +48,8 @@ class Saving : public touchline::testing::ProgramFolder {
   }
 };
 
-// Files of several pages each, so that the disk is full at another file, backup or journal for each amount of free
-// space.
+// Each file has several pages, so different amounts of free space let the disk become full at different files, backups
+// or journals.
 void save_on_a_disk_that_is_full(const std::string& folder, SetupFiles before, SetupFiles after) {
   const std::string etc = folder + "/etc", ballast = folder + "/ballast";
   std::filesystem::create_directory(etc);

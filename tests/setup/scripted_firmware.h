@@ -19,10 +19,10 @@ namespace touchline::setup {
 
 /// Renders pictures of the arena as its camera delivers them (RGB, 640 x 480).
 hal::Picture arena_picture(hal::mock::Floor floor, std::uint64_t seed);
-/// The first pictures of a scene.
+/// Returns the first pictures of a scene.
 std::vector<hal::Picture> scene_pictures(arena::SceneKind kind, unsigned count, std::uint64_t seed);
 
-/// touchline-setup in a folder with a copy of the mock board, and this test in the place of the firmware and its page.
+/// touchline-setup in a folder with a copy of the mock board; the test takes the place of the firmware and its page.
 class ScriptedFirmware : public touchline::testing::ProgramFolder {
  protected:
   void SetUp() override;
@@ -38,11 +38,11 @@ class ScriptedFirmware : public touchline::testing::ProgramFolder {
     reader_ = {};
   }
 
-  /// Sends a command and waits for its answer, serving frames and the use of files meanwhile.
+  /// Sends a command and waits for its answer; in the meantime serves frames and the use of files.
   nlohmann::json run(const std::string& command, nlohmann::json members = nlohmann::json::object());
-  /// The same; the command must succeed. Returns the result.
+  /// As run(); the command must succeed. Returns the result.
   nlohmann::json expect_ok(const std::string& command, nlohmann::json members = nlohmann::json::object());
-  /// The same; the command must fail with a message that has this text.
+  /// As run(); the command must fail with a message that contains this text.
   void expect_error(const std::string& command, nlohmann::json members, const std::string& text);
   /// Sends a command without waiting; returns its request.
   int send(const std::string& command, nlohmann::json members = nlohmann::json::object());
@@ -54,16 +54,16 @@ class ScriptedFirmware : public touchline::testing::ProgramFolder {
   void send_bytes(const std::string& bytes) const;
 
   [[nodiscard]] std::string saved(const std::string& name) const { return path("etc/" + name); }
-  /// The picture of the state's step; a failure if it did not arrive.
+  /// Returns the picture of the state's step; the test fails if it did not arrive.
   const Message& picture(const nlohmann::json& id);
 
-  nlohmann::json state_, live_;        // the newest
-  std::vector<Message> pictures_;      // for the page
+  nlohmann::json state_, live_;        // newest messages
+  std::vector<Message> pictures_;      // pictures for the page
   std::vector<nlohmann::json> used_;   // "use" messages
   std::vector<nlohmann::json> tries_;  // "try" messages, which the test answers
   std::vector<hal::Picture> camera_;   // pictures that the camera delivers in turn
-  std::string camera_error_;           // instead of a picture
-  bool delivers_ = true;               // false: never answers "frames"
+  std::string camera_error_;           // error that the camera reports instead of a picture
+  bool delivers_ = true;               // false: the camera never answers "frames"
   bool loads_ = true;                  // false: the test answers "use" with answer_use()
   std::size_t delivered_ = 0;
 

@@ -9,12 +9,12 @@
 #include <fstream>
 #include <string>
 
-// A disk of a test's own, which can be full, or have files that cannot be replaced.
+// A small disk for a test, which can be full, or have files that cannot be replaced.
 namespace touchline::setup {
 
 inline constexpr int kNoNamespaces = 77, kTestFailed = 1;
 
-// Mounts a small file system that only this process sees. False where the kernel does not permit it.
+// Mounts a small file system that only this process sees. Returns false if the kernel does not permit it.
 inline bool mount_small_disk(const std::string& folder, std::size_t bytes) {
   const uid_t user = ::geteuid();
   const gid_t group = ::getegid();
@@ -29,13 +29,13 @@ inline bool mount_small_disk(const std::string& folder, std::size_t bytes) {
          ::mount("tmpfs", folder.c_str(), "tmpfs", 0, size.c_str()) == 0;
 }
 
-// Runs `test` in a process of its own, with a small disk at `folder`. False where the kernel does not permit it.
+// Runs `test` in a process of its own, with a small disk at `folder`. Returns false if the kernel does not permit it.
 template <class Test>
 bool on_small_disk(const std::string& folder, std::size_t bytes, Test test) {
   const auto run = [&] {
     if (!mount_small_disk(folder, bytes)) ::_exit(kNoNamespaces);
     test();
-    std::fflush(nullptr);  // what failed
+    std::fflush(nullptr);  // print what failed
     ::_exit(::testing::Test::HasFailure() ? kTestFailed : 0);
   };
   bool is_permitted = true;

@@ -9,7 +9,7 @@
 namespace touchline::setup {
 namespace {
 
-// What the work says of itself.
+// Reports of the work about itself.
 nlohmann::json said_by(const Worker::Work& work) {
   Worker worker;
   EXPECT_TRUE(worker.start(work).ok());

@@ -134,7 +134,7 @@ class BallBesideRobot : public BallCenterTest {
   static constexpr float kSide = 0.08f, kHeight = 0.06f;
 };
 
-// A robot that was seen does not pull the center to its edge.
+// A robot that was seen does not pull the center towards its edge.
 TEST_F(BallBesideRobot, IsNotPulledToItsEdge) {
   for (int n = 0; n < 6; ++n) {
     const FieldPoint at{dice_.real(-0.9f, 0.9f), dice_.real(-0.7f, 0.7f)};

@@ -51,7 +51,7 @@ class RepeatTest : public ::testing::Test {
       ASSERT_FALSE(result.is_repeated || result.is_still);
     }
   }
-  // Number of frames until the picture counts as repeated; at most `most`.
+  // Returns the number of frames until the picture counts as repeated, at most `most`.
   int frames_until_repeated(const std::function<Gray()>& picture, int most) {
     for (int i = 1; i <= most; ++i) {
       if (show(picture()).is_repeated) return i;
@@ -90,7 +90,7 @@ TEST_F(RepeatTest, AFrozenPictureStaysRepeatedForHours) {
 TEST_F(RepeatTest, AnEighthIsEnough) {
   show_noise(200);
   const Gray old = noisy();
-  // Six of 48 tiles: the first row of tiles without two.
+  // Six of 48 tiles are frozen: the first row of tiles without two.
   const auto frozen_part = [&](std::size_t columns) {
     Gray picture = noisy();
     for (std::size_t v = 0; v < kHeight / 6; ++v)
@@ -181,7 +181,7 @@ TEST_F(RepeatTest, PicturesWithoutNoiseAreNoFault) {
     const RepeatDetector::Result result = show(scene(place), is_moving, static_cast<std::uint64_t>(place));
     ASSERT_FALSE(result.is_repeated || result.is_still) << i;
   }
-  // All stands although robots have been commanded to move for long.
+  // Everything stands although robots have been commanded to move for long.
   int frames = 0;
   while (frames < 60 && !show(scene(place), true, 7).is_still) ++frames;
   EXPECT_NEAR(frames, 13, 2) << "0.2 s and the time in which robots react";

@@ -24,7 +24,7 @@ std::vector<std::int64_t> series(std::size_t count, double r, unsigned seed) {
   return values;
 }
 
-// Part of the intervals that contain the true percentile.
+// Returns the share of the intervals that contain the true percentile.
 double coverage(double r, double percent, double truth) {
   constexpr unsigned kRuns = 120;
   int covered = 0;
@@ -36,8 +36,9 @@ double coverage(double r, double percent, double truth) {
   return covered / static_cast<double>(kRuns);
 }
 
-// 95 % is promised; 120 runs have a standard error of 2 %, and intervals of high percentiles are somewhat too narrow.
-// Intervals for independent values would contain the median of the correlated series in half of the runs.
+// The nominal coverage is 95 %; with 120 runs, its standard error is 2 %, and intervals of high percentiles are
+// slightly too narrow. Intervals for independent values would contain the median of the correlated series in half of
+// the runs.
 TEST(BlockBootstrap, IntervalsContainTheTruthAsOftenAsPromised) {
   for (const double r : {0.0, 0.8}) {
     const double median = coverage(r, 50.0, 0.0), p99 = coverage(r, 99.0, 2.3263e6);

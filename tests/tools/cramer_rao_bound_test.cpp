@@ -83,7 +83,7 @@ TEST(FisherInformation, DoesNotDependOnTheDistanceOfPixels) {
   EXPECT_NEAR(found_of_the_edge(pictures, 3.0), 1.0, 0.12);
 }
 
-// Each pixel measures one color; bilinear interpolation of the others adds nothing.
+// Each pixel measures one color; bilinear interpolation of the other colors adds no information.
 TEST(FisherInformation, InterpolatedColorsAreNoInformation) {
   std::mt19937 random(5);
   StaticPictures pictures(kWidth, kHeight);
@@ -115,7 +115,7 @@ TEST(FisherInformation, InterpolatedColorsAreNoInformation) {
   EXPECT_NEAR(found_of_the_edge(pictures, 1.0), 1.0, 0.15);
 }
 
-// Where pairs of columns share their noise, they say half as much.
+// If pairs of columns share their noise, they contain half as much information.
 TEST(FisherInformation, SharedNoiseIsLessInformation) {
   std::mt19937 random(7);
   StaticPictures pictures(kWidth, kHeight);

@@ -77,7 +77,7 @@ TEST_F(LatencyProgram, AStallIsReportedWithTheFramesThatItDelayedAndLost) {
 
 TEST_F(LatencyProgram, ClientsReadTheConsoleDuringTheMeasurement) {
   std::optional<latency::ConsoleTraffic> console;
-  // On a busy machine the clients get nothing for a second: the loop comes first.
+  // On a busy machine, clients may get nothing for a second, because the loop has precedence.
   for (int frames = 60; frames <= 960; frames *= 2) {
     ASSERT_EQ(measure("--pace --frames " + std::to_string(frames) + " --console-clients 2 --out " + path("a.json")), 0)
         << read("out");
@@ -104,7 +104,7 @@ TEST_F(LatencyProgram, ClientsOfAConsoleThatIsNotThereFail) {
   EXPECT_EQ(latency("--read-console 1 --console-clients 2"), 2) << read("out");
 }
 
-// No stage is blamed for it, whatever else the machine does.
+// No stage is blamed for the delay, whatever else the machine does.
 TEST_F(LatencyProgram, PreemptionBlamesNoStage) {
   const int code = measure("--frames 40 --list 20 --plant preemption=300 --out " + path("a.json"));
   if (output_contains("this system forbids")) GTEST_SKIP() << read("out");

@@ -175,8 +175,8 @@ TEST(LatencyComparison, NoiseIsNoChangeAndASmallChangeIsFound) {
   EXPECT_TRUE(summary.starts_with("Worse in B: capture to packet (p50 x 1.04, p99 x 1.0")) << summary;
 }
 
-// Times below a microsecond are raised to one before they are judged. The interval of the raised times is not that of
-// the ratio: 0.4 and 0.8 us were "2.00, 1.00 to 1.00".
+// Times below a microsecond are judged as one microsecond. The interval of the ratio does not apply to these times: 0.4
+// and 0.8 us were shown as "2.00, 1.00 to 1.00".
 TEST(LatencyComparison, NoIntervalIsShownBelowAMicrosecond) {
   LatencyReport a = noisy_report(1, 1.0), b = a;
   const auto shown = [&](double from_us, double to_us) {

@@ -25,10 +25,10 @@ const MotionRow& row(const MotionReport& report, const std::string& name) {
   return report.robots.front();
 }
 
-// Squared errors are 0.7 to 1.5 times the stated variances: the filter knows its errors.
+// Squared errors are 0.7 to 1.5 times the stated variances, so the filter is consistent.
 constexpr double kMin = 0.7, kMax = 1.5;
 
-// Games differ by some percent of the ratio, so a part of them ends just above 1.
+// The ratio differs between games by some percent, so in some of them it is slightly above 1.
 void expect_not_worse(const MotionRow& row) {
   EXPECT_LE(row.tracked.rms, 1.08 * row.sighted.rms) << row.name;
   EXPECT_LE(row.tracked_angle.rms, 1.08 * row.sighted_angle.rms) << row.name;
@@ -57,7 +57,7 @@ TEST(MotionEvaluation, TracksOfAGameAreNotWorseThanSightings) {
   EXPECT_LT(row(report, "own robots").acted.rms, 0.0025);
   EXPECT_LT(row(report, "opponents").acted.rms, 0.0015);
   EXPECT_LT(row(report, "own robots").acted_angle.rms, 1.5 * std::numbers::pi / 180.0);
-  // One frame after an impact: 10 mm, 0.3 m/s.
+  // The expected errors one frame after an impact are 10 mm and 0.3 m/s.
   for (const ImpactRow& impact : report.impacts) {
     if (impact.name == "ball" || impact.position.count == 0) continue;
     EXPECT_EQ(impact.lost, 0U) << impact.name;
@@ -80,7 +80,7 @@ ExternalCommands standing() {
   return commands;
 }
 
-// Rows without errors looked like perfect ones.
+// Rows without errors must not look like perfect ones.
 TEST(MotionEvaluation, RowsWithoutValuesAreNotZero) {
   MotionReport report;
   report.robots.emplace_back().name = "robot";
@@ -123,8 +123,8 @@ TEST(MotionEvaluation, RobotsAtRest) {
   EXPECT_LT(rest.nees_angle, kMax);
 }
 
-// A white line begins beside a patch, or ends there. When only one place of the surroundings was looked at, headings
-// had errors of up to 1.7 degrees.
+// A white line begins beside a patch, or ends there. With a single sample of the surroundings, headings had errors of
+// up to 1.7 degrees.
 TEST(MotionEvaluation, RobotsBesideLines) {
   const auto game = std::make_unique<RecordedGame>();
   ASSERT_OK(game->load({kMockBoard, "", "", {"arena.opponents=stand"}}, 7));
@@ -152,7 +152,7 @@ TEST(MotionEvaluation, RobotsBesideLines) {
 }
 
 // Robots along the pixel grid, whose errors do not average out along an edge, beside the field's ends as goalkeepers.
-// What lines may add is part of the stated errors.
+// The stated errors include the effect of lines.
 TEST(MotionEvaluation, GoalkeepersBesideLines) {
   const auto game = std::make_unique<RecordedGame>();
   ASSERT_OK(game->load({kMockBoard, "", "", {"arena.opponents=stand"}}, 7));
@@ -209,7 +209,7 @@ TEST(MotionEvaluation, TheBallAtAWall) {
   EXPECT_LT(ball->nees, 2.0);
 }
 
-// After a goal, the ball is placed elsewhere. That is no bounce.
+// After a goal, the ball is placed elsewhere. Such a placement is no bounce.
 TEST(MotionEvaluation, APlacedBallHasNoImpact) {
   const auto game = std::make_unique<RecordedGame>();
   ASSERT_OK(game->load({kMockBoard, "", "", {"arena.opponents=stand"}}, 8));
@@ -219,7 +219,7 @@ TEST(MotionEvaluation, APlacedBallHasNoImpact) {
   }
   ASSERT_OK(game->skip(0.5));
   for (int time = 0; time < 12; ++time) {
-    // Bounces off the long wall, and is placed on the other side 0 to 6 frames later.
+    // The ball bounces off the long wall, and is placed on the other side 0 to 6 frames later.
     const double side = time % 2 == 0 ? 1.0 : -1.0;
     game->world().place_ball({0.0, 0.3 * side, 0.0}, {0.0, 1.2 * side});
     ASSERT_OK(game->play(0.54 + 0.008 * time));

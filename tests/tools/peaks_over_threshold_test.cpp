@@ -119,7 +119,7 @@ TEST(PeaksOverThreshold, DataThatChangeWithTimeAreRefused) {
     return static_cast<double>(i) / 8000.0 + std::exponential_distribution<double>(1.0)(random);
   });
   EXPECT_NE(rising.find("change with time"), std::string::npos) << rising;
-  // As many peaks in each half, but larger ones.
+  // Both halves have the same number of peaks, but the peaks of the second half are larger.
   const std::string larger = refusal_of([](Random& random, std::size_t i) {
     const double excess = std::exponential_distribution<double>(1.0)(random);
     return excess > 2.0 && i > 4000 ? 2.0 + 3.0 * (excess - 2.0) : excess;

@@ -73,7 +73,7 @@ TEST(PoseEvaluation, ReliabilityCountsWhatIsRightForEachConfidence) {
   robots[1].confidence = 0.92;
   robots[2].id.reset();  // a robot of this team
   robots[2].confidence = 0.9;
-  robots[3].theta_rad.reset();  // only its team patch, beside its center
+  robots[3].theta_rad.reset();  // only the robot's team patch was seen, beside the robot's center
   robots[3].id.reset();
   robots[3].position_m.x += 0.03;
   robots[3].confidence = 0.9;
@@ -130,7 +130,7 @@ TEST(PoseEvaluation, MissesAndGhosts) {
   expect_counts(evaluate({truth_frame(0)}, result).sightings, 4, 0, 0, 1, 0);
   result[0].sightings.robots.push_back(robot("blue", 0, -0.7, 0.1));
   expect_counts(evaluate({truth_frame(0)}, result).sightings, 4, 0, 0, 1, 1);
-  // Two reports of one robot: the closer one counts, the other is a ghost.
+  // If there are two reports of one robot, the closer one counts, and the other is a false positive.
   result[0] = truth_frame(0);
   result[0].sightings.robots.push_back(robot("blue", 1, 0.205, 0.0));
   const PoseReport twice = evaluate({truth_frame(0)}, result);

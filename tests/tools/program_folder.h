@@ -11,7 +11,8 @@
 
 namespace touchline::testing {
 
-// Prefix for programs that draw text: the font library never frees its fonts, which the leak sanitizer would report.
+// Prefix for programs that draw text, because the font library never frees its fonts, which the leak sanitizer would
+// report.
 inline const std::string kKeepsFonts = "ASAN_OPTIONS=detect_leaks=0 ";
 
 /// Runs a program in a temporary folder that is removed after the test.

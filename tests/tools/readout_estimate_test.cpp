@@ -22,7 +22,7 @@ struct Swing {
     const double t = readout / (kRows - 1);  // between rows
     double y = 240.0;
     const auto phase = [&](double shift) { return 0.13 * (frame + t * y) + shift; };
-    // The row where it is seen decides when it is seen.
+    // The time at which it is seen depends on its row.
     for (int i = 0; i < 20; ++i) y = 240.0 + amplitude_y * std::sin(1.3 * phase(0.4));
     MovingObject object;
     object.x = 320.0 + amplitude_x * std::sin(phase(0.0));

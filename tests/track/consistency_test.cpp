@@ -160,7 +160,7 @@ TEST(Prediction, IsBetterThanTheLastPose) {
   const double position_ratio = std::sqrt(predicted2 / still2),
                angle_ratio = std::sqrt(predicted_angle2 / still_angle2);
   std::printf("prediction leaves %.3f of the position error, %.3f of the heading error\n", position_ratio, angle_ratio);
-  // Goal: at most half. An error that is nearly gone would mean that the prediction knows what it cannot know.
+  // Goal: at most half. If nearly no error were left, the prediction would use information that it cannot have.
   EXPECT_GT(position_ratio, 0.02);
   EXPECT_LT(position_ratio, 0.26);
   EXPECT_GT(angle_ratio, 0.03);

@@ -48,7 +48,7 @@ TEST_P(HeldIds, OfExchangedRobotsAreRightWithinTwoSeconds) {
   for (unsigned seed = 0; seed < kSeeds; ++seed) {
     MovingTeam team(seed, GetParam(), 5);
     team.run(team.uniform(0.5, 10.0));
-    // Put down where the other one was, within a frame.
+    // The robot is put down where the other one was, within a frame.
     std::swap(team.robot(1).lane_m, team.robot(3).lane_m);
     std::swap(team.robot(1).phase_rad, team.robot(3).phase_rad);
     team.run(2.0);
@@ -131,7 +131,7 @@ TEST_P(HeldIds, AForeignIdMovesNoTrack) {
   EXPECT_EQ(team.tracked(2), 2) << "its track is still at its place";
 }
 
-// Put down elsewhere while its old place is empty, a robot is found after three frames.
+// A robot that is put down elsewhere while its old position is empty is found after three frames.
 TEST_P(HeldIds, ALiftedRobotIsFoundAtOnce) {
   MovingTeam team(1, GetParam(), 3);
   for (std::size_t i = 0; i < 3; ++i) team.stop(i);
@@ -217,7 +217,7 @@ TEST_P(HeldIds, CommandsFollowACorrectedId) {
   EXPECT_LT(distance(position(tracks.robots[1].pose_at_action), {standing.x, standing.y}), 0.01);
 }
 
-// A robot with another id beside the empty place is not that robot: it is too far from the prediction.
+// A robot with another id beside the empty position is another robot, because it is too far from the prediction.
 TEST(HeldIdsAt100Hz, AnotherRobotBesideAnEmptyPlaceIsNotRenamed) {
   for (unsigned seed = 0; seed < kSeeds; ++seed) {
     MovingTeam team(seed, 100.0, 3);
@@ -238,8 +238,8 @@ TEST(HeldIdsAt100Hz, AnotherRobotBesideAnEmptyPlaceIsNotRenamed) {
   }
 }
 
-// Sightings with a confidence of 0.8 are wrong in one of five cases. Tracks of such sightings must not claim more than
-// they keep. They may keep more: here, errors are independent of each other.
+// Sightings with a confidence of 0.8 are wrong in one of five cases. The confidence of such tracks must not be higher
+// than their share of right ids. It may be lower, because errors are independent here.
 TEST_P(HeldIds, ConfidencesAreKept) {
   std::array<std::size_t, 10> count{}, right{};
   for (const double sighted : {0.75, 0.85, 0.95}) {

@@ -139,7 +139,8 @@ TEST_F(IdentityTest, AnUnidentifiedTrackGetsTheSightedId) {
 
 TEST_F(IdentityTest, ADuplicateTrackIsRemovedWhenTheRobotIsRecognizedAgain) {
   for (int k = 0; k < 10; ++k) frame({sighting_of(Team::kOwn, 5, pose(0.0, 0.0))});
-  // The robot is moved by hand while its id is unreadable. An unidentified track follows it, the old one coasts.
+  // The robot is moved by hand while its id is unreadable. An unidentified track follows the robot, and the old track
+  // coasts.
   for (int k = 0; k < 20; ++k) frame({patch_alone(Team::kOwn, 0.3, 0.0)});
   EXPECT_EQ(tracks_.robots.size(), 2u);
   for (int k = 0; k < 5; ++k) frame({sighting_of(Team::kOwn, 5, pose(0.3, 0.0))});

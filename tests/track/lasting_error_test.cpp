@@ -119,7 +119,7 @@ TEST(LastingError, OfAnotherSizeIsAnotherError) {
 
 // Sightings of a robot by the tracker: it stands for four seconds, then it is pushed.
 struct Pushed {
-  double nis = 0.0;                             // while it stands, after one second
+  double nis = 0.0;                             // while the robot stands, after one second
   double error_m = 0.0, speed_error_mps = 0.0;  // largest, from the second frame of the push on
 };
 
@@ -177,7 +177,7 @@ TEST(Activity, InnovationsOfStandingRobotsAreAsLargeAsPredictedAndAPushIsSeenAtO
 
 // Sightings of an opponent by the tracker: it drives calmly, then it brakes as hard as its wheels can and turns away.
 struct Braked {
-  double nis = 0.0;                             // while it drives, after one second
+  double nis = 0.0;                             // while the robot drives, after one second
   double error_m = 0.0, speed_error_mps = 0.0;  // largest, from the third frame of braking on
 };
 
@@ -277,7 +277,7 @@ TEST(Activity, TurnsOfAnOpponentDoNotMakeItsSpeedFollowNoise) {
 
 // Sightings of a ball by the tracker: it rolls slowly, then it is hit.
 struct Hit {
-  double nees = 0.0, nis = 0.0;                 // while it rolls, after one second
+  double nees = 0.0, nis = 0.0;                 // while the ball rolls, after one second
   double least_sigma_m = 1.0;                   // the same
   double error_m = 0.0, speed_error_mps = 0.0;  // largest, from the second frame after the hit on
 };

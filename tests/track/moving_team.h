@@ -15,15 +15,14 @@
 
 namespace touchline {
 
-/// Robots of one team that drive around, seen with noise and in random order. Which id a robot shows is set by the
-/// test.
+/// Robots of one team that drive around, seen with noise and in random order. The test sets which id a robot shows.
 class MovingTeam {
  public:
   MovingTeam(unsigned seed, double rate_hz, std::size_t robots)
       : random_(seed), period_s_(1.0 / rate_hz), robots_(robots) {
     EXPECT_TRUE(tracker_.configure({}).ok());
     for (std::size_t i = 0; i < robots; ++i) {
-      // Lanes of 0.2 m: the robots never touch.
+      // Lanes are 0.2 m wide, so the robots never touch.
       robots_[i].lane_m = 0.2 * static_cast<double>(i) - 0.4;
       robots_[i].phase_rad = uniform(-3.0, 3.0);
       robots_[i].turn_radps = uniform(0.3, 1.0);
@@ -32,7 +31,7 @@ class MovingTeam {
     }
   }
 
-  /// Drives to and fro along x. With a speed, drives straight on.
+  /// A robot that drives to and fro along x. If it has a speed, it drives straight on.
   struct Robot {
     double lane_m = 0.0, phase_rad = 0.0, turn_radps = 0.0, heading = 0.0;
     Vector2 place;
@@ -91,12 +90,12 @@ class MovingTeam {
     for (const double end_s = now_s_ + time_s; now_s_ < end_s && !::testing::Test::HasFatalFailure();) frame();
   }
 
-  /// The id of the track at a robot's place; kUnknownId if unknown, kHidden without a track.
+  /// Returns the id of the track at a robot's position; kUnknownId if unknown, kHidden without a track.
   [[nodiscard]] RobotId tracked(std::size_t i) const { return track_at(i) == nullptr ? kHidden : track_at(i)->id; }
   [[nodiscard]] double confidence(std::size_t i) const {
     return track_at(i) == nullptr ? 0.0 : static_cast<double>(track_at(i)->confidence);
   }
-  /// The number of robots whose track has their own id, and of those whose track has another one.
+  /// Return the number of robots whose track has their own id, and of those whose track has another one.
   [[nodiscard]] std::size_t right() const {
     return count([](RobotId id, std::size_t i) { return id == RobotId(i); });
   }

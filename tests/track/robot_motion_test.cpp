@@ -29,7 +29,7 @@ void drive(RobotMotion& motion, SimulatedRobot& robot, const Twist& command, int
   }
 }
 
-// Where the motion predicts the robot after three frames, along x from its present place.
+// Returns the predicted position after three frames, along x from the present position.
 double ahead(RobotMotion motion, const Twist& command) {
   const double now = static_cast<double>(motion.pose().position.x_m);
   for (int k = 0; k < 3; ++k) motion.predict_state(kFrame, {true, command}, {});
@@ -74,7 +74,7 @@ TEST(RobotMotion, FollowsARobotThatIsPushedSideways) {
 }
 
 // An opponent with the restless velocities of a game: both are random walks within the frames, too, and sometimes the
-// robot is blocked for a while. Times of blocks do not depend on the frames, or they are those of frames.
+// robot is blocked for a while. A robot is blocked at times that do not depend on the frames, or exactly at frames.
 struct RestlessOpponent {
   double rate_hz = 30.0, speed_mps_rts = 0.4, turn_radps_rts = 4.0, blocks_per_s = 0.7;
   bool blocks_between_frames = true;
@@ -139,8 +139,8 @@ TEST(Tracker, VelocitiesOfRestlessOpponentsAreNotWorseThanDifferences) {
                                                    {.rate_hz = 60.0},
                                                    {.speed_mps_rts = 0.1, .turn_radps_rts = 1.0},
                                                    {.rate_hz = 100.0, .speed_mps_rts = 0.8, .turn_radps_rts = 8.0}}};
-  // With known noise and densities, it would be 0.93 without the sightings' noise. A filter that has to find them from
-  // a few innovations loses some of that.
+  // With known noise and densities, the ratio would be 0.93 of that without the sightings' noise. A filter that has to
+  // find them from a few innovations loses some of that.
   double mean = 0.0;
   for (std::size_t i = 0; i < opponents.size(); ++i) {
     const std::array<double, 2> ratio = track_by_difference(opponents[i]);

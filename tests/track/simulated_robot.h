@@ -22,7 +22,7 @@ class SimulatedRobot {
     double lag_s = 0.08;
     double speed_error = 0.0;  // standard deviation of the relative error of both velocities
     double error_lasts_s = 0.05;
-    double slip_m_rts = 0.0;  // sideways and forward drift
+    double slip_m_rts = 0.0;  // drift sideways and forward
   };
 
   SimulatedRobot(const Faults& faults, unsigned seed) : faults_(faults), random_(seed) {}
@@ -51,7 +51,7 @@ class SimulatedRobot {
   }
 
   [[nodiscard]] Pose pose() const { return {{static_cast<float>(x), static_cast<float>(y)}, wrap_to_float(theta)}; }
-  /// The pose as the camera would measure it.
+  /// Returns the pose as the camera would measure it.
   Pose sighted(double position_sigma_m, double heading_sigma_rad) {
     return {{static_cast<float>(x + position_sigma_m * normal_(random_)),
              static_cast<float>(y + position_sigma_m * normal_(random_))},
@@ -67,14 +67,14 @@ class SimulatedRobot {
   double time_ = 0.0, next_error_ = 0.0, v_error_ = 0.0, w_error_ = 0.0;
 };
 
-/// Commands that change every 0.25 s, as in a game.
+/// Returns commands that change every 0.25 s, as in a game.
 inline Twist changing_command(double time_s) {
   const int phase = static_cast<int>(time_s / 0.25);
   const double v = 0.8 * std::sin(1.7 * phase), w = 5.0 * std::sin(2.3 * phase + 1.0);
   return {static_cast<float>(v), static_cast<float>(w)};
 }
 
-/// Noise of simulated sightings.
+/// Returns the noise of simulated sightings.
 inline PoseCovariance sighting_noise(double position_sigma_m = 0.0015, double heading_sigma_rad = 0.02) {
   const auto xx = static_cast<float>(position_sigma_m * position_sigma_m);
   return {xx, xx, static_cast<float>(heading_sigma_rad * heading_sigma_rad), 0.0f, 0.0f, 0.0f};

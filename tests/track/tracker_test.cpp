@@ -100,7 +100,8 @@ TEST_F(TrackerTest, SurvivesLostFrames) {
     worst = std::max(worst, std::hypot(static_cast<double>(tracks.robots[0].pose.position.x_m) - robot.x,
                                        static_cast<double>(tracks.robots[0].pose.position.y_m) - robot.y));
   }
-  // In 0.1 s without sightings a robot moves by up to 80 mm. A contact that might hold it costs half a millimeter.
+  // In 0.1 s without sightings a robot moves by up to 80 mm. Contacts that might hold the robot increase the error by
+  // half a millimeter.
   EXPECT_LT(worst, 0.0135);
   EXPECT_GT(worst, 0.0005);
 }
@@ -175,7 +176,8 @@ TEST_F(TrackerTest, FollowsACollisionAtOnce) {
     const double error = std::hypot(static_cast<double>(tracks_.robots[0].pose.position.x_m) - thrown.x,
                                     static_cast<double>(tracks_.robots[0].pose.position.y_m) - thrown.y);
     EXPECT_LT(error, 0.006) << k;
-    // Later, the command, which the robot does not follow, biases the velocity.
+    // The velocity is checked only at the beginning: the robot does not follow its command, which biases the velocity
+    // later.
     if (k == 2) {
       EXPECT_NEAR(static_cast<double>(tracks_.robots[0].twist.v_mps), thrown.v, 0.3) << k;
     }

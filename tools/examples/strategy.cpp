@@ -1,4 +1,5 @@
-// The strategy of strategy.py in C++. It uses nothing of Touchline, only sockets and nlohmann's JSON library:
+// The strategy of strategy.py in C++. It uses nothing of Touchline, only sockets and nlohmann's JSON library. To build
+// and run it:
 //   g++ -std=c++20 -O2 tools/examples/strategy.cpp -o strategy && ./strategy
 #include <arpa/inet.h>
 #include <sys/socket.h>
@@ -14,7 +15,7 @@ namespace {
 using nlohmann::json;
 
 constexpr const char* kTeam = "blue";
-constexpr double kGoalX = 1.1;  // of the other team, m; ours is at -kGoalX
+constexpr double kGoalX = 1.1;  // goal of the other team, m; our goal is at -kGoalX
 
 sockaddr_in local_port(std::uint16_t port) {
   sockaddr_in address{};
@@ -26,7 +27,7 @@ sockaddr_in local_port(std::uint16_t port) {
 
 double number(const json& object, const char* member) { return object.at(member).get<double>(); }
 
-// Where the robot drives: around the ball, then behind it, then through it into a half of the goal.
+// Returns where the robot drives: around the ball, then behind it, then through it towards a half of the goal.
 json attack(const json& robot, const json& ball) {
   const double x = number(ball, "x"), y = number(ball, "y");
   const double aim = std::abs(y) < 0.8 ? std::atan2(std::copysign(0.12, y) - y, kGoalX - x) : 0.0;

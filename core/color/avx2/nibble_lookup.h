@@ -15,7 +15,7 @@
 
 namespace touchline::avx2 {
 
-// A byte shuffle looks up within 16 bytes, so half a register holds a tile, which has its own tables.
+// A byte shuffle looks up within 16 bytes, so each half of a register holds one tile, which has tables of its own.
 constexpr std::uint32_t kTile = kTileWidth, kBlock = 2 * kTile;
 static_assert(kTile == 16);
 
@@ -64,7 +64,8 @@ TOUCHLINE_AVX2_INLINE std::uint64_t zero_halves(__m256i a, __m256i b) {
   return static_cast<std::uint32_t>(_mm256_movemask_pd(_mm256_castsi256_pd(is_zero)));
 }
 
-// Values of one block, or of two that share their tables. Loading tables is half of the work.
+// Values of one block, or of two blocks that share their tables. Sharing helps because loading tables is half of the
+// work.
 struct OneBlock {
   __m256i first;
 };
@@ -123,7 +124,7 @@ TOUCHLINE_AVX2_INLINE Nibbles<TwoBlocks> nibbles_of(const TwoBlocks& values) {
           {low_nibble(values.first), low_nibble(values.second)}};
 }
 
-// Tables in a register.
+// Which groups' tables a register holds.
 enum class GroupsInRegister {
   kOne,  // the same group in both halves, for the pixels of a block
   kTwo,  // a group and the next one, for the pixels of a tile in both halves
@@ -146,7 +147,7 @@ struct Channels {
   Channel<Values> first, second, third;
 };
 
-// Coarse test: classes of the group whose three intervals contain the high nibbles of the values.
+// Coarse test: returns the classes of the group whose three intervals contain the high nibbles of the values.
 template <GroupsInRegister kGroups, class Values>
 TOUCHLINE_AVX2_INLINE Values coarse_classes(const Channels<Values>& channels, std::size_t group) {
   return and_of(look_up<kGroups>(channels.first.tables->within, group, channels.first.value.high),

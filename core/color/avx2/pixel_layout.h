@@ -9,13 +9,13 @@
 // Memory layouts of the pixel formats: extraction of the channels, and the test against the background box.
 namespace touchline::avx2 {
 
-// Returns bytes that are not zero where a value is outside low..low + extent.
+// Returns bytes that are nonzero where a value is outside low..low + extent.
 TOUCHLINE_AVX2_INLINE __m256i beyond(__m256i bytes, __m256i low, __m256i extent) {
   return _mm256_subs_epu8(_mm256_sub_epi8(bytes, low), extent);
 }
 
-// Shuffle patterns, one for each 16 bytes, that move byte first + step * (i / repeat) to byte i. Entries for bytes of
-// another 16 are 128, which gives zero.
+// Shuffle patterns that move byte first + step * (i / repeat) to byte i, one pattern for each 16 source bytes. An entry
+// is 128, which gives zero, if its byte lies in another 16 source bytes.
 using Pick = std::array<std::array<std::uint8_t, 16>, 3>;
 constexpr Pick pick_bytes(std::size_t first, std::size_t step, std::size_t repeat) {
   Pick pick{};
@@ -32,7 +32,7 @@ struct Planes {
   __m256i first, second, third;
 };
 
-// One tile for each half of a register.
+// Two tiles, one for each half of a register.
 struct TwoTiles {
   std::uint32_t u_low, u_high;
   const TileParameters *light_low, *light_high;
@@ -47,11 +47,11 @@ TOUCHLINE_AVX2_INLINE __m256i background_bytes_of(const TwoTiles& tiles) {
 }
 
 // Each layout below has these functions:
-// - candidates: returns zero only if all pixels are in the background box. It takes a block with the level of
-//   background(), or two tiles that begin at any columns, with that of background_of_tiles() or each with its own; each
-//   tile gives the result of its half.
+// - candidates: returns zero only if all pixels are in the background box. Its argument is either a block, which has
+//   the level of background(), or two tiles that begin at any columns. The two tiles either both have the level of
+//   background_of_tiles(), or each has its own level; each half of the result belongs to one tile.
 // - planes: returns the three channels of a block or of two tiles, with chroma repeated for both pixels of a pair.
-// - tile_planes: returns the same for a tile, in both halves.
+// - tile_planes: returns the three channels of one tile, in both halves.
 // With shared chroma, tiles begin at even columns.
 
 // Patterns for three bytes per pixel, for luma and chroma in four bytes per pair, and for chroma in two bytes per pair.
@@ -84,7 +84,7 @@ struct Packed24 {
   struct Background {
     __m256i low[3], extent[3];
   };
-  // `at`: which of the three bytes of the light belongs to each byte.
+  // `at` tells for each byte which of the three bytes of the light belongs to it.
   TOUCHLINE_AVX2_INLINE static Background spread(__m256i light, const Planes& at) {
     const __m256i extent = _mm256_set1_epi8(4);
     return {{_mm256_shuffle_epi8(light, at.first), _mm256_shuffle_epi8(light, at.second),
@@ -250,12 +250,12 @@ struct Packed32 : PeriodOfFour {
   }
 };
 
-// One byte per pixel and two per pair, in one plane or in two.
+// One luma byte per pixel and two chroma bytes per pair, in one chroma plane or in two.
 template <PixelFormat kFormat>
 struct Planar {
   static constexpr bool kSeparateUv = info_of(kFormat).packing == Packing::kPlanar;
 
-  // U and V interleaved, of a tile, of a block and of two tiles.
+  // Return U and V interleaved, for a tile, a block and two tiles.
   TOUCHLINE_AVX2_INLINE static __m128i tile_chroma(const RowPixels& row, std::uint32_t u) {
     if constexpr (!kSeparateUv) return load_half(row.plane[1] + u);
     return _mm_unpacklo_epi8(_mm_loadl_epi64(reinterpret_cast<const __m128i*>(row.plane[1] + u / 2)),

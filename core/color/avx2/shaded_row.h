@@ -7,13 +7,14 @@
 #include <algorithm>
 #include <bit>
 
-// Rows with a light map. Every tile of 16 pixels has its own tables. A register holds a tile twice, and each half looks
-// up another group of classes.
+// Classifies rows with a light map. Every tile of 16 pixels has its own tables. A register holds a tile twice, and each
+// half looks up another group of classes.
 namespace touchline::avx2 {
 
-// Layout functions that rows with a light map need:
+// Layout functions that these rows need:
 // - tile_planes, candidates of two tiles: see pixel_layout.h.
-// - reject_eight_tiles: returns a bit for each of eight tiles that is background. Writes background to all of them.
+// - reject_eight_tiles: returns eight bits; a set bit means that the tile is background. Writes background to all of
+//   them.
 template <class Layout>
 struct ShadedLayout : Layout {
   TOUCHLINE_AVX2_INLINE static std::uint64_t reject_eight_tiles(const RowPixels& row, std::uint32_t u,
@@ -40,7 +41,7 @@ TOUCHLINE_AVX2_INLINE Channels<OneBlock> tile_channels(const NibbleTables& nibbl
           {nibbles_of(OneBlock{planes.third}), &nibbles.channel(2, light.level[2])}};
 }
 
-// Returns the colors of the 16 pixels that begin at column u, by the classes of two groups.
+// Returns the colors of the 16 pixels that begin at column u, considering the classes of two groups.
 template <class Layout>
 TOUCHLINE_AVX2_INLINE __m128i tile_colors(const NibbleTables& nibbles, std::size_t group, const RowPixels& row,
                                           std::uint32_t u, const TileParameters& light) {
@@ -49,7 +50,7 @@ TOUCHLINE_AVX2_INLINE __m128i tile_colors(const NibbleTables& nibbles, std::size
   return first_of(_mm256_castsi256_si128(found), _mm256_extracti128_si256(found, 1));
 }
 
-// By the classes of all groups.
+// As above, considering the classes of all groups.
 template <class Layout>
 TOUCHLINE_AVX2_INLINE __m128i tile_colors(const NibbleTables& nibbles, const RowPixels& row, std::uint32_t u,
                                           const TileParameters& light) {
@@ -64,7 +65,7 @@ TOUCHLINE_AVX2_INLINE __m128i tile_colors(const NibbleTables& nibbles, const Row
 constexpr std::uint32_t kMaxTilesPerPass = 64, kTilesPerTest = 8;
 constexpr std::uint64_t kEveryEighth = 0x1010101010101010u;
 
-// Returns the tiles that may contain a class of the two groups, by the high nibbles alone.
+// Returns the tiles that may contain a class of the two groups, judged by the high nibbles alone.
 template <class Layout>
 TOUCHLINE_AVX2_PASS std::uint64_t find_coarse_tiles(const SpanTables& tables, const RowPixels& row, std::uint32_t first,
                                                     std::uint64_t among, std::size_t group) {
@@ -80,7 +81,7 @@ TOUCHLINE_AVX2_PASS std::uint64_t find_coarse_tiles(const SpanTables& tables, co
   return found;
 }
 
-// By the classes of all groups.
+// As above, for the classes of all groups.
 template <class Layout>
 TOUCHLINE_AVX2_INLINE std::uint64_t find_coarse_tiles(const SpanTables& tables, const RowPixels& row,
                                                       std::uint32_t first, std::uint64_t among) {
@@ -91,7 +92,7 @@ TOUCHLINE_AVX2_INLINE std::uint64_t find_coarse_tiles(const SpanTables& tables, 
   return near;
 }
 
-// Classifies those pixels of the tiles that have no color yet.
+// Classifies the pixels of the tiles that have no color yet.
 template <class Layout>
 TOUCHLINE_AVX2_PASS OccupiedWords color_tiles(const SpanTables& tables, const RowPixels& row, std::uint32_t first,
                                               std::uint64_t among, std::size_t group, ColorId* colors) {
@@ -159,8 +160,8 @@ TOUCHLINE_AVX2_INLINE OccupiedWords classify_shaded_tiles(const SpanTables& tabl
     std::uint64_t left = find_candidate_tiles<Layout>(tables, row, first, count, colors);
     left = tables.has_background_box ? left & all : all;
     if (tables.pale != nullptr && left != 0) left = without_pale_tiles<Layout>(*tables.pale, row, first, left);
-    // The coarse test does not pay off for two tiles, or if most tiles contain colors. If most are candidates, every
-    // eighth one tells whether that is so.
+    // The coarse test does not pay off for two tiles, or if most tiles contain colors. If most tiles are candidates,
+    // every eighth is tested, to estimate how many contain colors.
     const auto number = static_cast<std::uint32_t>(std::popcount(left));
     if (number > 2) {
       const std::uint64_t sample = 2 * number <= count ? left : left & kEveryEighth;
@@ -183,7 +184,7 @@ template <class Layout>
 TOUCHLINE_AVX2_PASS OccupiedWords classify_ends(const SpanTables& tables, const RowPixels& row, std::uint32_t begin,
                                                 std::uint32_t end, ColorId* colors) {
   const std::uint32_t last = end - kTile;
-  // Most regions of interest end on the floor.
+  // Most regions of interest end on the floor, so both ends are usually background.
   const TwoTiles ends = {begin, last, &tables.tile_at(begin), &tables.tile_at(end - 1)};
   if (tables.has_background_box && is_zero(Layout::candidates(row, ends)) != 0) {
     store_half(colors + begin, _mm_setzero_si128());
@@ -198,7 +199,7 @@ TOUCHLINE_AVX2_PASS OccupiedWords classify_ends(const SpanTables& tables, const 
   const __m128i last_colors =
       _mm_andnot_si128(_mm_cmplt_epi8(place, _mm_set1_epi8(before_last)),
                        tile_colors<Layout>(*tables.nibbles, row, last, tables.tile_at(end - 1)));
-  // Both parts may overlap.
+  // The two tiles may overlap.
   store_half(colors + last, _mm_setzero_si128());
   store_half(colors + begin, first_colors);
   store_half(colors + last, _mm_or_si128(load_half(colors + last), last_colors));

@@ -21,7 +21,8 @@ struct RowTables {
   const ColorNibbles* colors;
   std::size_t groups;
 };
-// Keeps the tables of a channel in one register. Otherwise gcc 12 keeps the address of each table, in memory.
+// Keeps the tables of a channel in one register. Otherwise gcc 12 keeps the address of each table, and keeps it in
+// memory.
 TOUCHLINE_AVX2_INLINE const ChannelNibbles* channel_of(const SpanTables& tables, std::size_t channel) {
   const ChannelNibbles* nibbles = &tables.nibbles->channel(channel, tables.tiles->level[channel]);
   asm("" : "+r"(nibbles));
@@ -63,7 +64,7 @@ struct Blocks {
   }
 };
 
-// Returns bytes that are all zero only if the block is background. Writes background to it.
+// Returns bytes that are all zero only if the block is background. Writes background to the block.
 template <class Layout>
 TOUCHLINE_AVX2_INLINE __m256i candidates_at(const RowPixels& row, std::uint32_t u,
                                             const typename Layout::Background& of_row, ColorId* colors) {
@@ -82,7 +83,7 @@ TOUCHLINE_AVX2_INLINE std::uint64_t find_candidates(const SpanTables& tables, co
   std::uint64_t background = 0;
   std::uint32_t i = 0, u = blocks.first;
   for (; i + 4 <= count && u + 4 * kBlock <= blocks.end; i += 4, u += 4 * kBlock) {
-    // In the order of addresses, so that the processor prefetches the next ones.
+    // Read in the order of addresses, so that the processor prefetches the next bytes.
     const __m256i first = candidates_at<Layout>(pixels, u, of_row, colors),
                   second = candidates_at<Layout>(pixels, u + kBlock, of_row, colors),
                   third = candidates_at<Layout>(pixels, u + 2 * kBlock, of_row, colors),
@@ -94,7 +95,7 @@ TOUCHLINE_AVX2_INLINE std::uint64_t find_candidates(const SpanTables& tables, co
   return ~background;
 }
 
-// Returns the blocks that may contain a class, by the high nibbles alone.
+// Returns the blocks that may contain a class, judged by the high nibbles alone.
 template <class Layout>
 TOUCHLINE_AVX2_PASS std::uint64_t find_coarse_blocks(const SpanTables& tables, const RowPixels& row, Blocks blocks,
                                                      std::uint64_t among) {
@@ -150,7 +151,8 @@ TOUCHLINE_AVX2_INLINE OccupiedWords classify_blocks(const SpanTables& tables, co
   OccupiedWords occupied = 0;
   for (Blocks blocks = {begin, end}; blocks.first < end; blocks.first += kMaxBlocksPerPass * kBlock) {
     const std::uint64_t all = ~std::uint64_t{0} >> (kMaxBlocksPerPass - blocks.count());
-    // Three passes, each more exact and over fewer blocks. No branch depends on the pixels, so none is mispredicted.
+    // There are three passes, each more exact and over fewer blocks. No branch depends on the pixels, so none is
+    // mispredicted.
     std::uint64_t left = find_candidates<Layout>(tables, row, blocks, colors) & all;
     if (!tables.has_background_box) left = all;
     if (is_second_pass_worthwhile(left, blocks.count())) left = find_coarse_blocks<Layout>(tables, row, blocks, left);
@@ -159,7 +161,8 @@ TOUCHLINE_AVX2_INLINE OccupiedWords classify_blocks(const SpanTables& tables, co
   return occupied;
 }
 
-// Rows with a light map whose tiles have one light level, in which regions of interest often leave out columns.
+// The code below is for rows with a light map whose tiles have one light level; regions of interest often leave out
+// columns of such rows.
 
 // Tiles are tested in groups of eight, or of four where there are no more.
 constexpr std::uint32_t kTilesPerShortTest = kTilesPerTest / 2;
@@ -180,11 +183,11 @@ struct Tiles {
 
   std::uint32_t first, end;  // columns
   std::uint32_t count, from_begin;
-  std::uint32_t begin_up_to_end;  // where all tiles would begin if they followed one another up to the end
+  std::uint32_t begin_up_to_end;  // column at which the first tile would begin if all tiles lay end to end up to `end`
 
  private:
-  // Number of first tiles: a multiple of eight, for tests of eight tiles. In a narrow span, four; in a still narrower
-  // one, all but the last.
+  // Returns the number of tiles aligned to the begin: a multiple of eight, for tests of eight tiles. In a narrow span
+  // it is four; in a still narrower span, all tiles but the last.
   [[nodiscard]] std::uint32_t count_from_begin() const {
     if (width() >= kTilesPerTest * kTile) return width() / (kTilesPerTest * kTile) * kTilesPerTest;
     return width() >= kTilesPerShortTest * kTile ? kTilesPerShortTest : count - 1;
@@ -198,7 +201,8 @@ TOUCHLINE_AVX2_INLINE std::uint32_t take_lowest(const Tiles& tiles, std::uint64_
   return tiles.column(i);
 }
 
-// Bit i: tile i of the eight, or four, from column u on is background. Writes background to all of them.
+// Sets bit i if tile i of the eight (or four) tiles that begin at column u is background. Writes background to all of
+// them.
 template <class Layout>
 TOUCHLINE_AVX2_INLINE std::uint64_t reject_eight_tiles(const RowPixels& row, std::uint32_t u,
                                                        const typename Layout::Background& of_row, ColorId* colors) {
@@ -245,7 +249,7 @@ TOUCHLINE_AVX2_PASS std::uint64_t find_candidates_among(const SpanTables& tables
     background |= reject_eight_tiles<Layout>(pixels, u, of_row, colors) << i;
   }
   if (i < from_begin) background |= reject_four_tiles<Layout>(pixels, u, of_row, colors) << i;
-  // The other tiles are the last tiles of a test that ends at the span's end.
+  // The remaining tiles are tested in a group that ends at the span's end.
   const std::uint32_t others = tiles.count - from_begin;
   if (others > kTilesPerShortTest) {
     background |= reject_eight_tiles<Layout>(pixels, end - kTilesPerTest * kTile, of_row, colors) >>
@@ -257,14 +261,14 @@ TOUCHLINE_AVX2_PASS std::uint64_t find_candidates_among(const SpanTables& tables
   return ~background;
 }
 
-// Bits 0 and 1: the lower and the upper half contain something.
+// Returns bits 0 and 1, set if the lower and the upper half are nonzero.
 TOUCHLINE_AVX2_INLINE std::uint32_t occupied_halves(__m256i value) {
   const auto zero = static_cast<std::uint32_t>(_mm256_movemask_epi8(_mm256_cmpeq_epi8(value, _mm256_setzero_si256())));
   return static_cast<std::uint32_t>((zero & 0xffffu) != 0xffffu) | static_cast<std::uint32_t>(zero >> 16u != 0xffffu)
                                                                        << 1u;
 }
 
-// Returns the tiles that may contain a class, by the high nibbles alone.
+// Returns the tiles that may contain a class, judged by the high nibbles alone.
 template <class Layout>
 TOUCHLINE_AVX2_PASS std::uint64_t find_coarse(const SpanTables& tables, const RowPixels& row, const Tiles& tiles,
                                               std::uint64_t among) {
@@ -327,7 +331,7 @@ TOUCHLINE_AVX2_INLINE OccupiedWords classify_tiles(const SpanTables& tables, con
   for (std::uint32_t first = begin; first < end; first += kMaxTilesPerPass * kTile) {
     const Tiles tiles(first, end);
     const std::uint64_t all = ~std::uint64_t{0} >> (kMaxTilesPerPass - tiles.count);
-    // Three passes, each more exact and over fewer tiles. No branch depends on the pixels of one tile.
+    // There are three passes, each more exact and over fewer tiles. No branch depends on the pixels of a single tile.
     std::uint64_t left = find_candidates_among<Layout>(tables, row, tiles, colors) & all;
     if (!tables.has_background_box) left = all;
     if (is_second_pass_worthwhile(left, tiles.count)) left = find_coarse<Layout>(tables, row, tiles, left);

@@ -18,7 +18,7 @@ namespace {  // internal linkage, because only span_kernel.cpp includes this fil
 constexpr std::uint32_t kTile = kTileWidth, kTilesOfBlock = 4, kBlock = kTilesOfBlock * kTile;
 static_assert(kTile == 16 && kBackground == 0);
 
-using Values = uint8x16_t;  // of a tile's pixels
+using Values = uint8x16_t;  // values of a tile's pixels
 using PairValues = uint8x8_t;
 
 // Unrolls short loops over tiles and channels, so that the arrays stay in registers.
@@ -30,7 +30,7 @@ bool is_zero(Values value) {
 }
 bool is_zero(PairValues value) { return vget_lane_u64(vreinterpret_u64_u8(value), 0) == 0; }
 
-// For 16 pixels and for 8 pairs. A Cortex-A72 looks up half a register in a third of the time.
+// Look-ups for 16 pixels and for 8 pairs. A Cortex-A72 takes a third of the time for half a register.
 Values look_up(const std::uint8_t* table, Values nibble) { return vqtbl1q_u8(vld1q_u8(table), nibble); }
 PairValues look_up(const std::uint8_t* table, PairValues nibble) { return vqtbl1_u8(vld1q_u8(table), nibble); }
 Values and_of(Values a, Values b) { return vandq_u8(a, b); }
@@ -46,7 +46,8 @@ struct Nibbles {
 Nibbles<Values> nibbles_of(Values values) { return {vshrq_n_u8(values, 4), vandq_u8(values, vdupq_n_u8(15))}; }
 Nibbles<PairValues> nibbles_of(PairValues values) { return {vshr_n_u8(values, 4), vand_u8(values, vdup_n_u8(15))}; }
 
-// Tables of a group, by their distance from the first. One address serves all; otherwise gcc 12 computes each one.
+// Reaches the tables of a group by their distance from the first table. A single address then serves all; otherwise gcc
+// 12 computes each address.
 class GroupTables {
  public:
   GroupTables(const GroupLookups& first, std::size_t group) : at_(first[group].data()) { asm("" : "+r"(at_)); }
@@ -57,7 +58,7 @@ class GroupTables {
 };
 static_assert(offsetof(ChannelNibbles, to_last) == 4 * sizeof(GroupLookups));
 
-// Classes of the group to which the values of a channel belong, one byte per value.
+// Returns the classes of the group to which the values of a channel belong, one byte per value.
 template <class Register>
 Register classes_of(const ChannelNibbles& tables, std::size_t group, const Nibbles<Register>& value) {
   const GroupTables within_and_ends(tables.within, group);
@@ -91,7 +92,7 @@ struct TileNibbles {
         groups(nibbles.groups()) {}
 };
 
-// ORs `within` of all groups: if no bit is left, the pixel has no class.
+// ORs `within` of all groups; if no bit is set, the pixel has no class.
 Values within_any(const ChannelNibbles& channel) {
   Values any = vld1q_u8(channel.within[0].data());
   TOUCHLINE_UNROLL for (std::size_t group = 1; group < kClassGroups; ++group) {

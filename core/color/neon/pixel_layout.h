@@ -28,7 +28,8 @@ Values repeated(const std::array<std::uint8_t, 4>& bytes) {
 BackgroundWords background_words(const TileParameters& light) {
   return {repeated(light.background_low), repeated(light.background_extent)};
 }
-// Intersects the background ranges of all tiles of a block. False: empty, which is impossible if all begin at 0.
+// Intersects the background ranges of all tiles of a block. Returns false if the intersection is empty, which is
+// impossible if all ranges begin at 0.
 template <bool kFromZero>
 bool background_words(const TileParameters* lights, BackgroundWords& all) {
   all = background_words(lights[0]);
@@ -46,7 +47,8 @@ bool background_words(const TileParameters* lights, BackgroundWords& all) {
 struct RgbValues {
   Values red, green, blue;
 };
-// False: background by the high nibbles, as most tiles are that the background box does not reject.
+// Returns false if the high nibbles show that the tile is background, as they do for most tiles that the background box
+// does not reject.
 bool may_be_colored(const Within& within, const RgbValues& value) {
   return !is_zero(and_of(vqtbl1q_u8(within.first, vshrq_n_u8(value.red, 4)),
                          and_of(vqtbl1q_u8(within.second, vshrq_n_u8(value.green, 4)),
@@ -71,7 +73,7 @@ struct Packed24 {
 
   static RowPixels at(const RowPixels& row, std::size_t u) { return {{row.plane[0] + 3 * u}}; }
 
-  // For byte i of 48, its channel.
+  // The channel of each of 48 bytes.
   static constexpr auto kPick = [] {
     std::array<std::array<std::uint8_t, kTile>, 3> pick{};
     for (std::size_t i = 0; i < 3 * kTile; ++i) pick[i / kTile][i % kTile] = static_cast<std::uint8_t>(i % 3);
@@ -160,7 +162,7 @@ struct SharedChroma {
     return {{row.plane[0] + u * (kPlanar ? 1 : 2), kPlanar ? row.plane[1] + u : nullptr}};
   }
 
-  // The first and second 16 bytes of a tile: consecutive in packed formats, luma and chroma in the others.
+  // Return the first and the second 16 bytes of a tile: consecutive in packed formats, luma and chroma in the others.
   static Values first(const RowPixels& tile) { return vld1q_u8(tile.plane[0]); }
   static Values second(const RowPixels& tile) {
     if constexpr (kSeparateUv) {
@@ -204,7 +206,8 @@ struct SharedChroma {
     return {luma, vmovn_u16(chroma), vshrn_n_u16(chroma, 8)};
   }
 
-  // False: background by the high nibbles of chroma, as most tiles are that the background box does not reject.
+  // Returns false if the high nibbles of chroma show that the tile is background, as they do for most tiles that the
+  // background box does not reject.
   static bool may_be_colored(const Within& within, const RowPixels& tile) {
     const Samples sample = samples(tile);
     return !is_zero(

@@ -12,7 +12,7 @@ namespace touchline {
 namespace neon {
 namespace {
 
-// Classifies columns of a row: at least a tile, and whole pairs if pairs share chroma.
+// Classifies columns of a row. The span is at least a tile wide, and consists of whole pairs if pairs share chroma.
 template <class Layout, bool kUnshaded>
 class Span {
   using Background = typename Layout::Background;
@@ -61,7 +61,8 @@ class Span {
     }
   }
 
-  // Classifies the end of a tile, which begins at column u. kTile columns are in the span; later ones are overwritten.
+  // Classifies the pixels from column u to the end of its tile. The span has kTile columns from u on; the columns after
+  // the tile are overwritten later.
   void classify_first(std::uint32_t u) {
     const Values found = colors_at(u, u);
     vst1q_u8(colors_ + u, found);
@@ -99,7 +100,7 @@ class Span {
     if constexpr (kUnshaded) return Layout::may_be_colored(within_, tile);
     return Layout::may_be_colored(Within(TileNibbles(*tables_.nibbles, tables_.tiles[u / kTile])), tile);
   }
-  // Colors of kTile columns that begin at `u`, with the light level of `light_column`.
+  // Returns the colors of kTile columns that begin at `u`, with the light level of `light_column`.
   [[nodiscard]] Values colors_at(std::uint32_t u, std::uint32_t light_column) const {
     const RowPixels tile = Layout::at(row_, u);
     if constexpr (kUnshaded) return Layout::colors(nibbles_, tile);
@@ -111,11 +112,11 @@ class Span {
     if (!is_zero(found)) occupied_ |= OccupiedWords{1} << u / kOccupiedWordPixels;
   }
 
-  // Copies, which stores to colors cannot change.
+  // Held by value, so that stores to colors cannot change them.
   const SpanTables tables_;
   const RowPixels row_;
   ColorId* const colors_;
-  // Of the first tile; without a light map, of all tiles.
+  // Background range of the first tile; without a light map, of all tiles.
   const Background background_;
   const TileNibbles nibbles_;
   const Within within_;

@@ -40,7 +40,7 @@ class BackgroundWord {
 
   /// Returns the high bits of the bytes that are out of range.
   [[nodiscard]] std::uint64_t candidates(std::uint64_t bytes) const {
-    // bytes - low for each byte, without borrow between bytes.
+    // Computes bytes - low for each byte, without borrow between bytes.
     const std::uint64_t from_low = ((bytes | kHighBits) - (low_ & ~kHighBits)) ^ ((bytes ^ ~low_) & kHighBits);
     // The high bit of each byte becomes (value & 127) + addend >= 128. There is no carry, because 127 + 127 < 255.
     const std::uint64_t sum = (from_low & ~kHighBits) + (beyond_ & ~kHighBits);
@@ -54,7 +54,7 @@ class BackgroundWord {
   std::uint64_t low_ = 0, beyond_ = 0;
 };
 
-// Repeats the bytes `at` of the background range, beginning with byte `first` of the repetition.
+// Repeats bytes of the background range, whose offsets are in `at`, beginning with byte `first` of the repetition.
 template <std::size_t kPeriod>
 BackgroundWord background_word(const TileParameters& light, const std::array<std::size_t, kPeriod>& at,
                                std::size_t first = 0) {
@@ -66,7 +66,7 @@ BackgroundWord background_word(const TileParameters& light, const std::array<std
   return BackgroundWord(low, extent);
 }
 
-// R, G and B next to each other.
+// Formats with R, G and B next to each other.
 template <PixelFormat kFormat>
 struct PackedRgb {
   static constexpr std::size_t kRed = info_of(kFormat).channel[0].offset, kStep = info_of(kFormat).channel[0].step;
@@ -108,7 +108,7 @@ struct PackedRgb {
 // Formats whose pixel pairs (2k, 2k + 1) share a chroma sample. The chroma alone shows that most pairs are background.
 template <PixelFormat kFormat>
 struct SharedChroma {
-  // A copy: gcc 12 does not treat what a reference refers to as a constant.
+  // Held by value: gcc 12 does not treat the target of a reference as a constant.
   static constexpr std::array kChannel = info_of(kFormat).channel;
   static constexpr Packing kPacking = info_of(kFormat).packing;
   static constexpr bool kPlanar = info_of(kFormat).planes > 1;

@@ -14,13 +14,13 @@ namespace touchline::hal {
 struct GpioInput {
   bool active_low = false;
   GpioBias bias = GpioBias::kNone;
-  const char* bias_key = "";  // key of the board file, for messages
+  const char* bias_key = "";  // key of the board file that sets the bias, for messages
   Duration debounce{};
 };
 
 struct GpioEdge {
-  bool active = false;  // level after the edge, polarity applied
-  Instant at{};         // CLOCK_MONOTONIC
+  bool active = false;  // level after the edge, with the polarity applied
+  Instant at{};         // time of CLOCK_MONOTONIC
 };
 
 // Size of the kernel's event buffer of a line.
@@ -35,17 +35,17 @@ class GpioLine {
   GpioLine& operator=(const GpioLine&) = delete;
   ~GpioLine();
 
-  /// The line starts low. Error messages name chip, line and cause.
+  /// Requests an output, which starts low. Error messages name chip, line and cause.
   Result<void> request_output(const std::string& chip, int line);
   /// Requests edge events if the chip supports them, and debouncing if the kernel supports it.
   Result<void> request_input(const std::string& chip, int line, const GpioInput& input);
   void release();
   [[nodiscard]] bool requested() const { return request_ != nullptr; }
-  /// False for an input: it must be polled.
+  /// Returns false if an input must be polled.
   [[nodiscard]] bool has_edge_events() const { return has_edge_events_; }
   [[nodiscard]] bool debounced() const { return debounced_; }
 
-  // The functions below do not block and return 0 or an errno.
+  // The functions below do not block, and return 0 or an errno.
   [[nodiscard]] int set(bool active) const;
   [[nodiscard]] int get(bool& active) const;
   /// Reads the oldest unread edges, as many as fit into `edges`.

@@ -15,7 +15,7 @@ struct GpioLine::Request {
   Request(const Request&) = delete;
   Request& operator=(const Request&) = delete;
   ~Request() {
-    if (chip != nullptr) gpiod_chip_close(chip);  // releases its lines
+    if (chip != nullptr) gpiod_chip_close(chip);  // this also releases the chip's lines
   }
   gpiod_chip* chip = nullptr;
   gpiod_line* line = nullptr;
@@ -34,7 +34,7 @@ int flags_of(const GpioInput& input) {
     case GpioBias::kNone:
       break;
   }
-  return polarity;  // no bias flag: kernels before 5.5 refuse all of them
+  return polarity;  // no bias flag, because kernels before 5.5 refuse all bias flags
 }
 
 Result<void> find(const std::string& chip, int line, gpiod_chip*& found_chip, gpiod_line*& found_line) {

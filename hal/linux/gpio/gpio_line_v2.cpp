@@ -37,7 +37,7 @@ gpiod_line_bias bias_of(GpioBias bias) {
   return GPIOD_LINE_BIAS_AS_IS;
 }
 
-// These setters only fail for values outside of their enumerations.
+// These setters fail only for values that are not in their enumerations.
 Owned<gpiod_line_settings> settings_of(const GpioInput& input, bool with_edges, bool with_debounce) {
   Owned<gpiod_line_settings> settings(gpiod_line_settings_new());
   if (!settings) return settings;
@@ -52,7 +52,7 @@ Owned<gpiod_line_settings> settings_of(const GpioInput& input, bool with_edges, 
   return settings;
 }
 
-// Null on error, with errno.
+// Returns null on error, with errno set.
 Owned<gpiod_line_request> request_line(gpiod_chip* chip, unsigned line, gpiod_line_settings* settings) {
   const Owned<gpiod_line_config> lines(gpiod_line_config_new());
   const Owned<gpiod_request_config> config(gpiod_request_config_new());

@@ -19,7 +19,7 @@ Result<void> GpiodGpio::do_open() {
 Result<void> GpiodGpio::open_lines() {
   TOUCHLINE_TRY(check_lines());
   TOUCHLINE_TRY_ASSIGN(chip_, find_chip(settings_.chip));
-  // Not debounced by the kernel: it would report no edge of a line that never stops bouncing.
+  // The stop input is not debounced by the kernel, which would report no edge of a line that never stops bouncing.
   TOUCHLINE_TRY(
       open_input(emergency_stop_, settings_.emergency_stop_line,
                  {settings_.emergency_stop_active_low, settings_.emergency_stop_bias, "emergency_stop_bias", {}}));
@@ -102,7 +102,7 @@ Result<Debouncer::State> GpiodGpio::poll(Input& input, int line, Instant now) {
     // Kernels before 5.7 stamp edges with another clock; an edge in the future would never count.
     for (std::size_t i = 0; i < count; ++i) input.debouncer.edge(edges[i].active, std::min(edges[i].at, now));
   }
-  // Also read with edge events: the kernel's buffer is limited, and a lost edge must not hide an active line.
+  // Read the level even with edge events: the kernel's buffer is limited, and a lost edge must not hide an active line.
   bool active = false;
   if (const int error = input.line.get(active); error != 0) return fail(line, "reading", error);
   input.debouncer.level(active, now);

@@ -13,7 +13,7 @@
 
 namespace touchline::hal {
 
-/// Status light, strobe, emergency stop and start button on lines of one GPIO chip.
+/// Drives status light and strobe, and reads emergency stop and start button, on lines of one GPIO chip.
 class GpiodGpio final : public Gpio {
  public:
   explicit GpiodGpio(GpioSettings settings)
@@ -44,7 +44,7 @@ class GpiodGpio final : public Gpio {
   Error fail(int line, const char* doing, int error);
 
   GpioSettings settings_;
-  std::string chip_;  // device of settings_.chip
+  std::string chip_;  // device file of settings_.chip
   Duration debounce_;
   GpioLine status_led_, strobe_;
   Input emergency_stop_, start_;

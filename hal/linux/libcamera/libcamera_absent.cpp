@@ -1,4 +1,4 @@
-// Replaces libcamera_link.cpp if the library is not installed.
+// Takes the place of libcamera_link.cpp if the library is not installed.
 #include "hal/linux/libcamera/libcamera_link.h"
 
 namespace touchline::hal {

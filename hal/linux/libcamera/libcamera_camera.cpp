@@ -13,7 +13,8 @@ namespace {
 constexpr std::size_t kFramesToSettle = 10;
 // Sensors start within half a second. A longer start means a loose cable; the loop then reopens the camera.
 constexpr Duration kStartTimeout = std::chrono::seconds(2);
-// Longest delay of a frame in addition to two frame periods. The loop reopens a stalled camera only later.
+// Longest time to wait for a frame, in addition to two frame periods. The loop's own limit, after which it reopens a
+// stalled camera, is longer.
 constexpr Duration kFrameDelay = std::chrono::milliseconds(500);
 
 }  // namespace
@@ -134,7 +135,7 @@ Result<std::string> LibcameraCamera::do_adjust(const CameraSettings& settings) {
 }
 
 /// Returns the metadata of the first frame that was taken with the new controls, or of the last frame if none of them
-/// was. Nothing: no frame arrived.
+/// was. Returns nothing if no frame arrived.
 std::optional<LibcameraNumbers> LibcameraCamera::await_controls() {
   // The controls are sent with the next request, after the requests of all other buffers.
   const std::size_t frames = stream_.buffers + kFramesToSettle;
@@ -155,7 +156,7 @@ std::optional<LibcameraNumbers> LibcameraCamera::await_controls() {
   return reported;
 }
 
-/// Takes the oldest completed frame; false: none arrived before the deadline, or none can arrive.
+/// Takes the oldest completed frame; returns false if none arrived before the deadline, or none can arrive.
 bool LibcameraCamera::take(Instant deadline, LibcameraFrame& frame) {
   while (ready_.wait_until(deadline)) {
     if (disconnected_.load(std::memory_order_acquire) || queue_error_.load(std::memory_order_acquire) != 0)
@@ -216,7 +217,7 @@ Result<FrameLease> LibcameraCamera::deliver(const LibcameraFrame& completed) {
   return FrameLease(*this, frame, completed.buffer, mappings_[completed.buffer].files());
 }
 
-/// Sets the exposure time for the time stamps if it is known; otherwise the last one stays in use.
+/// Sets the exposure time that corrects time stamps, if it is known; otherwise the previous one is kept.
 void LibcameraCamera::set_exposure(const LibcameraNumbers& numbers) {
   if (const auto& exposure_us = numbers[LibcameraControl::kExposure]) {
     stamps_.set_exposure(from_seconds(*exposure_us * 1e-6));
@@ -224,7 +225,7 @@ void LibcameraCamera::set_exposure(const LibcameraNumbers& numbers) {
 }
 
 /// Returns the number of frame periods since the previous frame, 1 if unknown. Some devices number only the processed
-/// frames, so frames that the sensor took in between show only in the time stamps.
+/// frames, so frames that the sensor took in between can be detected only by the time stamps.
 std::uint32_t LibcameraCamera::periods_since_last(const LibcameraFrame& frame, Instant stamp, Instant now) {
   const double duration_us = frame.reported[LibcameraControl::kFrameDuration].value_or(0.0);
   const double duration_before_us = std::exchange(last_duration_us_, duration_us);
@@ -232,8 +233,9 @@ std::uint32_t LibcameraCamera::periods_since_last(const LibcameraFrame& frame, I
   if (!last_has_stamp_) return 1;
   const Instant before = std::exchange(last_stamp_, stamp);
   if (!follows || duration_us <= 0.0) return 1;
-  constexpr double kMaxPeriods = 1000.0;  // the loop reopens the camera before a longer pause
-  // After a change of the rate, the time between two stamps is the period of either frame; it must not count as a gap.
+  constexpr double kMaxPeriods = 1000.0;  // before a longer pause, the loop reopens the camera
+  // After a change of the rate, the time between two stamps is the period of either frame, so the longer one is used
+  // and no gap is counted.
   const double periods = std::round(seconds(stamp - before) * 1e6 / std::max(duration_us, duration_before_us));
   return periods >= 1.0 && periods <= kMaxPeriods ? static_cast<std::uint32_t>(periods) : 1;
 }
@@ -287,7 +289,7 @@ void LibcameraCamera::frame_done(const LibcameraFrame& frame) noexcept {
   if (!accepts_frames_.load(std::memory_order_acquire)) return;
   LibcameraFrame done = frame;
   if (done.state == LibcameraFrame::State::kGood && mappings_[done.buffer].begin_read() != 0) {
-    done.state = LibcameraFrame::State::kDamaged;  // the caches may contain the previous picture
+    done.state = LibcameraFrame::State::kDamaged;  // the caches may still contain the previous picture
   }
   if (done.state == LibcameraFrame::State::kGood && metadata_wanted_.load(std::memory_order_acquire)) {
     if (metadata_.push(done.reported)) metadata_ready_.post();

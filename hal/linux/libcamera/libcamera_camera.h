@@ -23,7 +23,7 @@
 namespace touchline::hal {
 
 struct LibcameraCounters {
-  std::uint64_t frames = 0;  // returned by wait()
+  std::uint64_t frames = 0;  // frames returned by wait()
   std::uint64_t lost = 0;    // gaps in the device's sequence numbers or in time
   std::uint64_t corrupt = 0, short_frames = 0;
 };
@@ -39,9 +39,9 @@ struct LibcameraCounters {
 /// camera).
 class LibcameraCamera final : public Camera, private LibcameraSink {
  public:
-  /// `priority`: SCHED_FIFO priority of the loop; 0: none. The threads of libcamera get this priority minus one,
-  /// because they deliver the frames. `link` null: this build has no libcamera, and open() fails with a message about
-  /// that.
+  /// `priority`: SCHED_FIFO priority of the loop; 0: none. The threads of libcamera get this priority minus one; they
+  /// need it because they deliver the frames. `link` null: this build has no libcamera, and open() fails with a message
+  /// that says so.
   LibcameraCamera(CameraSettings settings, int priority, std::unique_ptr<LibcameraLink> link);
   ~LibcameraCamera() override { LibcameraCamera::do_close(); }
   LibcameraCamera(const LibcameraCamera&) = delete;
@@ -49,15 +49,15 @@ class LibcameraCamera final : public Camera, private LibcameraSink {
 
   [[nodiscard]] const CameraInfo& info() const override { return info_; }
 
-  /// Since start().
+  /// Returns the counts since start().
   [[nodiscard]] const LibcameraCounters& counters() const { return counters_; }
 
  private:
-  // CameraSettings::buffers has at most 32.
+  // largest value of CameraSettings::buffers
   static constexpr std::size_t kMaxBuffers = 32;
   enum class Task : std::uint8_t { kNone, kOpen, kStart, kAdjust, kStop, kClose };
 
-  // On the caller's thread.
+  // Functions for the caller's thread.
   Result<void> do_open() override;
   Result<void> do_start() override;
   Result<std::string> do_adjust(const CameraSettings& settings) override;
@@ -78,7 +78,7 @@ class LibcameraCamera final : public Camera, private LibcameraSink {
   std::uint32_t periods_since_last(const LibcameraFrame& frame, Instant stamp, Instant now);
   Error fail(Error error) noexcept;
 
-  // On the driver's thread.
+  // Functions for the driver's thread.
   void work();
   Result<void> perform(Task task);
   Result<void> open_on_worker();
@@ -93,7 +93,7 @@ class LibcameraCamera final : public Camera, private LibcameraSink {
   void queue_returned();
   Error refused(const char* doing, int error);
 
-  // On a thread of libcamera.
+  // Functions for a thread of libcamera.
   void frame_done(const LibcameraFrame& frame) noexcept override;
   void camera_gone() noexcept override;
 
@@ -108,11 +108,11 @@ class LibcameraCamera final : public Camera, private LibcameraSink {
   std::uint32_t stamp_flags_ = 0;  // flags of v4l2_buffer
   CameraInfo info_;
   LibcameraStream stream_;
-  std::size_t needed_bytes_ = 0;  // a frame with fewer bytes is short
+  std::size_t needed_bytes_ = 0;  // a frame with fewer bytes counts as short
   LibcameraLimits limits_;
   LibcameraNumbers controls_;
   DmaHeap heap_;
-  std::vector<int> files_;  // allocated from the heap
+  std::vector<int> files_;  // files of the buffers that were allocated from the heap
   std::array<DmaMapping, kMaxBuffers> mappings_;
   ErrorText negotiated_;  // differences from the settings
   std::size_t negotiated_at_open_ = 0;
@@ -122,18 +122,18 @@ class LibcameraCamera final : public Camera, private LibcameraSink {
   CaptureStamp stamps_;
   FrameCounter sequence_;
   Instant last_stamp_{};         // last plausible time stamp
-  bool last_has_stamp_ = false;  // the last frame had a plausible time stamp
+  bool last_has_stamp_ = false;  // whether the last frame had a plausible time stamp
   double last_duration_us_ = 0.0;
   LibcameraCounters counters_;
 
-  // Shared by the threads. A buffer is in at most one ring, so no ring can be full.
+  // Data shared by the threads. A buffer is in at most one ring, so no ring can be full.
   SpscRing<LibcameraFrame, kMaxBuffers> completed_;
   SpscRing<std::uint32_t, kMaxBuffers> returned_;
   Semaphore ready_, work_, done_;
   std::atomic<bool> accepts_frames_{false}, disconnected_{false};
   std::atomic<int> queue_error_{0};
-  // True while adjust() waits for the metadata of frames. No lock: adjust() runs with ordinary priority, and frames
-  // must not wait for its thread.
+  // True while adjust() waits for the metadata of frames. There is no lock, because adjust() runs with ordinary
+  // priority, and frames must not wait for its thread.
   std::atomic<bool> metadata_wanted_{false};
   SpscRing<LibcameraNumbers, 2 * kMaxBuffers> metadata_;
   Semaphore metadata_ready_;

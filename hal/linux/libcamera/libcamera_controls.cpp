@@ -8,7 +8,8 @@ namespace {
 
 using enum LibcameraControl;
 
-constexpr double kTolerance = 0.01;  // exposure is rounded to rows, gain to steps
+// Relative difference that rounding causes: exposure is rounded to rows, gain to steps.
+constexpr double kTolerance = 0.01;
 
 bool is_near(double a, double b) { return std::abs(a - b) <= kTolerance * std::max(std::abs(a), std::abs(b)); }
 
@@ -26,7 +27,7 @@ const char* word_of(PowerLine power_line) {
 struct Key {
   const char* name;
   double requested = 0.0;  // in units of the key
-  double unit = 1.0;       // libcamera's value of one unit of the key
+  double unit = 1.0;       // libcamera's value for one unit of the key
   LibcameraControl value, manual;
 };
 
@@ -57,7 +58,7 @@ double within(const LibcameraLimits& limits, LibcameraControl control, double va
 }
 
 // For cameras without color temperature: gains of a common sensor (within 10 % of those of the IMX219 between 2500 and
-// 5700 K). Other sensors get a tint, which is always the same, so that color calibration compensates it.
+// 5700 K). Other sensors get a constant tint, which color calibration compensates.
 void set_gains(const LibcameraLimits& limits, double temperature_k, LibcameraNumbers& controls) {
   const double relative = temperature_k / 5600.0;
   controls[kWhiteBalanceManual] = 1.0;
@@ -65,7 +66,7 @@ void set_gains(const LibcameraLimits& limits, double temperature_k, LibcameraNum
   controls[kBlueGain] = within(limits, kBlueGain, 1.86 * std::pow(relative, -0.5));
 }
 
-/// The value of a control that the frame reports; otherwise the value that was set.
+/// Returns the value of a control that the frame reports; otherwise the value that was set.
 double actual_value(const LibcameraNumbers& controls, const LibcameraNumbers& reported, LibcameraControl control) {
   return reported[control].value_or(*controls[control]);
 }

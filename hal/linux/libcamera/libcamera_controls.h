@@ -6,14 +6,15 @@
 
 namespace touchline::hal {
 
-/// camera.gain and camera.focus of the board file count in hundredths of libcamera's gain factor and of a diopter.
+/// Units of camera.gain and camera.focus in the board file: hundredths of libcamera's gain factor, and hundredths of a
+/// diopter.
 inline constexpr double kLibcameraSteps = 100.0;
 
 /// Returns the controls for these settings, limited to the ranges of the camera. Appends controls that the camera lacks
 /// to `negotiated`.
 LibcameraNumbers controls_for(const CameraSettings& requested, const LibcameraLimits& limits, ErrorText& negotiated);
 
-/// True if a frame was taken with these controls. Values that the frame does not report count as equal.
+/// Returns true if a frame was taken with these controls. Values that the frame does not report count as equal.
 bool are_in_effect(const LibcameraNumbers& reported, const LibcameraNumbers& controls);
 
 /// Returns `before` with the values that `controls` contains; all other controls keep their values.
@@ -23,7 +24,7 @@ LibcameraNumbers adjusted(const LibcameraNumbers& before, const LibcameraNumbers
 /// those that were set but are not in the frame's metadata.
 void report_negotiated(const CameraSettings& requested, const LibcameraLimits& limits, const LibcameraNumbers& controls,
                        const LibcameraNumbers& reported, ErrorText& negotiated);
-/// The same without the frame rate, which can only be set at the start.
+/// As above without the frame rate, which can be set only at the start.
 void report_negotiated_controls(const CameraSettings& requested, const LibcameraLimits& limits,
                                 const LibcameraNumbers& controls, const LibcameraNumbers& reported,
                                 ErrorText& negotiated);

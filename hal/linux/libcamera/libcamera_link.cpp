@@ -52,7 +52,7 @@ class RunningManager final : public libcamera::CameraManager {
   ~RunningManager() override { stop(); }
 };
 
-/// libcamera allows one camera manager in a process; all users share it.
+/// libcamera allows one camera manager per process, so all users share it.
 SharedInstance<RunningManager>& shared_manager() {
   static SharedInstance<RunningManager> manager;
   return manager;
@@ -142,7 +142,7 @@ class Link final : public LibcameraLink {
       for (const DmaPlane& plane : buffer.plane) {
         if (plane.file < 0) continue;
         libcamera::FrameBuffer::Plane& added = planes.emplace_back();
-        // The same descriptor for all planes tells libcamera that they share one memory.
+        // If all planes have the same descriptor, libcamera knows that they share one memory.
         added.fd = planes.size() > 1 ? planes.front().fd : libcamera::SharedFD(plane.file);
         added.offset = static_cast<unsigned>(plane.offset);
         added.length = static_cast<unsigned>(plane.length);
@@ -190,7 +190,7 @@ class Link final : public LibcameraLink {
   }
 
   void stop() override {
-    static_cast<void>(camera_->stop());  // fails if the camera is gone
+    static_cast<void>(camera_->stop());  // fails if the camera has disappeared
     adjusted_.reset();
     // Requests that were not completed can be queued again.
     for (const auto& request : requests_) request->reuse(libcamera::Request::ReuseBuffers);

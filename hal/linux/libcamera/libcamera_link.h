@@ -16,19 +16,19 @@
 namespace touchline::hal {
 
 struct LibcameraName {
-  std::string id;     // does not change for the same socket
-  std::string model;  // of the sensor or the USB camera
+  std::string id;     // stays the same as long as the socket is the same
+  std::string model;  // model of the sensor or of the USB camera
   bool external = false;
 };
 
-/// "id (model), ..." or "none".
+/// Returns "id (model), ..." or "none".
 std::string list_of(const std::vector<LibcameraName>& cameras);
 
 /// Returns the camera that `device` names, null if there is none. "auto": the first camera that is not a USB camera,
 /// else the first one. Otherwise an id, or a part that only one id contains.
 const LibcameraName* choose(const std::vector<LibcameraName>& cameras, const std::string& device);
 
-/// Units: microseconds, gains as factors, kelvins, diopters; switches: 1 is manual.
+/// Units are microseconds, gain factors, kelvins and diopters; for switches, 1 means manual.
 enum class LibcameraControl : std::uint8_t {
   kExposureManual,
   kExposure,
@@ -68,11 +68,11 @@ struct LibcameraLimits {
 struct LibcameraStream {
   PixelFormat format = PixelFormat::kNv12;
   std::uint16_t width_px = 0, height_px = 0;
-  std::uint32_t stride_bytes = 0;  // of the first plane
-  std::size_t frame_bytes = 0;     // size of a buffer that the device needs
+  std::uint32_t stride_bytes = 0;  // stride of the first plane
+  std::size_t frame_bytes = 0;     // bytes of a buffer that the device needs
   std::size_t buffers = 0;
   bool full_range = false;  // luma from 0 to 255 instead of 16 to 235
-  bool mirrored = false;    // the orientation of the picture is that of a mirror image
+  bool mirrored = false;    // the picture is a mirror image
 };
 
 /// A completed request.
@@ -81,9 +81,9 @@ struct LibcameraFrame {
   State state = State::kGood;
   std::uint32_t buffer = 0;
   std::uint32_t sequence = 0;
-  std::size_t bytes = 0;      // bytes that were written
-  std::int64_t stamp_ns = 0;  // in CLOCK_MONOTONIC or CLOCK_BOOTTIME; 0: none
-  LibcameraNumbers reported;  // the metadata of the frame
+  std::size_t bytes = 0;      // number of bytes that were written
+  std::int64_t stamp_ns = 0;  // time stamp in CLOCK_MONOTONIC or CLOCK_BOOTTIME; 0: none
+  LibcameraNumbers reported;  // metadata of the frame
 };
 
 /// Receives frames, on a thread of libcamera.
@@ -96,7 +96,8 @@ class LibcameraSink {
   ~LibcameraSink() = default;
 };
 
-/// A connection to libcamera. All calls come from one thread; all may block and allocate. They return 0 or an errno.
+/// A connection to libcamera. All calls come from the same thread, and may block and allocate. They return 0 or an
+/// errno.
 class LibcameraLink {
  public:
   virtual ~LibcameraLink() = default;
@@ -105,10 +106,10 @@ class LibcameraLink {
   virtual int cameras(std::vector<LibcameraName>& found) = 0;
   /// Acquires a camera for this process; `sink` must live until release().
   virtual int acquire(const std::string& id, LibcameraSink& sink) = 0;
-  /// Sets format, size and number of buffers, and writes the negotiated values to `requested`. EINVAL: not available;
-  /// `offers` then lists the available ones.
+  /// Sets format, size and number of buffers, and writes the negotiated values to `requested`. EINVAL: they are not
+  /// available; `offers` then lists the available ones.
   virtual int configure(LibcameraStream& requested, std::string& offers) = 0;
-  /// After configure().
+  /// Returns the ranges of the controls; call it after configure().
   virtual LibcameraLimits limits() = 0;
   /// Uses the caller's buffers; the caller keeps the ownership of their files.
   virtual int use_buffers(const std::vector<DmaBuffer>& buffers) = 0;
@@ -125,7 +126,7 @@ class LibcameraLink {
   virtual void release() = 0;
 };
 
-/// Null: this build has no libcamera.
+/// Returns null if this build has no libcamera.
 std::unique_ptr<LibcameraLink> make_libcamera_link();
 
 /// Returns all cameras that libcamera finds; none in a build without it. Blocks.

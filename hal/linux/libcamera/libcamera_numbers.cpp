@@ -10,7 +10,7 @@ namespace {
 using enum LibcameraControl;
 namespace controls = libcamera::controls;
 
-/// The first element of an array; nothing if the value is not a number.
+/// Returns the value, or the first element of an array; nothing if it is not a number.
 std::optional<double> number_of(const libcamera::ControlValue& value) {
   if (value.numElements() == 0) return std::nullopt;
   const auto first = [&]<class T>(T) {

@@ -9,11 +9,11 @@ namespace touchline::hal {
 
 LibcameraLimits limits_of(const libcamera::ControlInfoMap& of_camera);
 
-/// `external`: a USB camera, whose exposure and gain are automatic or fixed together.
+/// `external`: a USB camera, whose exposure and gain can only be automatic or fixed together.
 void set_controls(libcamera::ControlList& list, const libcamera::ControlInfoMap& of_camera,
                   const LibcameraNumbers& numbers, bool external);
 
-/// The values in the metadata of a completed request.
+/// Returns the values in the metadata of a completed request.
 LibcameraNumbers reported_by(const libcamera::ControlList& metadata);
 
 }  // namespace touchline::hal

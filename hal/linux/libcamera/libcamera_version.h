@@ -18,7 +18,8 @@ void set(libcamera::ControlList& list, const libcamera::ControlInfoMap& of_camer
   if (of_camera.find(&control) != of_camera.end()) list.set(control, value);
 }
 
-/// Fixes exposure time and gain, or leaves either to the camera. `both_or_none`: the camera cannot fix one alone.
+/// Fixes exposure time and gain, or leaves either to the camera. `both_or_none`: the camera cannot fix only one of
+/// them.
 inline void set_exposure_modes(libcamera::ControlList& list, const libcamera::ControlInfoMap& of_camera, bool exposure,
                                bool gain, bool both_or_none) {
 #if TOUCHLINE_LIBCAMERA >= 500
@@ -28,12 +29,12 @@ inline void set_exposure_modes(libcamera::ControlList& list, const libcamera::Co
   set(list, of_camera, libcamera::controls::AnalogueGainMode,
       gain ? libcamera::controls::AnalogueGainModeManual : libcamera::controls::AnalogueGainModeAuto);
 #else
-  // A value fixes one of them; the other one stays automatic.
+  // A value fixes one of them; the other stays automatic.
   set(list, of_camera, libcamera::controls::AeEnable, !(both_or_none ? exposure || gain : exposure && gain));
 #endif
 }
 
-/// Null: this version has no flicker filter.
+/// Returns null if this version has no flicker filter.
 inline const libcamera::Control<std::int32_t>* flicker_period() {
 #if TOUCHLINE_LIBCAMERA >= 200
   return &libcamera::controls::AeFlickerPeriod;
@@ -61,7 +62,7 @@ inline bool is_mirrored(const libcamera::CameraConfiguration& configuration) {
   return of == Orientation::Rotate0Mirror || of == Orientation::Rotate180Mirror || of == Orientation::Rotate90Mirror ||
          of == Orientation::Rotate270Mirror;
 #else
-  // Each flip mirrors the picture, and so does the exchange of rows and columns.
+  // Each flip mirrors the picture, and exchanging rows and columns does, too.
   using libcamera::Transform;
   const auto has = [&](Transform part) { return (configuration.transform & part) != Transform::Identity; };
   return has(Transform::HFlip) != (has(Transform::VFlip) != has(Transform::Transpose));

@@ -14,7 +14,7 @@
 namespace touchline::hal {
 namespace {
 
-// Where DMA bypasses the processor's caches, the buffers that the driver allocates are not cached.
+// On processors whose caches DMA bypasses, the buffers that the driver allocates are not cached.
 #if defined(__x86_64__) || defined(__i386__)
 constexpr bool kDmaIsCoherent = true;
 #else
@@ -29,7 +29,7 @@ std::array<std::uint32_t, kMaxPlanes> strides_of(const LibcameraStream& stream) 
   return stride_bytes;
 }
 
-/// Bytes that a picture needs in each plane.
+/// Returns the bytes that a picture needs in each plane.
 std::array<std::size_t, kMaxPlanes> needed_bytes(const LibcameraStream& stream) {
   std::array<std::size_t, kMaxPlanes> bytes{};
   for (std::size_t i = 0; i < kMaxPlanes; ++i) {
@@ -54,8 +54,8 @@ void split(DmaBuffer& buffer, const LibcameraStream& stream) {
 }  // namespace
 
 void LibcameraCamera::work() {
-  // The threads of libcamera inherit the priority. Its refusal is not reported here: the system then also refuses the
-  // loop's priority, and the loop reports that.
+  // The threads of libcamera inherit the priority. A refusal is not reported here: the system then also refuses the
+  // loop's priority, and the loop reports it.
   if (priority_ > 0) {
     const sched_param below{.sched_priority = std::max(priority_ - 1, 1)};
     static_cast<void>(pthread_setschedparam(pthread_self(), SCHED_FIFO, &below));
@@ -120,8 +120,8 @@ Result<void> LibcameraCamera::choose_camera() {
   }
   id_ = chosen->id;
   model_ = chosen->model;
-  // The time stamp marks the arrival of the first row, after the end of its exposure, although the documentation of
-  // libcamera calls it the time of its exposure. The time stamps of USB cameras come from the kernel's driver.
+  // The time stamp marks the arrival of the first row, after the end of its exposure, although libcamera's
+  // documentation calls it the time of the exposure. The time stamps of USB cameras come from the kernel's driver.
   const bool is_of_start = chosen->external && uvc_computes_stamps();
   stamp_flags_ =
       V4L2_BUF_FLAG_TIMESTAMP_MONOTONIC | (is_of_start ? V4L2_BUF_FLAG_TSTAMP_SRC_SOE : V4L2_BUF_FLAG_TSTAMP_SRC_EOF);

@@ -5,7 +5,7 @@
 
 namespace touchline::hal {
 
-/// Owns a file descriptor; -1: none.
+/// Owns a file descriptor; -1 means none.
 class Descriptor {
  public:
   Descriptor() = default;

@@ -7,10 +7,11 @@ namespace touchline::hal {
 
 struct LocalAddress {
   std::string interface;  // "wlan0"
-  std::string address;    // IPv4, in numbers
+  std::string address;    // IPv4 address in numbers
 };
 
-/// Addresses under which other computers reach this one: of all interfaces that are up, without loopback.
+/// Returns the addresses under which other computers reach this one: those of all interfaces that are up, without
+/// loopback.
 std::vector<LocalAddress> local_addresses();
 
 }  // namespace touchline::hal

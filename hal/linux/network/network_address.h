@@ -8,17 +8,17 @@
 
 namespace touchline::hal {
 
-/// Where datagrams go to or come from: an IPv4 address and port, or a unix socket.
+/// Source or destination of datagrams: an IPv4 address and port, or a unix socket.
 struct NetworkAddress {
   enum class Kind : std::uint8_t { kUdp, kUnix };
   Kind kind = Kind::kUdp;
   std::uint32_t ipv4 = 0;  // 127.0.0.1 is 0x7f000001
   std::uint16_t port = 0;
-  std::string interface;  // name, such as "eth0"; empty: as the system's routes say
-  std::string path;       // of the unix socket
+  std::string interface;  // name, such as "eth0"; empty: the system's routes decide
+  std::string path;       // path of the unix socket
 
   [[nodiscard]] bool is_multicast() const { return kind == Kind::kUdp && ipv4 >> 28 == 0xe; }
-  /// "udp://224.5.23.2:10006%eth0" or "unix:///run/touchline.sock".
+  /// Returns "udp://224.5.23.2:10006%eth0" or "unix:///run/touchline.sock".
   [[nodiscard]] std::string text() const;
 
   friend bool operator==(const NetworkAddress&, const NetworkAddress&) = default;
@@ -28,7 +28,7 @@ struct NetworkAddress {
 /// or localhost. kOutOfRange: the message names the part that is wrong.
 Result<NetworkAddress> parse_network_address(std::string_view text);
 
-/// Addresses of computers: a network of IPv4 addresses, or one of them.
+/// Addresses of computers: a network of IPv4 addresses, or a single address.
 struct NetworkRange {
   std::uint32_t ipv4 = 0;
   int prefix_bits = 32;
@@ -41,7 +41,7 @@ struct NetworkRange {
 /// Reads "192.168.1.20" or "192.168.1.0/24". Errors as parse_network_address().
 Result<NetworkRange> parse_network_range(std::string_view text);
 
-/// "192.168.1.20".
+/// Returns text such as "192.168.1.20".
 std::string ipv4_text(std::uint32_t address);
 
 }  // namespace touchline::hal

@@ -15,10 +15,10 @@ namespace touchline::hal {
 /// A message that was received.
 struct ReceivedMessage {
   std::size_t size = 0;
-  bool is_complete = true;   // false: it was longer than the buffer
+  bool is_complete = true;   // false: the message was longer than the buffer
   bool is_local = false;     // sent by this computer
   std::uint32_t sender = 0;  // IPv4 address; 0: unix socket
-  std::uint16_t port = 0;    // of the sender; unix socket: number of the connection
+  std::uint16_t port = 0;    // port of the sender; unix socket: number of the connection
 };
 
 /// A source of messages. No call blocks.
@@ -27,20 +27,19 @@ class NetworkInput {
   virtual ~NetworkInput() = default;
   /// Opens the socket. On error the message names the address, and open() may be called again.
   virtual Result<void> open() = 0;
-  /// Descriptor for poll(): readable when there may be a message. -1: closed.
+  /// Returns a descriptor for poll(), which is readable if there may be a message. -1: the input is closed.
   [[nodiscard]] virtual int descriptor() const = 0;
   /// Receives one message; nullopt: there is none. On error the input must be closed and opened again.
   virtual Result<std::optional<ReceivedMessage>> receive(std::span<std::byte> into) = 0;
-  /// Checks that the network still is as it was when the input was opened; call it about once a second. On error the
-  /// input must be closed and opened again. An interface that was removed and added again has lost its multicast
-  /// groups without an error.
+  /// Checks that the network is still as it was when the input was opened; call it about once a second. On error the
+  /// input must be closed and opened again. An interface that was removed and added again has lost its multicast groups
+  /// without an error.
   virtual Result<void> check() = 0;
   virtual void close() = 0;
 
-  /// While `senders` is set, the system drops the messages of all others, this computer's excepted, before they take
-  /// room in the socket's buffer. Returns the number of messages that it has dropped since the last call, for this
-  /// reason or because the buffer was full. Inputs without this ability receive all messages and return 0. Ends with
-  /// close().
+  /// While `senders` is set, the system drops the messages of all other computers before they fill the socket's buffer.
+  /// Returns the number of messages dropped since the last call, for this reason or because the buffer was full. Inputs
+  /// without this ability receive all messages and return 0. close() ends the filter.
   virtual std::uint64_t drop_others(const std::optional<std::vector<NetworkRange>>& /*senders*/) { return 0; }
 };
 

@@ -19,7 +19,7 @@ class NetworkOutput {
   /// Sends one message. On error the output must be closed and opened again.
   virtual Result<void> send(std::span<const std::byte> message) = 0;
   virtual void close() = 0;
-  /// Messages that were lost because a receiver or the network was too slow.
+  /// Returns the number of messages lost because a receiver or the network was too slow.
   [[nodiscard]] virtual std::uint64_t dropped() const = 0;
 };
 

@@ -14,8 +14,8 @@ namespace {
 
 constexpr NetworkRange kLoopback{0x7f000000, 8};
 
-// Room for the messages of a sender at the usual limit (1000 a second) while the receiver's thread waits a second for a
-// processor. The system counts about 1 KB for each message.
+// Buffer for the messages that a sender at the usual limit (1000 a second) sends while the receiver's thread waits a
+// second for a processor. The system counts about 1 KB for each message.
 constexpr int kReceiveBufferBytes = 1 << 20;
 
 void enlarge_buffer(const Descriptor& socket) {
@@ -27,9 +27,9 @@ void enlarge_buffer(const Descriptor& socket) {
   if (!set(SO_RCVBUFFORCE)) static_cast<void>(set(SO_RCVBUF));
 }
 
-// A classic BPF program (linux/filter.h) that accepts the packets of these senders and drops all others.
+// Returns a classic BPF program (linux/filter.h) that accepts the packets of these senders and drops all others.
 std::vector<sock_filter> filter_of(const std::vector<NetworkRange>& senders) {
-  constexpr std::uint32_t kSourceAddress = 12;  // offset in the header of IPv4
+  constexpr std::uint32_t kSourceAddress = 12;  // offset in the IPv4 header
   const auto load = [&] {
     return sock_filter{BPF_LD | BPF_W | BPF_ABS, 0, 0, static_cast<std::uint32_t>(SKF_NET_OFF) + kSourceAddress};
   };
@@ -147,7 +147,7 @@ std::uint64_t UdpInput::drop_others(const std::optional<std::vector<NetworkRange
 
 std::uint64_t UdpInput::drop_others_but(const std::vector<NetworkRange>& senders) {
   std::vector<sock_filter> filter = filter_of(senders);
-  // The system refuses longer programs. Then all messages are received, as without a filter.
+  // The system rejects longer programs; then all messages are received, as without a filter.
   if (filter.size() <= BPF_MAXINSNS) {
     const sock_fprog program{static_cast<unsigned short>(filter.size()), filter.data()};
     static_cast<void>(::setsockopt(socket_.get(), SOL_SOCKET, SO_ATTACH_FILTER, &program, sizeof(program)));

@@ -19,7 +19,7 @@ class UdpInput final : public NetworkInput {
   Result<void> check() override;
   void close() override { socket_.reset(); }
   std::uint64_t drop_others(const std::optional<std::vector<NetworkRange>>& senders) override;
-  /// As drop_others(), without an exception for this computer.
+  /// As drop_others(), but also drops messages of this computer unless it is listed.
   std::uint64_t drop_others_but(const std::vector<NetworkRange>& senders);
 
  private:
@@ -30,9 +30,9 @@ class UdpInput final : public NetworkInput {
   const NetworkAddress address_;
   const std::string name_;
   Descriptor socket_;
-  unsigned interface_ = 0;                    // index at the time of opening
-  std::vector<std::uint32_t> own_addresses_;  // of this computer's interfaces
-  std::uint32_t dropped_ = 0;                 // by the system, when drop_others() was called
+  unsigned interface_ = 0;                    // index of the interface at the time of opening
+  std::vector<std::uint32_t> own_addresses_;  // addresses of this computer's interfaces
+  std::uint32_t dropped_ = 0;                 // the system's count of dropped messages at the last drop_others()
 };
 
 }  // namespace touchline::hal

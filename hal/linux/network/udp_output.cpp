@@ -15,7 +15,7 @@ Result<void> UdpOutput::open() {
       interface.imr_ifindex = static_cast<int>(index);
       TOUCHLINE_TRY(set_option(socket, IPPROTO_IP, IP_MULTICAST_IF, interface, name_, "choosing the interface"));
     }
-    // The leagues' networks are one segment; no router shall pass the packets on.
+    // Routers must not forward the packets, because a league's network is one segment.
     TOUCHLINE_TRY(set_option(socket, IPPROTO_IP, IP_MULTICAST_TTL, 1, name_, "setting the time to live"));
     TOUCHLINE_TRY(set_option(socket, IPPROTO_IP, IP_MULTICAST_LOOP, 1, name_, "allowing receivers on this computer"));
   } else {

@@ -7,7 +7,7 @@
 
 namespace touchline::hal {
 
-/// Sends datagrams to an address or a multicast group. A receiver that is missing is no error.
+/// Sends datagrams to an address or a multicast group. It is no error if there is no receiver.
 class UdpOutput final : public NetworkOutput {
  public:
   explicit UdpOutput(const NetworkAddress& address) : address_(address), name_(address.text()) {}

@@ -38,7 +38,7 @@ void UnixInput::accept_clients() {
   for (Descriptor socket = listener_.accept(); socket.is_open(); socket = listener_.accept()) {
     const auto free =
         std::find_if(clients_.begin(), clients_.end(), [](const Client& c) { return !c.socket.is_open(); });
-    if (free == clients_.end() || !watch(poll_, socket.get())) continue;  // closes the connection
+    if (free == clients_.end() || !watch(poll_, socket.get())) continue;  // leaving the scope closes the connection
     *free = {std::move(socket), {}, false};
   }
 }
@@ -69,7 +69,7 @@ void UnixInput::read_from(Client& client) {
   } while (size < 0 && errno == EINTR);
   const bool is_gone = size == 0 || (size < 0 && errno != EAGAIN);
   client.received.resize(before + static_cast<std::size_t>(std::max<ssize_t>(size, 0)));
-  // Complete lines that arrived before the end are still handed out.
+  // Complete lines that arrived before the end are still delivered.
   const bool has_line =
       std::find(client.received.begin(), client.received.end(), std::byte{'\n'}) != client.received.end();
   if (is_gone && !has_line) client.socket.reset();

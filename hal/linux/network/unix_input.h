@@ -21,15 +21,15 @@ class UnixInput final : public NetworkInput {
   void close() override;
 
  private:
-  // A few programs on one computer; more are refused.
+  // Enough for some programs on one computer; further connections are refused.
   static constexpr std::size_t kMaxClients = 8;
-  // A command for each robot of a team has below 2 KB.
+  // Enough for a line of commands for a whole team, which has less than 2 KB.
   static constexpr std::size_t kMaxLineBytes = 8192;
 
   struct Client {
     Descriptor socket;
-    std::vector<std::byte> received;  // not yet handed out, at most kMaxLineBytes
-    bool too_long = false;            // the line has more bytes, which are skipped
+    std::vector<std::byte> received;  // bytes not yet delivered, at most kMaxLineBytes
+    bool too_long = false;            // the line is longer, and its further bytes are skipped
   };
   void accept_clients();
   void read_from(Client& client);
@@ -39,7 +39,7 @@ class UnixInput final : public NetworkInput {
   UnixListener listener_;
   Descriptor poll_;  // epoll of the listener and the clients
   std::array<Client, kMaxClients> clients_;
-  std::size_t next_client_ = 0;  // in turn, so that none can keep the others waiting
+  std::size_t next_client_ = 0;  // clients take turns, so that none can keep the others waiting
 };
 
 }  // namespace touchline::hal

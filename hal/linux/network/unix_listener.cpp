@@ -12,7 +12,7 @@ namespace touchline::hal {
 namespace {
 
 constexpr int kSocketType = SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC;
-// Limit of connections that wait to be accepted: programs that connect between two frames.
+// Limit of connections that wait to be accepted, for programs that connect between two frames.
 constexpr int kWaitingConnections = 8;
 
 sockaddr_un address_of(const std::string& path) {
@@ -28,7 +28,7 @@ bool is_served(const sockaddr_un& address) {
   return connected == 0 || errno != ECONNREFUSED;
 }
 
-// Removes the socket of a dead process.
+// Removes the socket that a dead process has left.
 Result<void> remove_stale(const std::string& path, const sockaddr_un& address) {
   struct stat status {};
   if (::lstat(path.c_str(), &status) != 0) return {};

@@ -7,7 +7,7 @@
 namespace touchline::hal {
 namespace {
 
-// Returns the number of bytes that the socket took; -1: the other side has gone.
+// Returns the number of bytes that the socket took; -1 if the other side has closed the connection.
 ssize_t send_some(const Descriptor& socket, std::span<const std::byte> bytes) {
   ssize_t sent = 0;
   do {
@@ -30,7 +30,7 @@ void UnixOutput::accept_clients() {
   for (Descriptor socket = listener_.accept(); socket.is_open(); socket = listener_.accept()) {
     const auto free =
         std::find_if(clients_.begin(), clients_.end(), [](const Client& c) { return !c.socket.is_open(); });
-    if (free == clients_.end()) continue;  // closes the connection
+    if (free == clients_.end()) continue;  // leaving the scope closes the connection
     free->socket = std::move(socket);
     free->unsent.clear();
   }

@@ -21,12 +21,12 @@ class UnixOutput final : public NetworkOutput {
   [[nodiscard]] std::uint64_t dropped() const override { return dropped_; }
 
  private:
-  // A few programs on one computer; more are refused.
+  // Enough for some programs on one computer; further connections are refused.
   static constexpr std::size_t kMaxClients = 8;
 
   struct Client {
     Descriptor socket;
-    std::vector<std::byte> unsent;  // rest of a message of which the socket took the beginning
+    std::vector<std::byte> unsent;  // rest of a message whose beginning was sent
   };
   void accept_clients();
   void send_to(Client& client, std::span<const std::byte> line);

@@ -21,14 +21,14 @@ namespace {
 
 // Bits on the line per byte: a start bit, eight data bits and a stop bit.
 constexpr double kBitsPerByte = 10.0;
-// The largest transmit FIFO of common UARTs. The kernel's count does not include its bytes, which matters if the line
-// is slower than its baud rate.
+// Size of the largest transmit FIFO of common UARTs. The kernel's count does not include its bytes, which matters if
+// the line is slower than its baud rate.
 constexpr std::size_t kFifoBytes = 64;
-// Receivers sample ten bits after one start edge, so sender and receiver may differ by about 5 % in total. Both have an
-// error.
+// Receivers sample ten bits after one start edge, so sender and receiver may differ by about 5 % in total. This is the
+// part for the sender, because receivers have an error, too.
 constexpr double kMaxBaudError = 0.02;
-// An adapter that sends nothing for this long has stalled, and reopening may help. The time is not shorter, because
-// reopening restarts many radios, and some need seconds to start.
+// An adapter that sends nothing for this long has stalled, and reopening may help. It is not shorter, because reopening
+// restarts many radios, and some need seconds to start.
 constexpr Duration kStallTimeout = std::chrono::seconds(5);
 // Poll interval of drain().
 constexpr Duration kDrainPeriod = std::chrono::milliseconds(1);
@@ -116,7 +116,7 @@ Result<void> SerialRadio::configure_port() {
       sp_set_stopbits(port_, 1) != SP_OK || sp_set_flowcontrol(port_, SP_FLOWCONTROL_NONE) != SP_OK) {
     return fail("setting 8N1 without flow control", sp_last_error_code());
   }
-  // Robots would take bytes that another program left in the buffers for a part of a packet.
+  // Flush the buffers: robots would mistake bytes of another program for a part of a packet.
   if (sp_flush(port_, SP_BUF_BOTH) != SP_OK) return fail("flushing the buffers", sp_last_error_code());
 
   return check_baud();
@@ -189,14 +189,15 @@ Result<Duration> SerialRadio::do_serve() {
 
 Result<std::size_t> SerialRadio::do_receive(std::span<std::byte> into) {
   TOUCHLINE_TRY(check_usable());
-  // An int, because the library returns counts that its enumeration does not contain.
+  // The type is int, because the library returns counts that its enumeration does not contain.
   const int received = sp_nonblocking_read(port_, into.data(), into.size());
   if (received < 0) return fail("receiving", sp_last_error_code());
   return static_cast<std::size_t>(received);
 }
 
 /// The kernel's count does not include bytes in the device: 16 to 64 in a UART, up to a thousand in a USB adapter,
-/// which at 9600 baud is a second of old packets. Therefore the time that written bytes need on the line also counts.
+/// which at 9600 baud is a second of old packets. Therefore written bytes also count as unsent for the time that they
+/// need on the line.
 Result<std::size_t> SerialRadio::unsent_bytes() {
   const int bytes = sp_output_waiting(port_);
   if (bytes < 0) return fail("reading the length of the output queue", sp_last_error_code());

@@ -61,10 +61,10 @@ class SerialRadio final : public Radio, private ByteLine {
   RadioSettings settings_;
   std::string description_;
   sp_port* port_ = nullptr;
-  int file_ = -1;              // file descriptor while the port is open
+  int file_ = -1;              // file descriptor of the port while it is open
   std::optional<Error> lost_;  // an error after which the port must be reopened
   PacketSlot slot_;
-  Duration byte_time_{1};   // of one byte at the baud rate
+  Duration byte_time_{1};   // time of one byte at the baud rate
   Instant line_free_at_{};  // time when all written bytes will be sent
   std::size_t in_driver_ = 0;
   Instant last_progress_{};  // time when the driver last accepted or sent a byte

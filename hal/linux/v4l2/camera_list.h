@@ -11,21 +11,22 @@ namespace touchline::hal {
 inline constexpr const char* kCameraLinks = "/dev/v4l/by-path";
 inline constexpr const char* kCameraIdLinks = "/dev/v4l/by-id";
 
-/// A video device that captures and streams, or that cannot be opened.
+/// A video device that captures and streams, or a video device that cannot be opened.
 struct CameraNode {
   std::string path;            // "/dev/video0"
-  std::string by_path, by_id;  // links to it, "" if there is none
+  std::string by_path, by_id;  // links to the device, "" if there is none
   int error = 0;               // errno of open(); then the rest is empty
   V4l2Identity identity;
 };
 
-/// All cameras, sorted by number. Opens every video device.
+/// Lists all cameras, sorted by number. Opens every video device.
 std::vector<CameraNode> list_cameras();
 
-/// "/dev/video0 (name, bus) = /dev/v4l/by-path/..., ..." of list_cameras(), or "none": for messages.
+/// Returns the list of list_cameras() as text for messages: "/dev/video0 (name, bus) = /dev/v4l/by-path/..., ..." or
+/// "none".
 std::string available_cameras();
 
-/// True if a board file names a camera by its number, which can change, instead of a link.
+/// Returns true if a board file names a camera by its number, which can change, instead of by a link.
 bool is_numbered_camera(const std::string& device);
 
 }  // namespace touchline::hal

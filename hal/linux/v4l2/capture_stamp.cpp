@@ -44,9 +44,9 @@ Instant CaptureStamp::middle_of_exposure(std::uint32_t flags, Instant stamp, Ins
   } else if (monotonic) {
     ++replaced_;
   }
-  // The filters need increasing times; a nanosecond is the smallest step.
+  // The filters need increasing times, so add the smallest step, a nanosecond.
   if (capture <= last_capture_) capture = last_capture_ + Duration(1);
-  // A frame with a time in the future would disable the stop on stale frames.
+  // Limit the time to now, because a frame from the future would disable the stop on stale frames.
   capture = std::min(capture, now);
   last_capture_ = capture;
   return capture;

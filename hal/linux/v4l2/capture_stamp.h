@@ -18,17 +18,18 @@ namespace touchline::hal {
 /// The result is never later than the time of dequeuing.
 class CaptureStamp {
  public:
-  /// `exposure` zero: unknown, no correction. Values outside 0 to 1 s are limited to this range.
+  /// `exposure` zero: the exposure is unknown, and there is no correction. Values outside 0 to 1 s are limited to this
+  /// range.
   void restart(Duration exposure);
-  /// Exposure time of the next frames. Any thread may call it.
+  /// Sets the exposure time of the next frames. Any thread may call it.
   void set_exposure(Duration exposure) { exposure_.store(exposure.count(), std::memory_order_relaxed); }
-  /// `flags`: of v4l2_buffer; `now`: the time of dequeuing.
+  /// `flags`: flags of v4l2_buffer; `now`: the time of dequeuing.
   Instant middle_of_exposure(std::uint32_t flags, Instant stamp, Instant now);
 
-  /// Number of stamps of the monotonic clock that were replaced since restart().
+  /// Returns the number of stamps of the monotonic clock that were replaced since restart().
   [[nodiscard]] std::uint64_t replaced() const { return replaced_; }
   [[nodiscard]] static bool is_monotonic(std::uint32_t flags);
-  /// The event whose time is stamped: "start of exposure", "end of frame" or "dequeuing".
+  /// Returns the event that the stamp marks: "start of exposure", "end of frame" or "dequeuing".
   [[nodiscard]] static const char* name_of(std::uint32_t flags);
 
  private:
@@ -42,9 +43,9 @@ class CaptureStamp {
 /// `hwtimestamps=1`: it then computes the start of exposure from the camera's own clock.
 bool uvc_computes_stamps(const std::string& parameter = "/sys/module/uvcvideo/parameters/hwtimestamps");
 
-/// Converts a stamp of CLOCK_MONOTONIC or CLOCK_BOOTTIME, which also runs during suspend, to CLOCK_MONOTONIC. Drivers
-/// differ from the documentation of libcamera in the clock. A stamp after `monotonic_now` must be from CLOCK_BOOTTIME,
-/// since no frame is from the future.
+/// Converts a stamp of CLOCK_MONOTONIC or CLOCK_BOOTTIME, which also runs during suspend, to CLOCK_MONOTONIC. The clock
+/// must be guessed, because drivers do not follow libcamera's documentation. A stamp after `monotonic_now` must be from
+/// CLOCK_BOOTTIME, since no frame is from the future.
 Instant monotonic_stamp(Instant stamp, Instant monotonic_now, Instant boottime_now);
 
 }  // namespace touchline::hal

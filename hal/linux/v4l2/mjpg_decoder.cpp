@@ -24,7 +24,8 @@ constexpr std::size_t kLibraryBytes = std::size_t{64} * 1024;
 
 constexpr std::size_t rounded_up(std::size_t bytes) { return (bytes + kAlignment - 1) / kAlignment * kAlignment; }
 
-// Rows of a component that the library decodes at a time: blocks of eight rows, of which JPEG allows four.
+// Largest number of rows of a component that the library decodes at a time: blocks of eight rows, of which JPEG allows
+// four.
 constexpr std::size_t kMaxRowsAtOnce = std::size_t{MAX_SAMP_FACTOR} * DCTSIZE;
 constexpr std::uint8_t kNoChroma = 128;
 constexpr PixelFormat kDecodedFormat = PixelFormat::kYuvj422p;
@@ -42,13 +43,13 @@ struct MjpgDecoder::Library {
   struct Component {
     std::uint8_t* plane = nullptr;
     std::size_t stride_bytes = 0;
-    std::size_t samples = 0;                                 // of a row of the plane
-    std::size_t pixels_per_sample = 1, rows_per_sample = 1;  // in the JPEG
-    std::size_t rows = DCTSIZE;                              // that the library decodes at a time
-    bool is_resampled = false;  // the plane has more or fewer samples in a row than the JPEG
+    std::size_t samples = 0;                                 // number of samples in a row of the plane
+    std::size_t pixels_per_sample = 1, rows_per_sample = 1;  // as stored in the JPEG
+    std::size_t rows = DCTSIZE;                              // rows that the library decodes at a time
+    bool is_resampled = false;  // the plane's rows have more or fewer samples than the JPEG's
 
     [[nodiscard]] std::uint8_t* row(std::size_t v) const { return plane + v * stride_bytes; }
-    /// Writes a row of the plane from a row of the JPEG, whose samples belong to one pixel or to four.
+    /// Writes a row of the plane from a row of the JPEG, in which a sample belongs to one pixel or to four.
     void resample(const std::uint8_t* from, std::size_t v, std::size_t pixels) const {
       std::uint8_t* const to = row(v);
       if (pixels_per_sample == 4) {
@@ -74,7 +75,7 @@ struct MjpgDecoder::Library {
   std::size_t size = 0, front = 0, back = 0;
   bool has_ended = false;  // the data ended before the EOI marker
   std::array<Component, kMaxPlanes> component;
-  // Rows of U and V that are resampled, and one for what is decoded below the last row of the picture.
+  // Rows of U and V before resampling, and a row for samples below the last row of the picture.
   std::vector<std::uint8_t> spare_rows;
 
   template <class Any>
@@ -107,7 +108,7 @@ struct MjpgDecoder::Library {
     return list;
   }
 
-  /// A picture without tables must use the standard ones, not those of the previous picture.
+  /// Resets the tables, because a picture without tables must use the standard ones, not those of the previous picture.
   void reset_tables() {
     std::fill(std::begin(jpeg.quant_tbl_ptrs), std::end(jpeg.quant_tbl_ptrs), nullptr);
     std::fill(std::begin(jpeg.dc_huff_tbl_ptrs), std::end(jpeg.dc_huff_tbl_ptrs), nullptr);
@@ -181,7 +182,7 @@ void MjpgDecoder::Library::install_memory_manager() {
   memory.free_pool = [](j_common_ptr any, int pool) {
     if (pool == JPOOL_IMAGE) of(any).back = of(any).size;
   };
-  // Arrays for the coefficients of a whole picture; decode() refuses pictures that need them.
+  // Do not allocate arrays for the coefficients of a whole picture; decode() rejects pictures that need them.
   memory.realize_virt_arrays = [](j_common_ptr) {};
   memory.request_virt_sarray = [](j_common_ptr any, int, boolean, JDIMENSION, JDIMENSION,
                                   JDIMENSION) -> jvirt_sarray_ptr { of(any).fail("needs the whole picture at once"); };
@@ -206,8 +207,8 @@ void MjpgDecoder::Library::read_header(std::span<const std::uint8_t> bytes) {
   if (!is_gray && (jpeg.jpeg_color_space != JCS_YCbCr || jpeg.num_components != 3)) fail("its colors are not YUV");
 }
 
-/// Fails if the JPEG has fewer luma samples than pixels, or if three pixels share a chroma sample. No camera sends
-/// that.
+/// Fails if the JPEG has fewer luma samples than pixels, or if three pixels share a chroma sample. No camera sends such
+/// pictures.
 void MjpgDecoder::Library::describe_components(const PictureLayout& layout, std::uint8_t* picture) {
   for (std::size_t c = 0; c < component.size(); ++c) {
     Component& out = component[c];
@@ -278,7 +279,7 @@ Result<void> MjpgDecoder::decode(std::span<const std::uint8_t> bytes, std::uint8
   library.describe_components(layout_, picture);
   jpeg.raw_data_out = TRUE;
   jpeg.out_color_space = jpeg.jpeg_color_space;
-  jpeg.dct_method = JDCT_ISLOW;  // the exact DCT; as fast as the others with vector instructions
+  jpeg.dct_method = JDCT_ISLOW;  // the exact DCT, which with vector instructions is as fast as the others
   jpeg.do_fancy_upsampling = FALSE;
   jpeg_start_decompress(&jpeg);
   library.decode_rows();

@@ -21,12 +21,13 @@ class MjpgDecoder {
   MjpgDecoder(const MjpgDecoder&) = delete;
   MjpgDecoder& operator=(const MjpgDecoder&) = delete;
 
-  /// Size of the pictures, in the range of a Frame.
+  /// Sets the size of the pictures, in the range of a Frame.
   void open(std::uint16_t width_px, std::uint16_t height_px);
-  /// Where decode() writes the planes of a picture. Rows are padded.
+  /// Returns the layout in which decode() writes the planes of a picture. Rows are padded.
   [[nodiscard]] const PictureLayout& layout() const { return layout_; }
-  /// Writes a picture of layout().bytes bytes. kCorruptFrame: truncated, damaged, of another size, or not a baseline
-  /// JPEG in YUV; then the content of `picture` is undefined, and the next picture may be good. Does not allocate.
+  /// Decodes into `picture`, which has layout().bytes bytes. kCorruptFrame: the JPEG is truncated, damaged, of another
+  /// size, or not a baseline JPEG in YUV; then the content of `picture` is undefined, and the next picture may be good.
+  /// Does not allocate.
   Result<void> decode(std::span<const std::uint8_t> jpeg, std::uint8_t* picture);
 
  private:

@@ -8,7 +8,7 @@
 
 namespace touchline::hal {
 
-/// Memory for decoded pictures, of which the caller borrows some at a time.
+/// Memory for decoded pictures; the caller borrows some slots at a time.
 class PictureSlots {
  public:
   /// Allocates all memory; all slots are free.

@@ -31,11 +31,11 @@ int V4l2Buffers::map(const V4l2Device& device, bool multi_planar, std::size_t pl
   request.count = static_cast<std::uint32_t>(std::min(count, kMax));
   request.type = capture_type(multi_planar_);
   request.memory = V4L2_MEMORY_MMAP;
-  request.flags = V4L2_MEMORY_FLAG_NON_COHERENT;  // ignored by drivers without this option
+  request.flags = V4L2_MEMORY_FLAG_NON_COHERENT;  // drivers without this option ignore it
   if (const int error = device.request(VIDIOC_REQBUFS, &request); error != 0) return error;
   const std::size_t actual = std::min<std::size_t>(request.count, kMax);
   while (count_ < actual) {
-    // Counted before mapping, so that unmap() also unmaps a partly mapped buffer.
+    // Count the buffer before mapping, so that unmap() also unmaps a partly mapped one.
     if (const int error = map_slot(device, count_++); error != 0) return error;
   }
   export_all(device);
@@ -62,7 +62,7 @@ int V4l2Buffers::map_slot(const V4l2Device& device, std::size_t index) {
   return 0;
 }
 
-/// Exports all planes of all buffers, or none, because users of a picture need all of its planes.
+/// Exports either all planes of all buffers or none, because users of a picture need all of its planes.
 void V4l2Buffers::export_all(const V4l2Device& device) {
   exported_ = true;
   for (std::size_t i = 0; i < count_ * planes_ && exported_; ++i) {
@@ -100,7 +100,7 @@ void V4l2Buffers::unmap(const V4l2Device& device) noexcept {
   v4l2_requestbuffers request{};
   request.type = capture_type(multi_planar_);
   request.memory = V4L2_MEMORY_MMAP;
-  // Fails if the device is gone; the kernel has then freed the buffers.
+  // This fails if the device has disappeared; the kernel has then freed the buffers.
   static_cast<void>(device.request(VIDIOC_REQBUFS, &request));
 }
 

@@ -45,19 +45,19 @@ class V4l2Buffers {
   [[nodiscard]] int queue(const V4l2Device& device, std::size_t index);
   /// Dequeues the oldest filled buffer. EAGAIN: none is filled.
   [[nodiscard]] int dequeue(const V4l2Device& device, Filled& filled);
-  /// Marks all buffers as not queued; to be called after VIDIOC_STREAMOFF.
+  /// Marks all buffers as not queued; call it after VIDIOC_STREAMOFF.
   void forget_queue();
   [[nodiscard]] std::size_t queued() const;
 
-  /// To be called before and after the processor reads a buffer.
+  /// Call these before and after the processor reads a buffer.
   [[nodiscard]] int begin_read(std::size_t index) const;
   [[nodiscard]] int end_read(std::size_t index) const;
 
   [[nodiscard]] std::size_t size(std::size_t index, std::size_t plane) const { return slots_[index].size[plane]; }
-  /// One per memory plane; -1: not exported.
+  /// Returns a descriptor per memory plane; -1: not exported.
   [[nodiscard]] const DmaBufs& dma_bufs(std::size_t index) const { return slots_[index].dma_bufs; }
   [[nodiscard]] bool exported() const { return exported_; }
-  /// The flags of v4l2_buffer from the mapping: they contain the type of the time stamps.
+  /// Returns the flags of v4l2_buffer from the time of mapping, which contain the type of the time stamps.
   [[nodiscard]] std::uint32_t flags() const { return flags_; }
 
  private:

@@ -56,7 +56,7 @@ Result<void> V4l2Camera::open_device() {
 Result<void> V4l2Camera::open_file() {
   int error = ENOENT;
   if (!link_.empty()) error = device_.open(link_);
-  // In another socket the camera has another link; the number in the settings then applies.
+  // In another socket the camera has another link, so the number in the settings is used.
   opened_by_number_ = open_error(error) == ErrorCode::kNotFound;
   if (opened_by_number_) error = device_.open(settings_.device);
   if (error == 0) return {};
@@ -237,8 +237,8 @@ Result<FrameLease> V4l2Camera::do_wait(Instant deadline) {
   return timed_out();
 }
 
-/// Requeues all waiting frames except the newest good one. Called if the caller is permanently slower than the camera:
-/// each frame would otherwise be late by as many frames as there are buffers.
+/// Requeues all waiting frames except the newest good one. It is called if the caller is permanently slower than the
+/// camera, because each frame would otherwise be late by as many frames as there are buffers.
 int V4l2Camera::skip_to_newest(V4l2Buffers::Filled& oldest) {
   V4l2Buffers::Filled newer;
   for (std::size_t i = 1; i < buffers_.count(); ++i) {
@@ -294,7 +294,7 @@ Result<FrameLease> V4l2Camera::deliver(const V4l2Buffers::Filled& filled) {
 
 /// Decodes a JPEG frame. The driver gets its buffer back before the picture is returned.
 Result<FrameLease> V4l2Camera::decode(const V4l2Buffers::Filled& filled, Frame& frame) {
-  const std::size_t slot = decoded_.take().value_or(0);  // wait() has checked that one is free
+  const std::size_t slot = decoded_.take().value_or(0);  // wait() has checked that a slot is free
   frame.stride_bytes = decoder_.layout().stride_bytes;
   for (std::size_t i = 0; i < info_of(frame.format).planes; ++i) {
     frame.plane[i] = decoded_.bytes(slot) + decoder_.layout().offset_bytes[i];
@@ -336,7 +336,7 @@ Result<std::string> V4l2Camera::do_adjust(const CameraSettings& settings) {
   if (!device_.is_open()) return std::string();
   ErrorText text;
   stamps_.set_exposure(check_exposure(change_controls(device_, before, settings_, text), text));
-  // If the camera went away, messages about missing controls would be wrong.
+  // Check this first, because messages about missing controls would be wrong if the camera has disappeared.
   if (V4l2Identity same; device_.identify(same) == ENODEV)
     text.set("the camera went away; the values are set when it is reopened");
   return text.empty() ? std::string() : std::string(name()) + ": " + text.str();
@@ -345,7 +345,7 @@ Result<std::string> V4l2Camera::do_adjust(const CameraSettings& settings) {
 void V4l2Camera::do_stop() {
   if (!streaming_) return;
   std::uint32_t type = capture_type(identity_.multi_planar);
-  static_cast<void>(device_.request(VIDIOC_STREAMOFF, &type));  // fails only if the device is gone
+  static_cast<void>(device_.request(VIDIOC_STREAMOFF, &type));  // fails only if the device has disappeared
   buffers_.forget_queue();
   streaming_ = false;
 }

@@ -18,7 +18,7 @@
 namespace touchline::hal {
 
 struct V4l2Counters {
-  std::uint64_t frames = 0;  // returned by wait()
+  std::uint64_t frames = 0;  // frames returned by wait()
   std::uint64_t lost = 0;    // gaps in the driver's sequence numbers
   std::uint64_t corrupt = 0, short_frames = 0;
 };
@@ -28,7 +28,7 @@ struct V4l2Counters {
 /// as there are buffers, and lends these.
 ///
 /// wait() returns kTimeout, kShortFrame, kCorruptFrame (the next frame may be good), kDisconnected and kIo (reopen the
-/// camera). If all buffers are lent, no frame can arrive, and wait() times out with a message about that. If the
+/// camera). If all buffers are lent, no frame can arrive, and wait() times out with a message that says so. If the
 /// caller is too slow for longer than the buffers last (for example while a small board decodes large MJPG pictures),
 /// wait() returns the newest frame instead of the oldest.
 ///
@@ -45,7 +45,7 @@ class V4l2Camera final : public Camera {
 
   [[nodiscard]] const CameraInfo& info() const override { return info_; }
 
-  /// Since start().
+  /// Returns the counts since start().
   [[nodiscard]] const V4l2Counters& counters() const { return counters_; }
   [[nodiscard]] const CaptureStamp& stamps() const { return stamps_; }
 
@@ -82,8 +82,8 @@ class V4l2Camera final : public Camera {
   std::mutex changing_;  // guards the controls in settings_ and opening and closing; not needed by wait()
   V4l2Device device_;
   V4l2Identity identity_;
-  std::string link_;               // to the device, if the settings name it by its number
-  bool opened_by_number_ = false;  // the device was opened by its number, not by link_
+  std::string link_;               // link to the device, if the settings name it by its number
+  bool opened_by_number_ = false;  // whether the device was opened by its number, not by link_
   V4l2Buffers buffers_;
   V4l2Picture picture_;
   MjpgDecoder decoder_;
@@ -94,7 +94,7 @@ class V4l2Camera final : public Camera {
   ErrorText negotiated_;  // differences from the settings
   std::size_t negotiated_before_controls_ = 0;
   bool streaming_ = false;
-  bool stamps_first_packet_ = false;  // overrides the flags of the buffers
+  bool stamps_first_packet_ = false;  // the driver stamps the first packet, whatever the flags of the buffers say
   std::optional<Error> lost_;         // an error after which the camera must be reopened
   FrameCounter sequence_;
   std::size_t behind_ = 0;  // number of consecutive calls of wait() for which a frame was already waiting

@@ -41,7 +41,8 @@ const char* key_of(std::uint32_t id) {
 
 bool is_number(const v4l2_queryctrl& query) {
   const std::uint32_t type = query.type;
-  if (type == V4L2_CTRL_TYPE_INTEGER64) return (query.flags & V4L2_CTRL_FLAG_HAS_PAYLOAD) == 0;  // not an array
+  // A 64-bit value, but not an array.
+  if (type == V4L2_CTRL_TYPE_INTEGER64) return (query.flags & V4L2_CTRL_FLAG_HAS_PAYLOAD) == 0;
   return type == V4L2_CTRL_TYPE_INTEGER || type == V4L2_CTRL_TYPE_BOOLEAN || type == V4L2_CTRL_TYPE_MENU ||
          type == V4L2_CTRL_TYPE_INTEGER_MENU || type == V4L2_CTRL_TYPE_BITMASK;
 }
@@ -53,7 +54,7 @@ void list_menu(const V4l2Device& device, std::uint32_t type, V4l2ControlState& c
     v4l2_querymenu item{};
     item.id = control.id;
     item.index = static_cast<std::uint32_t>(i);
-    if (device.request(VIDIOC_QUERYMENU, &item) != 0) continue;  // gaps are allowed
+    if (device.request(VIDIOC_QUERYMENU, &item) != 0) continue;  // menus may have gaps
     control.menu.emplace_back(
         i, type == V4L2_CTRL_TYPE_MENU ? reinterpret_cast<const char*>(item.name) : std::to_string(item.value));
   }

@@ -13,12 +13,12 @@ namespace touchline::hal {
 struct V4l2ControlState {
   std::uint32_t id = 0;
   std::string name;
-  std::string key;  // key of the board file that sets it, "": none
+  std::string key;  // key of the board file that sets the control, "": none
   std::int64_t low = 0, high = 0, step = 1, default_value = 0, value = 0;
   bool readable = true;  // false: `value` is unknown
   bool read_only = false;
-  bool inactive = false;  // has no effect because of another control, such as automatic exposure
-  std::vector<std::pair<std::int64_t, std::string>> menu;  // names of its values
+  bool inactive = false;  // the control has no effect because of another one, such as automatic exposure
+  std::vector<std::pair<std::int64_t, std::string>> menu;  // values and their names
 };
 
 /// Returns all controls with integer values, including menus and switches, in the order of the driver.

@@ -89,7 +89,7 @@ void switch_off(const ControlledCamera& camera, std::uint32_t id, const char* na
   switch_off(camera, id, 0, 0, name, setting);
 }
 
-/// Sets `setting.value`, divided by `unit`, and reads it back; false if the camera has no such control.
+/// Sets `setting.value`, divided by `unit`, and reads it back; returns false if the camera has no such control.
 bool set_value(const ControlledCamera& camera, std::uint32_t id, int unit, const Setting& setting) {
   Control control;
   if (!find(camera.device, id, control)) return false;
@@ -153,7 +153,7 @@ void fix_gain(const ControlledCamera& camera, int gain) {
 }
 
 /// For a camera without color temperature: sets the red and blue gains to the driver's defaults, so that the tint does
-/// not depend on what automatic white balance left behind. False: the camera has no such gains.
+/// not depend on what automatic white balance left behind. Returns false if the camera has no such gains.
 bool set_gains(const ControlledCamera& camera, const Setting& setting) {
   Control red, blue;
   if (!find(camera.device, V4L2_CID_RED_BALANCE, red) || !find(camera.device, V4L2_CID_BLUE_BALANCE, blue))
@@ -191,7 +191,7 @@ void fix_power_line(const V4l2Device& device, PowerLine power_line, ErrorText& n
                                : V4L2_CID_POWER_LINE_FREQUENCY_DISABLED;
   Control control;
   const bool has_control = find(device, V4L2_CID_POWER_LINE_FREQUENCY, control);
-  if (!has_control && hz == 0) return;  // no control means no filter, as requested
+  if (!has_control && hz == 0) return;  // a camera without this control has no filter, as requested
   int actual = value;
   const int error = has_control ? set(device, V4L2_CID_POWER_LINE_FREQUENCY, value) : EINVAL;
   if (error == 0 && get(device, V4L2_CID_POWER_LINE_FREQUENCY, actual) == 0 && actual == value) return;
@@ -204,8 +204,8 @@ void fix_power_line(const V4l2Device& device, PowerLine power_line, ErrorText& n
                                         : "the driver kept another value");
 }
 
-/// One flip mirrors the picture, both turn it by 180 degrees, which is as good as none. A camera keeps these controls
-/// over restarts, and no picture of an empty field shows them.
+/// Reports a mirrored picture: one flip mirrors it, whereas both rotate it by 180 degrees, which does no harm. A camera
+/// keeps these controls over restarts, and no picture of an empty field shows them.
 void report_mirror(const V4l2Device& device, ErrorText& negotiated) {
   int horizontal = 0, vertical = 0;
   if (get(device, V4L2_CID_HFLIP, horizontal) != 0) horizontal = 0;
@@ -233,7 +233,7 @@ Duration current_exposure(const V4l2Device& device) {
 }
 
 Duration apply(const ControlledCamera& camera, const CameraSettings& requested) {
-  // The flicker filter comes first: it limits the exposure times that some cameras accept.
+  // The flicker filter comes first, because it limits the exposure times that some cameras accept.
   if (requested.power_line != PowerLine::kLeave) fix_power_line(camera.device, requested.power_line, camera.negotiated);
   if (requested.exposure_us > 0 || requested.exposure_steps != kExposureStepsUnset) fix_exposure(camera, requested);
   if (requested.gain > 0) fix_gain(camera, requested.gain);

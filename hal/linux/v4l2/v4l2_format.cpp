@@ -14,7 +14,7 @@
 namespace touchline::hal {
 namespace {
 
-/// The fields of a format that V4L2's single-planar and multi-planar interfaces share.
+/// Fields of a format that V4L2's single-planar and multi-planar interfaces have in common.
 struct NegotiatedFormat {
   std::uint32_t fourcc = 0, width = 0, height = 0;
   std::uint32_t field = V4L2_FIELD_NONE;
@@ -23,7 +23,7 @@ struct NegotiatedFormat {
   std::array<std::uint32_t, kMaxPlanes> stride_bytes{};
 };
 
-/// Number of memory planes: all color planes share one, or each has its own.
+/// Returns the number of memory planes: all color planes share one, or each has its own.
 std::uint8_t memory_planes_of(CameraFormat format, std::uint32_t fourcc) {
   const PixelFormatInfo& info = info_of(pixel_format(format));
   return format != CameraFormat::kMjpg && fourcc == info.v4l2_planar ? info.planes : 1;
@@ -56,7 +56,7 @@ int set_format(const V4l2Device& device, bool multi_planar, std::uint32_t fourcc
   return error;
 }
 
-/// The FourCCs of a format in the order in which they are tried.
+/// Returns the FourCCs of a format in the order in which they are tried.
 std::array<std::uint32_t, 2> codes_of(CameraFormat format, bool multi_planar) {
   if (format == CameraFormat::kMjpg) return {V4L2_PIX_FMT_MJPEG, V4L2_PIX_FMT_JPEG};
   const PixelFormatInfo& info = info_of(pixel_format(format));
@@ -143,7 +143,7 @@ double negotiate_rate(const V4l2Device& device, bool multi_planar, double reques
   v4l2_streamparm parameter{};
   parameter.type = capture_type(multi_planar);
   v4l2_fract& period = parameter.parm.capture.timeperframe;
-  period.numerator = 1000;  // rates such as 29.97 Hz need millihertz
+  period.numerator = 1000;  // in millihertz, for rates such as 29.97 Hz
   period.denominator = static_cast<std::uint32_t>(std::lround(requested_hz * 1000.0));
   // A driver without frame rates refuses the request or leaves zeros.
   if (device.request(VIDIOC_S_PARM, &parameter) != 0) return 0.0;

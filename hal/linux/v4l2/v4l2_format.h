@@ -17,11 +17,11 @@ struct V4l2Picture {
   CameraFormat format = CameraFormat::kYuyv;
   std::uint16_t width_px = 0, height_px = 0;
   bool multi_planar = false;
-  std::uint8_t planes = 1;                               // memory planes
-  std::array<std::uint32_t, kMaxPlanes> stride_bytes{};  // per color plane; 0 for JPEG
-  std::array<std::uint32_t, kMaxPlanes> needed_bytes{};  // per memory plane; a frame with fewer bytes is short
-  bool interlaced = false;                               // the two fields are half a frame apart in time
-  bool full_range = false;                               // of YUV: black is luma 0 instead of 16
+  std::uint8_t planes = 1;                               // number of memory planes
+  std::array<std::uint32_t, kMaxPlanes> stride_bytes{};  // for each color plane; 0 for JPEG
+  std::array<std::uint32_t, kMaxPlanes> needed_bytes{};  // for each memory plane; a frame with fewer bytes is short
+  bool interlaced = false;                               // the frame has two fields, half a frame apart in time
+  bool full_range = false;                               // for YUV: black is luma 0 instead of 16
 };
 
 /// Sets format and size; formats with several color planes may use one memory plane or several. kUnsupported: the

@@ -39,7 +39,7 @@ Json patch_pixel(const ArenaParameters& parameters, const Lens& lens, const Plac
   return pixel_of(lens, robot.x_m + at.x, robot.y_m + at.y, parameters.robot_height_m);
 }
 
-// Points of the empty field that a person can identify.
+// Returns points of the empty field that a person can identify.
 struct NamedPoint {
   const char* what;
   double x_m, y_m;
@@ -61,7 +61,7 @@ std::vector<NamedPoint> named_field_points(const hal::mock::ArenaField& field) {
   return marks;
 }
 
-// Rounds to half a pixel, about the best precision of a click with the mouse.
+// Rounds to half a pixel, which is about the best precision of a mouse click.
 double clicked(double pixel) { return rounded(pixel, 2.0); }
 
 }  // namespace

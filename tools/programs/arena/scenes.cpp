@@ -23,7 +23,7 @@ class Placer {
   Placer(const ArenaParameters& parameters, std::uint64_t seed)
       : parameters_(parameters), random_(seed, kSceneStream) {}
 
-  /// False if at least one object found no room.
+  /// Returns false if at least one object found no room.
   [[nodiscard]] bool found_room() const { return found_room_; }
 
   Snapshot scattered() {

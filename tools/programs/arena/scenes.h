@@ -16,7 +16,7 @@ enum class SceneKind : std::uint8_t { kEmpty, kGrey, kSamples, kLayouts, kStatic
 struct SceneType {
   std::string_view name;
   SceneKind kind;
-  unsigned pictures;  // default number
+  unsigned pictures;  // default number of frames
   std::string_view help;
 };
 const std::vector<SceneType>& scene_types();
@@ -27,11 +27,11 @@ const SceneType* find_scene(std::string_view name);
 struct SceneFrame {
   hal::mock::Snapshot begin, end;
   double t_s = 0.0;
-  bool objects = true;  // false: only the field or paper
+  bool objects = true;  // false: only the field or paper is visible
 };
 
-/// Makes `count` frames of a scene (at least 1). Returns none if the field has no room for all objects. Poses are
-/// random and depend on `seed`; robots never overlap each other, the ball or the walls.
+/// Makes at least one frame, `count` frames, of a scene. Returns none if the field has no room for all objects. Poses
+/// are random and depend on `seed`; robots never overlap each other, the ball or the walls.
 std::vector<SceneFrame> make_scene(SceneKind kind, const hal::mock::ArenaParameters& parameters, double rate_hz,
                                    unsigned count, std::uint64_t seed);
 

@@ -10,7 +10,7 @@
 namespace touchline::devices {
 namespace {
 
-/// Appends a line; arguments as for printf.
+/// Appends a line; the arguments are as for printf.
 __attribute__((format(printf, 2, 3))) void line(std::string& text, const char* format, ...) {
   std::array<char, 1024> buffer{};
   std::va_list arguments;
@@ -52,7 +52,8 @@ std::string value_text(const hal::V4l2ControlState& control, std::int64_t value)
   return std::to_string(value);
 }
 
-/// The values of a menu. Menus of USB cameras have gaps, which are left out.
+/// Returns the values that a control can have. Menus of USB cameras have gaps; then only the existing values are
+/// listed.
 std::string range_text(const hal::V4l2ControlState& control) {
   const auto numbers = static_cast<std::size_t>(control.high - control.low) + 1;
   if (control.menu.empty() || control.menu.size() == numbers) {

@@ -12,7 +12,7 @@
 namespace touchline::devices {
 namespace {
 
-// Focal lengths for which lenses with C, CS and M12 mount are common.
+// Focal lengths in which lenses with C, CS and M12 mount are commonly sold.
 constexpr std::array kFocal_mm{2.8, 3.6, 4.0, 6.0, 8.0, 12.0, 16.0};
 
 struct Span {
@@ -24,7 +24,7 @@ Span span_of(const FieldParameters& field) {
           static_cast<double>(field.width_m) + 2.0 * kFieldMargin_m};
 }
 
-/// Meters of the plane per millimeter of the sensor.
+/// Returns the meters of the plane per millimeter of the sensor.
 double reduction(const FieldParameters& field, const SensorSize& sensor) {
   const Span span = span_of(field);
   return std::max(span.length_m / sensor.width_mm, span.width_m / sensor.height_mm);

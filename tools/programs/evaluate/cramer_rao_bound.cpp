@@ -17,7 +17,7 @@
 namespace touchline::evaluate {
 namespace {
 
-// A variance estimated from two pictures would be too uncertain.
+// A variance estimated from fewer pictures would be too uncertain.
 constexpr std::size_t kMinPictures = 3;
 
 // Poses and patch centers of one robot in all results.
@@ -25,12 +25,12 @@ struct StaticRobot {
   std::size_t team = 0;
   std::vector<Vector2> position_m;
   std::vector<double> theta_rad;
-  std::vector<Vector2> center_px;  // of each patch, sums
+  std::vector<Vector2> center_px;  // sum of the centers of each patch
 };
 
 PixelPoint as_pixel(Vector2 point) { return {static_cast<float>(point.x), static_cast<float>(point.y)}; }
 
-// The Jacobian d(field) / d(pixel), by central differences of half a pixel.
+// Returns the Jacobian d(field) / d(pixel), by central differences of half a pixel.
 Eigen::Matrix2d field_by_pixel(const CameraModel& camera, PixelPoint at, float height_m) {
   constexpr float kHalf = 0.5f;
   const FieldPoint right = camera.to_field({at.u_px + kHalf, at.v_px}, height_m);
@@ -43,7 +43,7 @@ Eigen::Matrix2d field_by_pixel(const CameraModel& camera, PixelPoint at, float h
   return field_by_px;
 }
 
-// Derivative of the pose of eq. (3) (x, y, heading) with respect to one coordinate of a patch center.
+// Returns the derivative of the pose of eq. (3) (x, y, heading) with respect to one coordinate of a patch center.
 Eigen::Vector3d pose_by(std::vector<Correspondence> points, std::size_t k, bool along_y) {
   constexpr float kStep = 1e-3f;
   float& coordinate = along_y ? points[k].seen.y_m : points[k].seen.x_m;
@@ -92,7 +92,7 @@ bool bound_of(const StaticPictures& pictures, const StaticRobot& robot, const Bo
   Eigen::Matrix3d pose = Eigen::Matrix3d::Zero();
   double squares_px = 0.0;
   for (std::size_t k = 0; k < patches; ++k) {
-    // Half the distance to the nearest patch: pixels closer to that patch belong to it.
+    // Half the distance to the nearest patch, because pixels closer to that patch belong to it.
     double radius = std::numeric_limits<double>::infinity();
     for (std::size_t other = 0; other < patches; ++other) {
       if (other == k) continue;

@@ -25,28 +25,29 @@ class StaticPictures {
   [[nodiscard]] std::size_t count() const { return pictures_.size(); }
   /// Estimates the noise. Call once after the last add().
   ///
-  /// The variance of each channel is a function of its mean value, pooled over all pixels of a similar value: from
-  /// twelve pictures, the variance of a single pixel is known only to 40 %. It is at least that of rounding, 1/12.
+  /// The variance of each channel is estimated as a function of its mean value, pooled over all pixels of a similar
+  /// value, because twelve pictures give the variance of a single pixel only to 40 %. It is at least the variance of
+  /// rounding, 1/12.
   ///
-  /// Behind a Bayer pattern, two thirds of the values are interpolated from the others and say nothing new. They have
-  /// less noise, which tells where each color was measured; then only the measured values count.
+  /// Behind a Bayer pattern, two thirds of the values are interpolated from the others and carry no information. They
+  /// have less noise, which reveals the pixels where each color was measured; only those values are used.
   ///
-  /// The noise of values that count may still be correlated, as after JPEG, or where pixels share chroma. Edges are
-  /// long, so the spectral density of the noise at low frequencies counts: the sum of its correlations with the
-  /// neighbors.
+  /// The noise of the values used may still be correlated, for example after JPEG, or where pixels share chroma.
+  /// Because edges are long, the spectral density of the noise at low frequencies matters: the sum of its correlations
+  /// with the neighbors.
   void estimate_noise();
-  /// True if a Bayer pattern was found.
+  /// Returns true if a Bayer pattern was found.
   [[nodiscard]] bool is_bayer() const { return step_ == 2; }
-  /// Ratio of this spectral density to that of independent noise, mean of the channels.
+  /// Ratio of this spectral density to that of independent noise, averaged over the channels.
   [[nodiscard]] double correlation() const { return density_.trace() / 3.0; }
 
-  /// Fisher information (1 / px^2) about a small shift of the image content within `radius_px` of a point: the sum over
-  /// values of g g' / variance, where g is the gradient of the mean picture. The noise that remains in the mean is
+  /// Fisher information (1 / px^2) about a small shift of the image content within `radius_px` of a point: the sum of g
+  /// g' / variance over all values, where g is the gradient of the mean picture. The noise left in the mean is
   /// subtracted from the squared gradient.
   ///
-  /// A difference between values at the distance h is less steep than the edge between them: the information of an edge
-  /// with a Gaussian blur of the variance s^2 is proportional to (s^2 + h^2 / 12)^(-1/2). Two distances, h and 2 h,
-  /// give that of h = 0.
+  /// A difference between values at the distance h underestimates the steepness of the edge: the information of an edge
+  /// with a Gaussian blur of variance s^2 is proportional to (s^2 + h^2 / 12)^(-1/2). Two distances, h and 2 h, are
+  /// therefore extrapolated to h = 0.
   struct FisherInformation {
     double uu = 0.0, uv = 0.0, vv = 0.0;
   };
@@ -69,38 +70,38 @@ class StaticPictures {
   void find_bayer_pattern();
   void estimate_variance();
   void estimate_correlation();
-  // Mean product of the noise at pixels this far apart, relative to the standard deviations.
+  // Mean product of the noise of two pixels at this offset, relative to the standard deviations.
   [[nodiscard]] Channels correlation_at(std::ptrdiff_t du, std::ptrdiff_t dv) const;
   [[nodiscard]] FisherInformation information_at(Vector2 center_px, double radius_px, std::size_t distance) const;
 
-  std::size_t width_, height_, step_ = 1;  // step: distance of values of one color
+  std::size_t width_, height_, step_ = 1;  // step: distance between values of the same color
   std::vector<std::vector<std::uint8_t>> pictures_;
   std::vector<double> mean_, squares_;  // Welford's algorithm
   std::array<std::array<double, kLevels>, 3> variance_{};
-  std::array<std::array<bool, 4>, 3> measured_{};  // by the pixel's place in a square of 2 x 2
+  std::array<std::array<bool, 4>, 3> measured_{};  // by the pixel's position in a square of 2 x 2
   Channels density_ = Channels::Identity();
-  // Of noise between a pixel and its neighbors at the distance of one and two steps, along u and v.
+  // Correlation of the noise of a pixel with its neighbors at one and two steps, along u and v.
   std::array<std::array<Channels, 2>, kReach> neighbors_{};
 };
 
-/// Smallest standard deviations of any unbiased estimator for one stationary robot, and the measured ones.
+/// Smallest standard deviations that an unbiased estimator can have for one stationary robot, and the measured ones.
 struct PoseBound {
   std::string name;
   double center_px = 0.0;                            // bound of the patch centers, RMS over the patches
   double position_m = 0.0, angle_rad = 0.0;          // bound of the pose
-  double position_rms_m = 0.0, angle_rms_rad = 0.0;  // measured, of the sightings about their mean, divisor N - 1
+  double position_rms_m = 0.0, angle_rms_rad = 0.0;  // measured standard deviations of the sightings, divisor N - 1
 };
 
 /// Camera model, marker layouts and names of both teams.
 struct BoundInputs {
   CameraModel camera;
   std::array<MarkerLayout, 2> layouts;
-  std::array<std::string, 2> teams;  // names in the results
+  std::array<std::string, 2> teams;  // names of the teams in the results
 };
 
 /// Reads the pictures of the results from `folder` and computes the bound of each robot that has an id, a heading and
-/// all of its patches in every result. kOutOfRange: fewer than three results. kNotFound: no such robot. kInconsistent:
-/// a picture has another size or more than 8 bits. Other codes: a picture cannot be read.
+/// all of its patches in every result. kOutOfRange: there are fewer than three results. kNotFound: there is no such
+/// robot. kInconsistent: a picture has another size or more than 8 bits. Other codes: a picture cannot be read.
 Result<std::vector<PoseBound>> cramer_rao_bounds(const std::vector<FrameRecord>& results, const std::string& folder,
                                                  const BoundInputs& inputs);
 

@@ -12,8 +12,8 @@ struct Match {
   double distance = 0.0;
 };
 
-/// Pairs the entries of two lists greedily, nearest pair first. Each entry is used at most once. `distance(i, j)` gives
-/// the distance of two entries; pairs farther apart than `within` are not matched.
+/// Pairs the entries of two lists greedily, nearest pair first. Each entry is used at most once. `distance(i, j)`
+/// returns the distance of two entries; pairs farther apart than `within` are not matched.
 template <class Distance>
 std::vector<Match> match_greedily(std::size_t firsts, std::size_t seconds, double within, Distance&& distance) {
   std::vector<Match> candidates, matches;

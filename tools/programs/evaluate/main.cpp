@@ -77,7 +77,7 @@ Result<BoundInputs> bound_inputs(const Options& options) {
 Result<void> add_bounds(const Options& options, std::string& json) {
   if (options.pictures.empty()) return {};
   TOUCHLINE_TRY_ASSIGN(const BoundInputs inputs, bound_inputs(options));
-  // With the names of the team file, independent of --name.
+  // The names are those of the team file, independent of --name.
   TOUCHLINE_TRY_ASSIGN(const std::vector<FrameRecord> results, read_result(options.files.back(), {}));
   TOUCHLINE_TRY_ASSIGN(const std::vector<PoseBound> bounds, cramer_rao_bounds(results, options.pictures, inputs));
   std::cout << '\n';
@@ -140,9 +140,9 @@ Result<void> compare_with_pictures(const Options& options, const NameMap& names)
   return write_json(options.json, to_json(reports, options.tolerance));
 }
 
-// Plays a game in the arena and compares tracks and sightings with its truth.
+// Plays a game in the arena and compares tracks and sightings with its ground truth.
 Result<void> play_game(const Options& options) {
-  constexpr double kSettled_s = 0.5;  // tracks are confirmed, and robots drive
+  constexpr double kSettled_s = 0.5;  // time until tracks are confirmed and robots drive
   if (!options.files.empty()) {
     return failure(ErrorCode::kOutOfRange, "--game plays a game of its own and reads no results");
   }

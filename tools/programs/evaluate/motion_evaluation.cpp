@@ -18,14 +18,14 @@ using hal::mock::Snapshot;
 constexpr Duration kStep = std::chrono::milliseconds(1);
 // Velocities are differences over 2 ms.
 constexpr Duration kMargin = 2 * kStep;
-// Slower than this stands; the arena's robots at about 1 m/s.
+// Below the first speed a robot counts as standing; the arena's robots drive at about 1 m/s.
 constexpr double kRest_mps = 0.02, kFast_mps = 0.8, kFastest_mps = 1.3;
-// Change of velocity in a millisecond. Tires change it by 0.008 m/s at most.
+// Change of velocity within a millisecond that counts as an impact. Tires change it by 0.008 m/s at most.
 constexpr double kImpact_mps = 0.3;
-// Nothing moves faster. Beyond it, the referee placed the ball.
+// Nothing moves faster than this. A larger step means that the referee has placed the ball.
 constexpr double kJump_mps = 10.0;
 constexpr double kNearWall_m = 0.06;
-// The ball that the referee placed counts after this time.
+// A ball that the referee has placed is evaluated again after this time.
 constexpr double kPlaced_s = 0.5;
 constexpr std::size_t kFramesAfterImpact = 3;
 // Names of the rows, in the order of MotionEvaluation's samples.
@@ -73,7 +73,7 @@ struct ImpactSamples {
   std::array<std::size_t, kFramesAfterImpact> lost{};
 };
 
-// Squared errors of a position relative to its covariance, divided by two degrees of freedom.
+// Returns the squared error of a position relative to its covariance, divided by the two degrees of freedom.
 double normalized(Vector2 error, double xx, double xy, double yy) {
   const double determinant = xx * yy - xy * xy;
   return 0.5 * (yy * error.x * error.x - 2.0 * xy * error.x * error.y + xx * error.y * error.y) / determinant;
@@ -175,7 +175,7 @@ class MotionEvaluation {
     if (track.innovation2 >= 0.0f) row.nis.push_back(static_cast<double>(track.innovation2) / 3.0);
   }
 
-  // True if the ball was placed elsewhere shortly before, as after a goal.
+  // Returns true if the ball was placed elsewhere shortly before, as after a goal.
   [[nodiscard]] bool was_placed(const GameFrame& frame) const {
     return ball_placed_ && seconds(frame.capture_time - *ball_placed_) <= kPlaced_s;
   }
@@ -232,7 +232,8 @@ class MotionEvaluation {
     velocities_[2].tracked.push_back(norm(to_vector(frame.tracks.ball.velocity) - rolls));
   }
 
-  // True if the velocity of an object changes suddenly between two frames. `of`: its placement in a snapshot.
+  // Returns true if the velocity of an object changes suddenly between two frames. `of` gets the object's placement
+  // from a snapshot.
   template <class Of>
   bool has_impact(std::size_t frame, Of of) const {
     const Instant end = game_.frames()[frame].capture_time;
@@ -251,7 +252,7 @@ class MotionEvaluation {
     return changed;
   }
 
-  // True if an object was placed elsewhere between two frames.
+  // Returns true if an object was placed elsewhere between two frames.
   template <class Of>
   bool has_jump(std::size_t frame, Of of) const {
     const Instant end = game_.frames()[frame].capture_time;
@@ -261,7 +262,7 @@ class MotionEvaluation {
     return false;
   }
 
-  // Follows every impact before frame k for some frames without another one.
+  // Evaluates some frames after each impact before frame k, until the next impact.
   void add_impacts(std::size_t k) {
     for (std::size_t i = 0; i < now_.robots.size(); ++i) {
       const auto of = [i](const Snapshot& s) { return s.robots[i]; };

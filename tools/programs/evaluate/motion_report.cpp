@@ -19,13 +19,13 @@ void write_line(std::ostream& out, const char* format, Values... values) {
   out << text << '\n';
 }
 
-// An error in the table's unit; "-" without errors.
+// Returns an error in the table's unit; "-" without errors.
 std::string text_of(const statistics::ErrorSummary& e, double value, double unit) {
   return e.count == 0 ? "-" : formatted("%.3f", value * unit);
 }
 std::string rms_text(const statistics::ErrorSummary& e, double unit) { return text_of(e, e.rms, unit); }
 
-// A mean of squares, which is 0 only without values.
+// Returns a mean of squares; 0 means that there are no values.
 std::string mean_text(double mean) { return mean > 0.0 ? formatted("%.2f", mean) : "-"; }
 MotionJson json_of_mean(double mean) { return mean > 0.0 ? MotionJson(mean) : MotionJson(); }
 

@@ -30,8 +30,8 @@ Colors colors_of(const std::vector<PatchRecord>& patches) {
   return colors;
 }
 
-// A result lists the patches that fell into their color boxes. What a robot's others have to be, sightings of the same
-// id with as many patches as annotated tell.
+// A result lists only the patches that fell into their color boxes. The colors of a robot's other patches are taken
+// from sightings of the same id that have as many patches as annotated.
 std::optional<Colors> colors_of_id(const RobotRecord& robot, std::size_t patches,
                                    const std::vector<FrameRecord>& results) {
   for (const FrameRecord& frame : results) {
@@ -65,7 +65,7 @@ void compare_identification(const AnnotatedPicture::Robot& truth, const RobotRec
   }
   bool id_is_right = colors_right == patches.size();
   if (id_is_right && colors_right < truth.identification.size()) {
-    // The id came from the pixels of the others.
+    // The id was read from the pixels of the other patches.
     const std::optional<Colors> expected = colors_of_id(found, truth.identification.size(), results);
     if (!expected.has_value()) {
       ++out.ids_not_judged;
@@ -77,7 +77,7 @@ void compare_identification(const AnnotatedPicture::Robot& truth, const RobotRec
   out.reliability.add_robot(found, id_is_right);
 }
 
-// Distance of the team patches; if none was annotated, of the nearest identification patches.
+// Returns the distance of the team patches; if none was annotated, of the nearest identification patches.
 double distance_px(const AnnotatedPicture::Robot& truth, const RobotRecord& seen, double most_px) {
   double nearest = most_px + 1.0;
   if (truth.team_px.has_value()) {
@@ -92,7 +92,8 @@ double distance_px(const AnnotatedPicture::Robot& truth, const RobotRecord& seen
   return nearest;
 }
 
-// Whether a report may be a robot of which no team patch was annotated: its own is beside an annotated patch.
+// Returns whether a report may belong to a robot without an annotated team patch, because the reported team patch is
+// beside an annotated patch.
 bool may_be(const AnnotatedPicture::Robot& truth, const RobotRecord& seen, double most_px) {
   const PatchRecord* patch = team_patch(seen);
   return !truth.team_px.has_value() && truth.team == seen.team && patch != nullptr &&
@@ -107,7 +108,7 @@ Result<PictureReport> evaluate_picture(const AnnotatedPicture& truth, const std:
                                        const PictureTolerance& tolerance) {
   PictureReport out;
   out.name = truth.name;
-  // The number of a picture depends on the replayed folder. Only the frame number of a video must match.
+  // The number of a picture depends on the replayed folder, so only the frame number of a video must match.
   const auto of_file =
       std::count_if(results.begin(), results.end(), [&truth](const FrameRecord& r) { return r.file == truth.file; });
   const auto frame = std::find_if(results.begin(), results.end(), [&](const FrameRecord& r) {
@@ -152,9 +153,9 @@ Result<PictureReport> evaluate_picture(const AnnotatedPicture& truth, const std:
     }
     compare_identification(expected, reported, results, tolerance, out, identification_errors);
   }
-  // Sightings of robots that are not judged do not count as ghosts.
+  // Sightings of robots that are not judged are no false positives.
   for (std::size_t i = 0; i < seen.robots.size(); ++i) {
-    // Patches of a robot touch or nearly: their centers are two tolerances apart, and somewhat more along a diagonal.
+    // Patches of a robot nearly touch: their centers are two tolerances apart, and somewhat more along a diagonal.
     const bool may_be_annotated =
         std::any_of(truth.robots.begin(), truth.robots.end(), [&](const AnnotatedPicture::Robot& robot) {
           return may_be(robot, seen.robots[i], 3.0 * tolerance.same_robot_px);

@@ -15,10 +15,10 @@ struct Errors {
   std::vector<double> position, angle, ball;
 };
 
-// Largest distance of a robot's center from a report without id, which may be that of its team patch.
+// Largest distance of a robot's center from a report without id, whose position may be that of its team patch.
 constexpr double kPatchOffset_m = 0.05;
 
-// True if the report says nothing wrong. `partner`: the robot of the truth that it was paired with, or null.
+// Returns true if nothing in the report is wrong. `partner`: the true robot that the report was paired with, or null.
 bool is_right(const RobotRecord& reported, const RobotRecord* partner, const SceneRecord& truth) {
   if (partner != nullptr) {
     return partner->team == reported.team && (!reported.id.has_value() || reported.id == partner->id);
@@ -81,7 +81,7 @@ bool names_are_unique(const std::vector<FrameRecord>& records) {
 }
 
 bool is_stationary(const std::vector<FrameRecord>& truth) {
-  constexpr std::size_t kMinFrames = 3;  // frames for a meaningful spread
+  constexpr std::size_t kMinFrames = 3;  // least number of frames for a meaningful spread
   const auto same = [](Vector2 p, Vector2 q) { return distance(p, q) < 1e-9; };
   const SceneRecord& first = truth.front().sightings;
   return truth.size() >= kMinFrames && std::all_of(truth.begin(), truth.end(), [&](const FrameRecord& record) {

@@ -80,7 +80,7 @@ Result<void> RecordedGame::play(double duration_s, bool record) {
   while (arena_->now() < end) {
     if (commands_) {
       ExternalCommands stamped = *commands_;
-      // A time in the future counts as the one at which the loop takes the command.
+      // A time in the future is treated as the time at which the loop takes the command.
       for (ExternalCommand& command : stamped) command.received = hal::MonotonicClock::read() + std::chrono::hours(1);
       mailbox_->put(stamped);
     }

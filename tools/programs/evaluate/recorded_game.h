@@ -12,7 +12,7 @@
 
 namespace touchline::evaluate {
 
-/// What the pipeline reported about one frame.
+/// Reports of the pipeline about one frame.
 struct GameFrame {
   Instant capture_time{};
   RobotSightings sightings;
@@ -20,34 +20,35 @@ struct GameFrame {
   Tracks tracks;
 };
 
-/// The arena's clock. It records the poses of all objects in every millisecond.
+/// Clock of the arena that records the poses of all objects every millisecond.
 class RecordingClock : public hal::Clock {
  public:
   explicit RecordingClock(hal::mock::Arena& arena) : arena_(arena) { truth_.push_back(arena.world().snapshot()); }
   [[nodiscard]] Instant now() const override { return arena_.now(); }
   void sleep_until(Instant instant) override;
 
-  /// True if the poses between `instant` - margin and `instant` + margin were recorded.
+  /// Returns true if the poses between `instant` - margin and `instant` + margin were recorded.
   [[nodiscard]] bool covers(Instant instant, Duration margin) const;
-  /// The poses at `instant`, interpolated linearly; covers(instant, 0) must be true.
+  /// Returns the poses at `instant`, interpolated linearly; covers(instant, 0) must be true.
   [[nodiscard]] hal::mock::Snapshot at(Instant instant) const;
 
  private:
   hal::mock::Arena& arena_;
-  std::vector<hal::mock::Snapshot> truth_;  // [k]: k milliseconds after the arena's beginning
+  std::vector<hal::mock::Snapshot> truth_;  // entry k: k milliseconds after the arena's start
 };
 
-/// A game on a board's arena, played by the real loop, and the truth about it. Large: do not put it on the stack.
+/// A game in a board's arena, played by the real loop, together with its ground truth. Large: do not put it on the
+/// stack.
 class RecordedGame {
  public:
   /// Errors of config::load(). kInconsistent: the board's camera or radio is not the arena.
   Result<void> load(const config::FilePaths& files, std::uint64_t seed);
-  /// Continues the game for `duration_s` and records its frames. Any error of the loop's devices.
+  /// Continues the game for `duration_s` and records its frames. Errors: any error of the loop's devices.
   Result<void> play(double duration_s) { return play(duration_s, true); }
-  /// The same without recording the frames: until tracks are confirmed and robots drive.
+  /// Continues the game without recording, for example until tracks are confirmed and robots drive.
   Result<void> skip(double duration_s) { return play(duration_s, false); }
-  /// Own robots that other programs drive, from now on until the next call; before the first call, and for robots that
-  /// `commands` does not list, the built-in play drives.
+  /// Sets the own robots that other programs drive until the next call. The built-in play drives all own robots before
+  /// the first call, and robots that `commands` does not list.
   void drive(const ExternalCommands& commands) { commands_ = commands; }
 
   [[nodiscard]] const config::Configuration& configuration() const { return *configuration_; }

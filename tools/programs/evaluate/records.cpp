@@ -68,7 +68,7 @@ class JsonReader {
     at(key).complain(at(key).path_ + " is not a pair of numbers");
     return {};
   }
-  /// nullopt if there is no such key.
+  /// Returns nullopt if there is no such key.
   [[nodiscard]] std::optional<double> probability(const char* key) const {
     if (!has(key)) return std::nullopt;
     const double value = number(key);
@@ -159,7 +159,7 @@ SceneRecord scene_of(const JsonReader& node, bool is_result, bool with_pixels, c
 Result<std::vector<FrameRecord>> read_truth(const std::string& path) {
   const auto read = [](const JsonReader& line) {
     FrameRecord record;
-    // Pictures are identified by their file, frames of a video by their number.
+    // Pictures are identified by their file, and frames of a video by their number.
     if (line.has("file") || !line.has("frame")) record.file = line.text("file");
     if (line.has("frame")) record.frame = line.integer("frame");
     if (line.has("t")) record.t_s = line.number("t");
@@ -190,7 +190,7 @@ Result<AnnotatedPicture> read_annotated(const std::string& path) {
   const JsonReader root(value, "", result);
   AnnotatedPicture out;
   out.name = std::filesystem::path(path).stem().string();
-  // "../folder/picture.png" or "../video.mp4 frame 270"
+  // such as "../folder/picture.png" or "../video.mp4 frame 270"
   std::string image = root.text("image");
   const std::string mark = " frame ";
   if (const std::size_t place = image.find(mark); place != std::string::npos) {

@@ -26,13 +26,13 @@ struct RobotRecord {
   Vector2 position_m;
   std::optional<double> theta_rad;
   std::vector<PatchRecord> patches;
-  std::optional<double> confidence = std::nullopt;  // of results that have one
+  std::optional<double> confidence = std::nullopt;  // only in results that have a confidence
 };
 
 struct BallRecord {
   Vector2 position_m;
   std::optional<Vector2> center_px;
-  std::optional<double> confidence = std::nullopt;  // of results that have one
+  std::optional<double> confidence = std::nullopt;  // only in results that have a confidence
 };
 
 struct SceneRecord {
@@ -44,8 +44,8 @@ struct FrameRecord {
   std::string file;
   std::int64_t frame = 0;
   double t_s = 0.0;
-  SceneRecord sightings;  // in a truth file: the truth
-  SceneRecord tracks;     // in a truth file: the same as `sightings`
+  SceneRecord sightings;  // in a truth file: the true scene
+  SceneRecord tracks;     // in a truth file: equal to `sightings`
 };
 
 /// A picture that was annotated by hand.
@@ -56,7 +56,7 @@ struct AnnotatedPicture {
   std::vector<Vector2> balls_px;
   struct Robot {
     std::string team;
-    std::optional<Vector2> team_px;  // empty: the annotator could not see it
+    std::optional<Vector2> team_px;  // empty: the annotator could not see the team patch
     std::vector<PatchRecord> identification;
   };
   std::vector<Robot> robots;

@@ -8,33 +8,34 @@
 
 namespace touchline::evaluate {
 
-/// How often reports with a certain confidence are right. A confidence is calibrated if nine in ten reports with 0.9
-/// are.
+/// Counts how often reports of a certain confidence are right. Confidence is calibrated if, for example, nine in ten
+/// reports with 0.9 are right.
 class Reliability {
  public:
   struct Bin {
-    double low = 0.0, high = 0.0;  // confidence, low <= c < high; the last bin includes 1
+    double low = 0.0, high = 0.0;  // range of confidence, low <= c < high; the last bin includes 1
     std::size_t count = 0, right = 0;
     double confidence_sum = 0.0;
   };
 
-  /// Confidence in [0, 1]; a report without one (nullopt) is not counted.
+  /// Adds a report with its confidence in [0, 1]; a report without one (nullopt) is not counted.
   void add(std::optional<double> confidence, bool right);
   void add(const Reliability& other);
 
   [[nodiscard]] std::size_t count() const;
-  /// Expected calibration error: mean over all reports of the difference, by bin, between mean confidence and share of
-  /// right reports (Guo et al. 2017, On Calibration of Modern Neural Networks, eq. 5). 0 without reports.
+  /// Returns the expected calibration error: the difference between mean confidence and share of right reports in each
+  /// bin, averaged over all reports (Guo et al. 2017, On Calibration of Modern Neural Networks, eq. 5). 0 without
+  /// reports.
   [[nodiscard]] double calibration_error() const;
   [[nodiscard]] const auto& bins() const { return bins_; }
 
  private:
-  // Narrow where most reports are: half of all errors are in the last tenth.
+  // Bins are narrow where most reports are: half of all errors are in the last tenth.
   std::array<Bin, 8> bins_{
       {{0.0, 0.5}, {0.5, 0.6}, {0.6, 0.7}, {0.7, 0.8}, {0.8, 0.9}, {0.9, 0.95}, {0.95, 0.99}, {0.99, 1.0}}};
 };
 
-/// Sightings or tracks.
+/// Reliability of a scene's sightings or tracks.
 struct ReliabilityOfScene {
   Reliability named, unnamed;  // robots with and without an id
   Reliability ball;
@@ -43,7 +44,7 @@ struct ReliabilityOfScene {
   void add_robot(const RobotRecord& robot, bool right) {
     (robot.id.has_value() ? named : unnamed).add(robot.confidence, right);
   }
-  /// All reports together.
+  /// Returns all reports together.
   [[nodiscard]] Reliability all() const;
 };
 

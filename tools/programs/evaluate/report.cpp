@@ -20,7 +20,7 @@ void line(std::ostream& out, const char* format, Values... values) {
   out << text << '\n';
 }
 
-// "118 (98.3 %)"; without percentage if `whole` is 0.
+// Returns text such as "118 (98.3 %)"; without percentage if `whole` is 0.
 std::string share(std::size_t part, std::size_t whole) {
   char text[64];
   if (whole == 0) {
@@ -67,7 +67,7 @@ ordered_json json_of(const ReliabilityOfScene& reliability) {
 }
 
 struct ReliabilitySource {
-  const char* name;  // sightings, tracks
+  const char* name;  // "sightings" or "tracks"
   const ReliabilityOfScene& reliability;
 };
 
@@ -76,13 +76,13 @@ std::string right_aligned(const std::string& text) {
   return std::string(kWidth - std::min(text.size(), kWidth), ' ') + text;
 }
 
-// One row for each confidence, with the share of its reports that are right.
+// Prints a row for each bin of confidence, with the share of its reports that are right.
 void print_reliability(const std::vector<ReliabilitySource>& sources, std::ostream& out) {
   std::string title, errors;
   std::vector<const Reliability*> columns;
   for (const auto& [name, reliability] : sources) {
     const Reliability all = reliability.all();
-    if (all.count() == 0) continue;  // results without confidences
+    if (all.count() == 0) continue;  // the results have no confidences
     for (const char* kind : {"id", "no id", "ball"}) title += right_aligned(name + std::string(", ") + kind);
     columns.insert(columns.end(), {&reliability.named, &reliability.unnamed, &reliability.ball});
     char text[64];

@@ -9,10 +9,10 @@ namespace {
 
 // Variance of a rounded value without other noise.
 constexpr double kRoundingVariance = 1.0 / 12.0;
-// Ratio of the variance of measured values to that of all values of their color: bilinear interpolation leaves less
-// than a half of it, plus the rounding. Without a pattern, it is 1 within a few percent.
+// Least ratio of the variance of measured values to that of all values of their color: bilinear interpolation leaves
+// less than half of the variance, plus the rounding. Without a Bayer pattern, the ratio is 1 within a few percent.
 constexpr double kMeasuredNoise = 1.25;
-// In a picture of more pixels, the noise of every third one of each row and column is compared with its neighbors'.
+// If a picture has more pixels, the noise is compared with the neighbors' only at every third pixel of every third row.
 constexpr std::size_t kAllPixels = 100000;
 
 }  // namespace
@@ -109,7 +109,7 @@ StaticPictures::Channels StaticPictures::correlation_at(std::ptrdiff_t du, std::
 
 void StaticPictures::estimate_correlation() {
   const auto step = static_cast<std::ptrdiff_t>(step_), reach = static_cast<std::ptrdiff_t>(kReach);
-  // The variance is that of each value by definition; correlations of colors are those at the same pixel.
+  // The variance is by definition that of a single value; correlations between colors are taken at the same pixel.
   Channels sum = correlation_at(0, 0);
   sum.diagonal().setOnes();
   const Channels own = sum;
@@ -151,8 +151,8 @@ StaticPictures::FisherInformation StaticPictures::information_at(Vector2 center_
         above[i] = scale * (here - mean(u, v - h, c));
         counts[i] = 1.0;
       }
-      // The mean of both one-sided squares preserves the height of a steep edge. The expectation of each includes the
-      // noise of the difference of two means.
+      // The mean of the two squared one-sided differences preserves the height of a steep edge. The expectation of each
+      // square includes the noise of the difference of two means.
       const auto noise = [&](std::size_t axis) {
         const Channels of_difference = 2.0 / n * per_px * per_px * neighbors_[distance - 1][axis];
         return (precision * counts.asDiagonal() * of_difference * counts.asDiagonal()).trace();

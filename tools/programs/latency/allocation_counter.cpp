@@ -4,8 +4,8 @@
 #include <cstddef>
 #include <cstdlib>
 
-// The GNU C library lets a program define malloc and related functions, and also provides its own ones with the prefix
-// __libc_. Sanitizers need their own allocator, so nothing is defined with them.
+// The GNU C library lets a program define malloc and related functions, and provides its own versions under names with
+// the prefix __libc_. Sanitizers need their own allocator, so nothing is defined with them.
 #if defined(__GLIBC__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 #define TOUCHLINE_COUNTS_ALLOCATIONS 1
 #if defined(__has_feature)

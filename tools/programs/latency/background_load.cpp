@@ -40,7 +40,7 @@ std::string BackgroundLoad::description() {
 }
 
 Result<void> BackgroundLoad::start(const std::string& program) {
-  // Everything that allocates is done before fork().
+  // Allocate everything before fork(), because the child must not allocate.
   std::error_code missing;
   const std::string folder = std::filesystem::temp_directory_path(missing).string();
   if (missing) {
@@ -60,7 +60,7 @@ Result<void> BackgroundLoad::start(const std::string& program) {
   const pid_t parent = getpid();
   process_ = fork();
   if (process_ == 0) {
-    // Its own process group: Ctrl-C must reach only this program, which then ends the load.
+    // Use a separate process group, so that Ctrl-C reaches only this program, which then ends the load.
     setpgid(0, 0);
     prctl(PR_SET_PDEATHSIG, SIGTERM);
     if (getppid() == parent) execvp(arguments[0], arguments.data());
@@ -94,7 +94,7 @@ bool BackgroundLoad::stop() {
   const pid_t process = process_;
   process_ = -1;
   if (has_ended(process, 0ms)) return false;
-  kill(process, SIGTERM);  // it ends its workers
+  kill(process, SIGTERM);  // stress-ng then ends its workers
   if (!has_ended(process, 5s)) {
     kill(-process, SIGKILL);
     waitpid(process, nullptr, 0);

@@ -58,7 +58,7 @@ class ClutterPainter {
   }
 
  private:
-  // Uniform in [low, high). (The standard's distributions differ between libraries.)
+  // Returns a uniform number in [low, high). (It avoids the standard distributions, which differ between libraries.)
   float between(float low, float high) {
     return low + (high - low) * static_cast<float>(random_() >> 8u) / 16777216.0f;
   }
@@ -94,7 +94,7 @@ class ClutterPainter {
     }
   }
 
-  // A turned rectangle, or a disk if `round`.
+  // Paints a rotated rectangle, or a disk if `round`.
   void paint_shape(PixelPoint center, float length, float width, float angle, bool round, const PixelValue& value) {
     const float c = std::cos(angle), s = std::sin(angle), reach = 0.5f * std::hypot(length, width) + 1.0f;
     const int left = static_cast<int>(center.u_px - reach), right = static_cast<int>(center.u_px + reach);
@@ -164,7 +164,8 @@ class ClutterPainter {
     const float height = marking.layout.height_m, factor = camera_.scale_px_per_m(at, height);
     const PixelPoint center = camera_.to_pixel(at, height);
     const PixelPoint ahead = camera_.to_pixel({at.x_m + 0.01f * c, at.y_m + 0.01f * s}, height);
-    // The picture of a field may be mirrored against the robot's frame; turned squares need no better.
+    // This is exact enough for rotated squares, although the picture of a field may be mirrored against the robot's
+    // frame.
     const float angle = std::atan2(ahead.v_px - center.v_px, ahead.u_px - center.u_px);
     paint_shape(center, place.length_m * factor, place.width_m * factor, angle, place.outline == PatchOutline::kCircle,
                 value);
@@ -179,7 +180,8 @@ class ClutterPainter {
     }
   }
 
-  // Mean of 2 * blur + 1 pixels in one direction; at the ends of lines also of pixels of the next line.
+  // Replaces each pixel by the mean of 2 * blur + 1 pixels in one direction; at the ends of lines, the mean includes
+  // pixels of the next line.
   void blur(int step) {
     const std::vector<PixelValue> sharp = picture_;
     const auto count = static_cast<int>(sharp.size());

@@ -14,7 +14,7 @@
 namespace touchline::latency {
 namespace {
 
-// The line of `read_console`; "" if it has ended.
+// Returns the next line of `read_console`; "" if it has ended.
 std::string line_from(int descriptor) {
   std::string line;
   for (char c = 0; ::read(descriptor, &c, 1) == 1 && c != '\n';) line += c;
@@ -34,7 +34,7 @@ Result<void> ConsoleClients::attach(Session& session, SnapshotRing& snapshots) {
       console::ConsolePlan plan,
       console::plan_console(configuration.board.console, configuration.board_where,
                             {.is_requested = true, .is_for_network = false, .address = "127.0.0.1:0"}));
-  // A setup program belongs to the firmware that may run beside this.
+  // Do not connect a setup program, because it belongs to a firmware that may run at the same time.
   plan.setup_socket.clear();
   console_ = std::make_unique<console::Console>(std::move(plan));
   console_->attach(session, snapshots);
@@ -62,7 +62,7 @@ Result<void> ConsoleClients::start_reader() {
   ::posix_spawn_file_actions_init(&descriptors);
   ::posix_spawn_file_actions_adddup2(&descriptors, in[0], STDIN_FILENO);
   ::posix_spawn_file_actions_adddup2(&descriptors, out[1], STDOUT_FILENO);
-  // Its own process group: Ctrl-C must reach only this program, which then ends the clients.
+  // Use a separate process group, so that Ctrl-C reaches only this program, which then ends the clients.
   ::posix_spawnattr_init(&attributes);
   ::posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
   std::array<std::string, 5> words{"touchline-latency", "--read-console", std::to_string(console_->port()),
@@ -88,7 +88,7 @@ ConsoleTraffic ConsoleClients::stop() {
   end_reader();
   unsigned long long states = 0, pictures = 0, bytes = 0;
   double elapsed_s = 0.0;
-  // As read_console() writes it.
+  // This is the format in which read_console() writes.
   if (std::sscanf(line.c_str(), "%llu states, %llu pictures, %llu bytes, %lf s", &states, &pictures, &bytes,
                   &elapsed_s) != 4) {
     return traffic;
@@ -106,7 +106,7 @@ void ConsoleClients::end() {
 }
 
 void ConsoleClients::end_reader() {
-  // The process ends when its standard input does.
+  // The process ends when its standard input is closed.
   close_pipe_end(to_reader_);
   close_pipe_end(from_reader_);
   if (reader_ > 0) ::waitpid(reader_, nullptr, 0);

@@ -11,7 +11,7 @@
 
 namespace touchline::latency {
 
-/// Serves the console during a measurement as `touchline run` does, at a free port, and lets clients read it from a
+/// Serves the console during a measurement as `touchline run` does, at a free port, with clients that read it from a
 /// process of their own.
 class ConsoleClients {
  public:
@@ -20,14 +20,15 @@ class ConsoleClients {
   ConsoleClients(const ConsoleClients&) = delete;
   ConsoleClients& operator=(const ConsoleClients&) = delete;
 
-  /// Before Session::open(). `snapshots`: the session's ring. kOutOfRange: the board file's [console] is wrong.
+  /// Call it before Session::open(). `snapshots`: the session's ring. kOutOfRange: the board file's [console] is wrong.
   Result<void> attach(Session& session, SnapshotRing& snapshots);
-  /// After Session::open() and before the loop's thread gets its real-time priority: serves, and connects the clients.
-  /// kIo: the console or the clients' process cannot be started, or the console refused a client.
+  /// Starts to serve, and connects the clients. Call it after Session::open() and before the loop's thread gets its
+  /// real-time priority. kIo: the console or the clients' process cannot be started, or the console refused a client.
   Result<void> start(Session& session);
   /// Disconnects the clients.
   ConsoleTraffic stop();
-  /// Ends clients and console. Call it before the session and its ring are destroyed: the console's thread reads them.
+  /// Ends clients and console. Call it before the session and its ring are destroyed, because the console's thread
+  /// reads them.
   void end();
 
  private:

@@ -22,7 +22,7 @@ namespace touchline::latency {
 namespace {
 
 constexpr std::string_view kWatch = R"({"type":"watch","state_hz":60,"picture":{"rate_hz":60}})";
-// Of a picture's message (docs/console-protocol.md).
+// Offset of the number, and size of the header, in a picture's message (docs/console-protocol.md).
 constexpr std::size_t kNumberOffset = 16, kPictureHeader = 32;
 // Opcodes of RFC 6455.
 constexpr unsigned kText = 1, kBinary = 2, kClose = 8, kPing = 9, kPong = 10;
@@ -53,16 +53,16 @@ class ConsoleClient {
     const int at_once = 1;
     ::setsockopt(socket_, IPPROTO_TCP, TCP_NODELAY, &at_once, sizeof at_once);
     if (::connect(socket_, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0) return false;
-    // The key is any 16 bytes; this client trusts the server's answer to it.
+    // The key can be any 16 bytes; this client does not check the server's answer to it.
     return send_bytes(
         "GET /ws HTTP/1.1\r\nHost: 127.0.0.1\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
         "Sec-WebSocket-Key: dG91Y2hsaW5lLWxhdGVuY3k=\r\nSec-WebSocket-Version: 13\r\n"
         "Sec-WebSocket-Protocol: touchline.1\r\n\r\n");
   }
   [[nodiscard]] int socket() const { return socket_; }
-  /// Whether the server has greeted.
+  /// Returns whether the server has sent its greeting.
   [[nodiscard]] bool is_ready() const { return is_ready_; }
-  /// Reads what has arrived. False: the connection has ended.
+  /// Reads the bytes that have arrived. Returns false if the connection has ended.
   [[nodiscard]] bool receive(ConsoleTraffic& traffic) {
     const std::size_t before = received_.size();
     received_.resize(before + kReadBytes);
@@ -84,7 +84,7 @@ class ConsoleClient {
   }
 
  private:
-  // Header and content; 0: the header is not complete. A server's frames have no mask.
+  // Returns the number of bytes of header and content; 0 if the header is not complete. A server's frames have no mask.
   static std::size_t frame_bytes(std::string_view bytes) {
     if (bytes.size() < 2) return 0;
     const std::size_t header = header_bytes(bytes);
@@ -113,14 +113,14 @@ class ConsoleClient {
         number = number << 8 | static_cast<unsigned char>(content[kNumberOffset + i - 1]);
       return send_frame(kText, R"({"type":"seen","number":)" + std::to_string(number) + "}");
     }
-    // Nothing is asked that has an answer, unless the watch was refused.
+    // This client asks nothing that has an answer, so an answer means that the watch was refused.
     if (content.starts_with(R"({"type":"answer")")) return false;
     if (content.starts_with(R"({"type":"state")")) ++traffic.states;
     is_ready_ = is_ready_ || content.starts_with(R"({"type":"hello")");
     return true;
   }
 
-  // Of less than 126 bytes. A client's frames have a mask, here of zeros.
+  // Sends a frame of less than 126 bytes. A client's frames need a mask; it consists of zeros here.
   [[nodiscard]] bool send_frame(unsigned opcode, std::string_view content) const {
     std::string frame{static_cast<char>(0x80U | opcode), static_cast<char>(0x80U | content.size())};
     frame.append(4, '\0').append(content);

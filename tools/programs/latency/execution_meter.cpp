@@ -14,7 +14,7 @@
 namespace touchline::latency {
 namespace {
 
-// The stage clock is a plain function, so it finds the meter here.
+// The stage clock is a plain function, so it finds the meter through this variable.
 constinit thread_local ExecutionMeter* current = nullptr;
 
 // The pipeline reads the clock at the beginning and at the end of each stage.
@@ -30,7 +30,7 @@ ExecutionMeter::~ExecutionMeter() {
 
 Duration ExecutionMeter::processor_time() {
   std::timespec time{};
-  ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);  // cannot fail
+  ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);  // this call cannot fail
   return std::chrono::seconds(time.tv_sec) + std::chrono::nanoseconds(time.tv_nsec);
 }
 
@@ -39,7 +39,7 @@ Instant ExecutionMeter::read() {
   if (meter == nullptr || meter->borders_ >= kBorders) return hal::MonotonicClock::read();
   const std::size_t border = meter->borders_++;
   if (border % 2 == 0) {
-    // The processor time at the end of the previous stage is also that at the beginning of this one.
+    // The processor time at the end of the previous stage is also the time at the beginning of this stage.
     const Instant now = hal::MonotonicClock::read();
     if (border == 0) meter->last_ = processor_time();
     if (border == kMarkerBegin && meter->intrusion_) meter->intrusion_(meter->frames_);
@@ -77,7 +77,7 @@ void ExecutionMeter::end_frame() {
   ++frames_;
 }
 
-// The second number of schedstat: nanoseconds on a run queue.
+// Returns the second number of schedstat: nanoseconds on a run queue.
 Duration ExecutionMeter::ready_time() const {
   std::array<char, 96> text{};
   const ssize_t size = schedule_file_ >= 0 ? ::pread(schedule_file_, text.data(), text.size(), 0) : -1;

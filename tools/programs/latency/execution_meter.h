@@ -11,18 +11,18 @@
 
 namespace touchline::latency {
 
-/// What the loop's thread did between a frame's arrival and its packet.
+/// Activity of the loop's thread between a frame's arrival and its packet.
 struct FrameExecution {
-  // Processor time, measured with CLOCK_THREAD_CPUTIME_ID: the stages, and everything else.
+  // Processor time, measured with CLOCK_THREAD_CPUTIME_ID: in the stages, and in everything else.
   std::array<Duration, kStageCount> stages{};
   Duration others{};
   ThreadUsage usage;
-  // Time in which the thread was ready to run but had no processor: since the previous packet, and during this frame.
-  // Zero if the kernel does not count it.
+  // Time in which the thread was ready to run but had no processor: between the previous packet and this frame, and
+  // during this frame. Zero if the kernel does not count it.
   Duration ready_before{}, ready_during{};
 };
 
-/// Measures FrameExecution with the calls of a LoopObserver and of the pipeline's stage clock. Never allocates after
+/// Measures FrameExecution from the calls of a LoopObserver and of the pipeline's stage clock. Never allocates after
 /// construction. Each reading costs a system call (reading_cost()).
 class ExecutionMeter {
  public:
@@ -31,19 +31,20 @@ class ExecutionMeter {
   ExecutionMeter(const ExecutionMeter&) = delete;
   ExecutionMeter& operator=(const ExecutionMeter&) = delete;
 
-  /// Stage clock for Pipeline::configure: CLOCK_MONOTONIC. Inside of a frame, it also notes the processor time for the
+  /// Stage clock for Pipeline::configure: CLOCK_MONOTONIC. During a frame, it also stores the processor time in the
   /// meter whose begin_frame() this thread called last.
   static Instant read();
   void begin_frame();
   void end_frame();
   [[nodiscard]] const FrameExecution& frame() const { return frame_; }
 
-  /// Called in the marker stage of each frame with the number of frames before it; tests and --plant delay it there.
+  /// Sets a function that is called in the marker stage of each frame with the number of frames before it; tests and
+  /// --plant use it to delay the stage.
   void set_intrusion(std::function<void(std::uint64_t frame)> intrusion) { intrusion_ = std::move(intrusion); }
 
-  /// Processor time of this thread.
+  /// Returns the processor time of this thread.
   [[nodiscard]] static Duration processor_time();
-  /// Median time of a reading of the processor time; there are kReadings of them in a frame.
+  /// Returns the median time of a reading of the processor time; there are kReadings of them in a frame.
   [[nodiscard]] static Duration reading_cost();
   static constexpr std::size_t kReadings = kStageCount + 2;
 

@@ -20,7 +20,7 @@ constexpr double kLeft = 66.0, kRight = 16.0, kTop = 30.0, kBottom = 50.0, kGap 
 constexpr double kTextSize = 13.0;
 constexpr CanvasColor kInk{0.13, 0.13, 0.13}, kMinor{0.93, 0.93, 0.93}, kMajor{0.82, 0.82, 0.82},
     kDeadline{0.70, 0.0, 0.10};
-// The color-blind-safe palette of Okabe and Ito (2008) without its yellow, which is invisible on white.
+// Color-blind-safe palette of Okabe and Ito (2008) without its yellow, which is invisible on white.
 constexpr std::array<CanvasColor, kPartCount> kColors{{{0.00, 0.45, 0.70},
                                                        {0.90, 0.62, 0.00},
                                                        {0.00, 0.62, 0.45},
@@ -96,7 +96,7 @@ Axes axes_for(std::span<const Panel> panels, double deadline_s) {
       }
     }
   }
-  axes.top_count *= 1.8;  // room for the label of the deadline
+  axes.top_count *= 1.8;  // space for the label of the deadline
   if (deadline_s > 0.0) last = std::max(last, LogHistogram::bin_of(from_seconds(deadline_s)));
   axes.first_decade =
       LogHistogram::kFirstDecade + static_cast<int>(std::min(first, last)) / LogHistogram::kBinsPerDecade;
@@ -250,7 +250,7 @@ std::string histogram_svg(std::span<const NamedReport> reports) {
 }
 
 std::string histogram_png(std::span<const NamedReport> reports) {
-  constexpr int kScale = 2;  // for print
+  constexpr int kScale = 2;  // factor for printing
   std::string png;
   const replay::SurfacePtr surface(cairo_image_surface_create(CAIRO_FORMAT_RGB24, kScale * kWidth, kScale * kHeight));
   const replay::ContextPtr context(cairo_create(surface.get()));

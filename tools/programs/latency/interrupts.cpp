@@ -11,7 +11,7 @@
 namespace touchline::latency {
 namespace {
 
-// Numbers of the processors in the columns of the head line: "CPU0       CPU1".
+// Returns the numbers of the processors in the columns of the head line: "CPU0       CPU1".
 std::vector<std::size_t> columns_of(const std::string& head) {
   std::vector<std::size_t> columns;
   std::istringstream words(head);
@@ -28,7 +28,7 @@ std::string trimmed(const std::string& text) {
   return out;
 }
 
-// "  36:  0  1845082  PCI-MSIX-0000:00:02.0   1-edge      virtio1-req.0" is "virtio1-req.0 (36)".
+// Returns "virtio1-req.0 (36)" for the line "  36:  0  1845082  PCI-MSIX-0000:00:02.0   1-edge      virtio1-req.0".
 std::string name_of(const std::string& label, const std::string& rest) {
   const bool is_device = !label.empty() && label.find_first_not_of("0123456789") == std::string::npos;
   const std::string text = trimmed(rest);
@@ -37,7 +37,7 @@ std::string name_of(const std::string& label, const std::string& rest) {
   return device == std::string::npos ? label : text.substr(device + 1) + " (" + label + ")";
 }
 
-// The processor's own count of system management interrupts (Intel: MSR_SMI_COUNT).
+// Returns the processor's own count of system management interrupts (Intel: MSR_SMI_COUNT).
 std::optional<std::uint64_t> read_management_count(const std::string& root, std::size_t processor) {
   const int file = ::open((root + "/dev/cpu/" + std::to_string(processor) + "/msr").c_str(), O_RDONLY | O_CLOEXEC);
   if (file < 0) return std::nullopt;
@@ -46,7 +46,7 @@ std::optional<std::uint64_t> read_management_count(const std::string& root, std:
   const bool is_read = ::pread(file, &value, sizeof value, kRegister) == sizeof value;
   ::close(file);
   if (!is_read) return std::nullopt;
-  return value & 0xffffffffU;  // the rest is reserved
+  return value & 0xffffffffU;  // the other bits are reserved
 }
 
 }  // namespace

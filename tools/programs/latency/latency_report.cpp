@@ -47,7 +47,7 @@ Span most_delayed_span(const LatencyReport& report, const SpanTimes& times) {
   const auto excess = [&](std::size_t i) { return times[i] - report.spans[i].p50; };
   for (std::size_t i = 1; i < kPartCount; ++i) {
     const bool more = excess(i) > excess(found);
-    // With a single frame, all parts equal their medians; then the longest part wins.
+    // With a single frame, all parts equal their medians; then the longest part is chosen.
     if (more || (excess(i) == excess(found) && times[i] > times[found])) found = i;
   }
   return static_cast<Span>(found);
@@ -69,7 +69,7 @@ Span longest_wait(const FrameWaits& waits) {
 
 namespace {
 
-// What else is known about the most delayed part, such as "marker executed 0.2 ms and waited 12 ms".
+// Returns further facts about the most delayed part, such as "marker executed 0.2 ms and waited 12 ms".
 std::string explanation(const LatencyReport& report, const WorstFrame& frame, Span part) {
   const auto index = static_cast<std::size_t>(part);
   const Duration excess = frame.times[index] - report.spans[index].p50;
@@ -78,7 +78,7 @@ std::string explanation(const LatencyReport& report, const WorstFrame& frame, Sp
   };
   if (part == Span::kCamera) {
     return 2 * frame.waits.ready_before > excess && excess > Duration::zero()
-               // In the arena, rendering waits too, which no span contains.
+               // In the arena, rendering also waits, and this waiting is in no span.
                ? ": " + without_processor(std::min(frame.waits.ready_before, frame.times[index]))
                : "";
   }

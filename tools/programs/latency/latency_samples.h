@@ -21,7 +21,7 @@ struct TimeInterval {
 
 struct LatencySummary {
   Duration p50{}, p90{}, p99{}, p99_9{}, max{};
-  // 95 % intervals (statistics::BlockBootstrap); empty with too few frames.
+  // 95 % confidence intervals (statistics::BlockBootstrap); empty if there are too few frames.
   std::optional<TimeInterval> p50_interval, p99_interval, p99_9_interval;
 
   template <class Self, class Visitor>
@@ -41,7 +41,7 @@ struct LatencySummary {
 class LatencySamples {
  public:
   explicit LatencySamples(std::size_t capacity) : samples_(capacity) {}
-  /// Never allocates. Ignores the duration if the capacity is reached.
+  /// Never allocates. Ignores the duration if the memory is full.
   void add(Duration duration) {
     if (count_ < samples_.size()) samples_[count_++] = duration;
   }
@@ -49,7 +49,7 @@ class LatencySamples {
   [[nodiscard]] Duration operator[](std::size_t i) const { return samples_[i]; }
   /// Computes nearest-rank percentiles and their intervals; all zero without samples.
   [[nodiscard]] LatencySummary summarize() const;
-  /// Number of samples longer than `limit`.
+  /// Returns the number of samples longer than `limit`.
   [[nodiscard]] std::uint64_t longer_than(Duration limit) const;
 
  private:

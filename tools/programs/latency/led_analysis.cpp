@@ -11,13 +11,13 @@
 namespace touchline::latency {
 namespace {
 
-// A frame near an edge: its stamp after the edge, and how much of the change it shows (0 to 1).
+// A frame near an edge: its time stamp relative to the edge, and the share of the change that it shows (0 to 1).
 struct Transition {
   double after_s = 0.0, share = 0.0;
 };
 
-// Where the share crosses one half: between the latest frames that show less and the earliest that show more, which
-// overlap because of noise; hence the place with the fewest frames on the wrong side.
+// Time at which the share crosses one half. Because of noise, late frames that show less and early frames that show
+// more overlap; the crossing is placed where the fewest frames are on the wrong side.
 struct Crossing {
   double after_s = 0.0, half_width_s = 0.0;
 };
@@ -25,7 +25,7 @@ std::optional<Crossing> crossing(std::vector<Transition> frames) {
   std::sort(frames.begin(), frames.end(),
             [](const Transition& a, const Transition& b) { return a.after_s < b.after_s; });
   const auto is_changed = [](const Transition& frame) { return frame.share >= 0.5; };
-  // If the crossing were before all frames, those that are unchanged would be on the wrong side.
+  // Begin with a crossing before all frames: then the unchanged frames are on the wrong side.
   auto wrong = std::count_if(frames.begin(), frames.end(), [&](const Transition& frame) { return !is_changed(frame); });
   auto best = wrong;
   double first = 0.0, last = 0.0;
@@ -43,7 +43,8 @@ std::optional<Crossing> crossing(std::vector<Transition> frames) {
   return Crossing{0.5 * (first + last), 0.5 * (last - first)};
 }
 
-// Median brightness of the frames that are two periods away from all edges and follow one of this kind.
+// Returns the median brightness of the frames that are two periods away from all edges and whose last edge was of this
+// kind.
 std::optional<double> level_after(bool on, std::span<const LedFrame> frames, std::span<const LedEdge> edges,
                                   Duration period) {
   std::vector<double> levels;

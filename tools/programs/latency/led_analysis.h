@@ -10,38 +10,39 @@
 
 namespace touchline::latency {
 
-/// Disc in which the LED is seen.
+/// Disc of the picture in which the LED is seen.
 struct LedPlace {
   double u_px = 0.0, v_px = 0.0, radius_px = 3.0;
 };
 
-/// Reads "600,30" or "600,30,5" (pixels). Returns what is wrong; "" if nothing is.
+/// Reads "600,30" or "600,30,5" (pixels). Returns the error; "" if there is none.
 std::string parse_led_place(const std::string& text, LedPlace& place);
 
-/// A change of the line. All times are of the loop's clock.
+/// A change of the LED's line. Here and below, times are on the loop's clock.
 struct LedEdge {
   Instant time{};
   bool on = false;
-  Duration uncertainty{};  // the edge was at most this long before or after
+  Duration uncertainty{};  // largest possible error of `time`, in both directions
 };
 
-/// What a frame shows.
+/// Data of one frame.
 struct LedFrame {
-  Instant captured{}, sent{};  // the driver's stamp; when the radio accepted the frame's packet
+  Instant captured{}, sent{};  // the driver's time stamp; time at which the radio accepted the frame's packet
   double level = 0.0;          // brightness, 0 to 255
 };
 
 /// Comparison of the LED in the picture with the edges of its line.
 struct LedReport {
-  std::string refusal;          // why there is no result; empty: there is one
-  std::uint64_t edges = 0;      // that were seen
-  std::uint64_t uncertain = 0;  // not used, because their time is uncertain by more than kLargestUncertainty
+  std::string refusal;          // reason why there is no result; empty: there is one
+  std::uint64_t edges = 0;      // edges that were seen
+  std::uint64_t uncertain = 0;  // edges not used, because their time is uncertain by more than kLargestUncertainty
   double off_level = 0.0, on_level = 0.0;
-  LatencySummary light_to_packet;       // from the edge until the packet of the first frame that shows it by half
-  LatencySummary capture_to_packet;     // of the same frames
-  std::uint64_t partial = 0;            // edges that were within an exposure
-  std::optional<Duration> stamp_error;  // the driver's stamp minus the middle of the exposure
-  Duration stamp_resolution{};          // its error is about as large
+  // From the edge until the packet of the first frame that shows at least half of the change.
+  LatencySummary light_to_packet;
+  LatencySummary capture_to_packet;     // for the same frames
+  std::uint64_t partial = 0;            // edges that fell into an exposure
+  std::optional<Duration> stamp_error;  // the driver's time stamp minus the middle of the exposure
+  Duration stamp_resolution{};          // approximate error of stamp_error
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
@@ -60,8 +61,9 @@ struct LedReport {
 
 inline constexpr Duration kLargestUncertainty = std::chrono::microseconds(300);
 
-/// Frames and edges in the order of time. The stamp's error is where the brightness crosses the middle between off and
-/// on; the mean of rising and falling edges, so that the camera's tone curve has no effect.
+/// `frames` and `edges` must be in the order of time. The error of the stamps follows from the time at which the
+/// brightness crosses the middle between off and on. It is the mean of rising and falling edges, so that the camera's
+/// tone curve has no effect.
 LedReport analyze_led(std::span<const LedFrame> frames, std::span<const LedEdge> edges, Duration period);
 
 }  // namespace touchline::latency

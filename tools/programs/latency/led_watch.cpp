@@ -28,7 +28,7 @@ void LedBlinker::run(Duration period, const std::stop_token& stop) {
   std::uniform_real_distribution<double> periods(10.0, 11.0);
   for (bool on = true; !stop.stop_requested(); on = !on) {
     const Instant due = clock_->now() + from_seconds(periods(random) * seconds(period));
-    // The arena's clock may stand still meanwhile.
+    // In the arena, the clock may stand still in between.
     while (clock_->now() < due && !stop.stop_requested()) clock_->sleep_until(due);
     const std::scoped_lock lock(mutex_);
     const Instant before = clock_->now();
@@ -70,7 +70,7 @@ void LedWatch::add(const Frame& frame, Instant sent) {
   };
   const auto [left, right] = range(place_.u_px, frame.width_px);
   const auto [top, bottom] = range(place_.v_px, frame.height_px);
-  // Y, or the mean of R, G and B.
+  // Brightness is Y, or the mean of R, G and B.
   const std::size_t channels = is_yuv(color_space(frame.format)) ? 1 : 3;
   double sum = 0.0, number = 0.0;
   for (std::size_t v = top; v <= bottom; ++v) {

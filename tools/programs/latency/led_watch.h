@@ -13,8 +13,8 @@
 
 namespace touchline::latency {
 
-/// Switches the line of the status light on and off at random times and stamps each edge. The loop's own use of this
-/// light has no effect meanwhile; all other lines pass through.
+/// Switches the line of the status light on and off at random times, and records the time of each edge. Meanwhile the
+/// loop cannot switch this light; all its other lines work.
 class LedBlinker final : public GpioProxy {
  public:
   LedBlinker() = default;
@@ -23,13 +23,13 @@ class LedBlinker final : public GpioProxy {
   LedBlinker& operator=(const LedBlinker&) = delete;
 
   void attach(hal::Gpio& gpio, hal::Clock& clock) override;
-  /// Starts the thread, after open(). An edge follows the previous one after ten to eleven periods, so that edges fall
-  /// evenly into all phases of a frame.
+  /// Starts the thread; call it after open(). An edge follows the previous one after ten to eleven periods, so that
+  /// edges fall evenly into all phases of a frame.
   void start(double rate_hz);
   void stop();
-  /// After stop(). In the order of time.
+  /// Returns the edges in the order of time; call it after stop().
   [[nodiscard]] const std::vector<LedEdge>& edges() const { return edges_; }
-  /// The error of the line; empty if there was none.
+  /// Returns the error of the line; empty if there was none.
   [[nodiscard]] const std::string& error() const { return error_; }
   [[nodiscard]] const std::string& description() const override { return gpio_->description(); }
 
@@ -43,7 +43,7 @@ class LedBlinker final : public GpioProxy {
 
   hal::Gpio* gpio_ = nullptr;
   hal::Clock* clock_ = nullptr;
-  std::mutex mutex_;  // a GPIO belongs to one thread
+  std::mutex mutex_;  // a GPIO line belongs to one thread at a time
   std::vector<LedEdge> edges_;
   std::string error_;
   std::jthread thread_;
@@ -52,7 +52,7 @@ class LedBlinker final : public GpioProxy {
 /// Records the brightness of a disc in each frame. Only the constructor allocates.
 class LedWatch {
  public:
-  /// `frames`: the largest number of frames that is recorded.
+  /// `frames`: largest number of frames to record.
   LedWatch(const LedPlace& place, std::size_t frames);
   void add(const Frame& frame, Instant sent);
   [[nodiscard]] std::span<const LedFrame> frames() const { return std::span(frames_).first(count_); }

@@ -12,7 +12,7 @@
 
 namespace {
 
-// "{a,b}", as the type of an option.
+// Returns "{a,b}", the type of an option in the help text.
 template <class Choices>
 std::string protocols(const Choices& choices) {
   const std::vector<std::string_view> words = touchline::config::words_of(choices);
@@ -101,7 +101,7 @@ int main(int argc, char** argv) {
                  "Serve the console during the measurement, and read it with this number of clients at full rate")
       ->check(CLI::Range(0, 16))
       ->excludes(worst_frames);
-  // The process of those clients; for this program itself.
+  // Internal options, for the process that runs the console's clients.
   std::uint16_t console_port = 0;
   app.add_option("--read-console", console_port)->group("");
   app.add_flag("--pace", options.pace,

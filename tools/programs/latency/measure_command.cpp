@@ -43,7 +43,7 @@ int refuse(const Error& error) {
   return kExitBadFile;
 }
 
-// The word for a POSIX shell, in quotes if it needs them.
+// Returns the word for a POSIX shell, in quotes if it needs them.
 std::string shell_word(const std::string& word) {
   const auto is_plain = [](unsigned char c) { return std::isalnum(c) != 0 || std::strchr("_-+=./,:@%", c) != nullptr; };
   if (!word.empty() && std::all_of(word.begin(), word.end(), is_plain)) return word;
@@ -72,7 +72,7 @@ report::TraceNames names_of(const config::Configuration& configuration) {
   return names;
 }
 
-// One measurement: runs a loop that is open, and writes the report.
+// One measurement: runs an open loop, and writes the report.
 class Run {
  public:
   Run(MeasureOptions& options, const config::Configuration& configuration, double max_rate_hz)
@@ -94,7 +94,7 @@ class Run {
 
   // Starts the load, which can fail, and locks the memory. Call it before the camera fills its first buffers.
   Result<void> prepare() {
-    // First, because it starts a process, which is easier before there are threads.
+    // Start it first, because starting a process is easier before there are threads.
     TOUCHLINE_TRY(options_.planted.prepare(options_.warm_up + frames_ / 2));
     measurement_.meter().set_intrusion(options_.planted.intrusion());
     if (options_.stop_trace_ms > 0.0) {
@@ -106,21 +106,21 @@ class Run {
     return {};
   }
 
-  // Blinks while the loop runs.
+  // Lets the LED blink while the loop runs.
   void watch_led(const LedPlace& place, LedBlinker& blinker) {
     blinker_ = &blinker;
     watch_.emplace(place, frames_ + options_.warm_up);
     measurement_.set_led(*watch_);
   }
 
-  // Reads the console while the loop runs.
+  // Lets clients read the console while the loop runs.
   void read_console(ConsoleClients& clients) { console_clients_ = &clients; }
 
   int measure(Loop& loop, const std::string& source, double rate_hz, const std::string& time) {
     LoopEnd end = LoopEnd::kRequested;
     SystemFacts facts;
     {
-      // Its thread starts before this one gets real-time priority and does not inherit it.
+      // Its thread starts before this thread gets real-time priority, which it would inherit.
       const Progress progress(measurement_, options_.duration_s > 0.0 ? 0 : steps());
       start_noise();
       if (blinker_ != nullptr) blinker_->start(rate_hz);
@@ -175,11 +175,12 @@ class Run {
  private:
   static std::size_t frames_for(const MeasureOptions& options, double max_rate_hz) {
     if (options.duration_s <= 0.0) return options.frames;
-    // A tenth more than expected, and at most a gigabyte of samples.
+    // Samples for a tenth more than expected, and at most a gigabyte.
     return static_cast<std::size_t>(std::min(1e7, 100.0 + 1.1 * max_rate_hz * options.duration_s));
   }
 
-  // Above the loop's priority, so that the loop does not delay it. Before this thread gets its own priority.
+  // The thread has a higher priority than the loop, so that the loop does not delay it. Call this before this thread
+  // gets its own priority.
   void start_noise() {
     if (!options_.noise) return;
     const config::RealtimeSettings& realtime = board_.realtime;
@@ -201,7 +202,7 @@ class Run {
     refused_.insert(refused_.end(), sentences.begin(), sentences.end());
   }
 
-  // Replays what --save-worst saved.
+  // Returns the command that replays the frames that --save-worst saved.
   [[nodiscard]] std::string replay_command() const {
     std::string command = "touchline-replay " + shell_word(options_.outputs.worst_folder) + " --venue " +
                           shell_word(configuration_.venue_where.file()) + " --team " +
@@ -277,7 +278,7 @@ Result<void> check_led(const LedPlace& place, const config::BoardFile& board) {
   return {};
 }
 
-// Ends the console, whose thread reads the session and its ring, before they are destroyed..
+// Ends the console before the session and its ring are destroyed, because the console's thread reads them.
 class EndOfConsole {
  public:
   explicit EndOfConsole(ConsoleClients& clients) : clients_(clients) {}
@@ -290,7 +291,7 @@ class EndOfConsole {
 };
 
 int measure_board(MeasureOptions& options) {
-  LedBlinker blinker;  // before the session, which uses it until its end, as the console's
+  LedBlinker blinker;  // declared before the session, which uses both until its end
   ConsoleClients console_clients(options.console_clients.value_or(0));
   Session session;
   session.set_stage_clock(ExecutionMeter::read);
@@ -314,7 +315,7 @@ int measure_board(MeasureOptions& options) {
     if (!attached.ok()) return refuse(attached.error());
   }
   connections.attach(session);
-  // The rate of a video is not known yet.
+  // The rate of a video is unknown until it is opened.
   Run run(options, configuration, board.camera.rate_hz > 0.0 ? board.camera.rate_hz : 240.0);
   if (options.led) run.watch_led(*options.led, blinker);
   if (const Result<void> prepared = run.prepare(); !prepared.ok()) return fail(prepared.text());
@@ -322,7 +323,7 @@ int measure_board(MeasureOptions& options) {
   if (const Result<void> opened = session.open(run.observer()); !opened.ok()) {
     return fail(opened.text(), kExitDeviceFailure);
   }
-  // Before this thread gets its real-time priority, which theirs would inherit.
+  // These threads start before this thread gets its real-time priority, which they would inherit.
   const network::ConnectionThreads threads(connections, configuration,
                                            [](const std::string& line) { std::cerr << line + "\n"; });
   const EndOfConsole end_of_console(console_clients);
@@ -340,7 +341,7 @@ int measure_board(MeasureOptions& options) {
   return code;
 }
 
-// Does not use the board's radio: random pictures must not drive robots.
+// The board's radio is not used, because random pictures must not drive robots.
 int measure_worst_frames(MeasureOptions& options) {
   const auto configuration = std::make_unique<config::Configuration>();
   const Result<void> loaded = config::load(options.session.files, *configuration);
@@ -385,7 +386,7 @@ int measure(MeasureOptions& options) {
   const WorstFrameRecorder recorder(outputs.worst_folder, options.listed);
   if (const Result<void> writable = recorder.check(); !writable.ok()) return fail(writable.text());
   crash_stop::install_handlers();
-  handle_stop_signals();  // before devices are opened
+  handle_stop_signals();  // installed before devices are opened
   return options.worst_frames ? measure_worst_frames(options) : measure_board(options);
 }
 

@@ -34,7 +34,7 @@ void Measurement::on_sent(void* context) { static_cast<Measurement*>(context)->m
 void Measurement::on_step(void* context, const StepTrace& trace, const StepTiming& timing) {
   Measurement& self = *static_cast<Measurement*>(context);
   const std::uint32_t sequence = trace.frame.sequence;
-  // With the first frame, whose allocations do not count if there is a warm-up.
+  // Prepares the recorder with the first frame; its allocations do not count if there is a warm-up.
   if (self.recorder_ != nullptr && self.seen() == 0) self.recorder_->prepare(trace.frame);
   self.add(trace.stage_time, timing, trace.overload, &self.meter_.frame());
   const Duration timer_late = self.noise_ != nullptr ? self.noise_->take_longest() : Duration::zero();
@@ -65,7 +65,7 @@ void Measurement::add(const std::array<Duration, kStageCount>& stages, const Ste
   FrameWaits& waits = waits_[seen - warm_up_ - 1];
   Duration waiting{};
   const auto add_executed = [&](std::size_t part, Duration elapsed, Duration executed) {
-    // The two clocks are read one after the other.
+    // The difference can be slightly negative, because the two clocks are read one after the other.
     if (execution != nullptr) waits.waited[part] = elapsed - std::clamp(executed, Duration::zero(), elapsed);
     waiting += waits.waited[part];
     spans_[kFirstExecuted + part].add(elapsed - waits.waited[part]);

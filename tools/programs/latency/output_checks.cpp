@@ -26,7 +26,7 @@ Result<void> check_writable(const std::string& path) {
 
 struct NamedOutput {
   const char* option;
-  std::string path;  // empty: not written
+  std::string path;  // empty: the output is not written
 };
 
 std::vector<NamedOutput> named(const Outputs& outputs) {
@@ -37,7 +37,7 @@ std::vector<NamedOutput> named(const Outputs& outputs) {
           {"--save-worst", outputs.worst_folder}};
 }
 
-// Refuses outputs of which one would replace another one.
+// Rejects outputs if one would replace another one.
 Result<void> check_different(const std::vector<NamedOutput>& outputs) {
   for (std::size_t i = 0; i < outputs.size(); ++i) {
     for (std::size_t k = i + 1; k < outputs.size(); ++k) {

@@ -8,11 +8,13 @@
 
 namespace touchline::latency {
 
-/// kIo, kPermission: a file cannot be written; kInconsistent: one would replace another one. Creates and changes none.
+/// Checks the outputs. kIo, kPermission: a file cannot be written; kInconsistent: one would replace another one. No
+/// file is created or changed.
 Result<void> check_outputs(const Outputs& outputs);
-/// kInconsistent: an output would replace one of these files, or be added to a folder of pictures.
+/// Checks that the inputs are kept. kInconsistent: an output would replace one of these files, or be added to a folder
+/// of pictures.
 Result<void> check_inputs_remain(const Outputs& outputs, const std::vector<std::string>& inputs);
-/// The same for the three files, and a recording that replaces the camera.
+/// As above, for the three configuration files, and for a recording that replaces the camera.
 Result<void> check_inputs_remain(const Outputs& outputs, const config::Configuration& configuration);
 
 }  // namespace touchline::latency

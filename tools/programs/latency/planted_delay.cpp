@@ -35,7 +35,8 @@ bool stop_thread(pid_t thread, Duration duration) {
   return ptrace(PTRACE_DETACH, thread, nullptr, nullptr) == 0;
 }
 
-// Answers one byte with 0 or an error number: first for a trial of no length, then for the delay.
+// Answers each byte with 0 or an error number: the first byte starts a trial without a delay, every later byte starts
+// the delay.
 [[noreturn]] void run_helper(int socket, pid_t thread, Duration duration) {
   char byte = 0;
   for (Duration length{}; read(socket, &byte, 1) == 1; length = duration) {
@@ -93,7 +94,7 @@ Result<void> PlantedDelay::prepare(std::uint64_t frame) {
   ::close(ends[1]);
   to_helper_ = ends[0];
   if (helper_ < 0) return failure(ErrorCode::kIo, "--plant: %s", std::strerror(fork_error));
-  prctl(PR_SET_PTRACER, helper_);  // fails without Yama, which then does not forbid it
+  prctl(PR_SET_PTRACER, helper_);  // fails on kernels without Yama, which do not forbid ptrace either
   char answer = 0;
   if (write(to_helper_, "", 1) != 1 || read(to_helper_, &answer, 1) != 1 || answer != 0) {
     return failure(ErrorCode::kPermission, "--plant preemption needs ptrace, which this system forbids: %s",
@@ -125,9 +126,10 @@ void PlantedDelay::delay() const {
       break;
   }
   if (write(to_helper_, "", 1) != 1) return;
-  // Busy until the helper reports that it has stopped this thread and let it continue. The helper mostly wakes up on
-  // this processor. Without the yield it would wait there for the end of this thread's time slice, milliseconds that
-  // the marker stage would have executed. A helper that gets no processor, or fails, must not hang the loop.
+  // Loops until the helper reports that it has stopped this thread and let it continue. The helper usually wakes up on
+  // this processor. Without the yield, it would wait for the end of this thread's time slice, milliseconds that would
+  // count as execution of the marker stage. If the helper gets no processor or fails, the limit keeps the loop from
+  // hanging.
   constexpr Duration kLongest = std::chrono::seconds(2);
   const auto is_over = [this] {
     char answer = 1;

@@ -7,7 +7,7 @@
 
 namespace touchline::latency {
 
-/// Shows the number of steps on the terminal, from its own thread, so that the measured loop is not affected. Does
+/// Shows the number of steps on the terminal from a thread of its own, so that the measured loop is not affected. Does
 /// nothing if standard error is not a terminal.
 class Progress {
  public:

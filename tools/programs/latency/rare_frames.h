@@ -10,7 +10,8 @@
 
 namespace touchline::latency {
 
-/// The time that one of `one_in` frames exceeds, with its 95 % interval; no `high`: the data give no upper limit.
+/// Time that one of `one_in` frames exceeds, with its 95 % confidence interval; without `high`, the data give no upper
+/// limit.
 struct RareTime {
   std::uint64_t one_in = 0;
   Duration time{}, low{};
@@ -25,7 +26,7 @@ struct RareTime {
   }
 };
 
-/// Share of frames above the deadline, with its 95 % interval.
+/// Share of frames above the deadline, with its 95 % confidence interval.
 struct RareMisses {
   double share = 0.0, low = 0.0, high = 0.0;
 
@@ -37,16 +38,16 @@ struct RareMisses {
   }
 };
 
-/// Estimate for frames that are too rare to be observed (statistics::PeaksOverThreshold).
+/// Estimate for frames that are too rare to have been observed (statistics::PeaksOverThreshold).
 struct RareFrames {
   std::string span;
-  std::string refusal;      // why there is no estimate; empty: there is one
-  std::uint64_t peaks = 0;  // number of the largest times that it uses; 0: too few frames
-  Duration threshold{};     // they are above it
-  double shape = 0.0;       // of the tail
-  double independence = 0.0, stationarity = 0.0, fit = 0.0;  // probabilities of the tests
+  std::string refusal;      // reason why there is no estimate; empty: there is one
+  std::uint64_t peaks = 0;  // number of the largest times that the estimate uses; 0: too few frames
+  Duration threshold{};     // the times of the peaks are above this value
+  double shape = 0.0;       // shape parameter of the tail
+  double independence = 0.0, stationarity = 0.0, fit = 0.0;  // p-values of the tests
   std::vector<RareTime> times;
-  std::optional<RareMisses> misses;  // empty: no deadline, or it is missed often enough to count
+  std::optional<RareMisses> misses;  // empty: there is no deadline, or it is missed so often that misses can be counted
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
@@ -64,7 +65,7 @@ struct RareFrames {
 };
 
 /// Estimates the times that one of 10^k frames exceeds, for the powers of ten from the number of frames to 100 times as
-/// many. `deadline`: zero: none. Takes about a second.
+/// many. `deadline`: zero if there is none. Takes about a second.
 RareFrames estimate_rare_frames(const std::string& span, const LatencySamples& samples, Duration deadline);
 
 }  // namespace touchline::latency

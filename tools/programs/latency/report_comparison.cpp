@@ -18,23 +18,24 @@ std::string ratio_text(double ratio) {
 struct Column {
   const char* name;
   Duration LatencySummary::*value;
-  std::optional<TimeInterval> LatencySummary::*interval;  // nullptr: a single frame, which has none
+  // Nullptr: the value belongs to a single frame and has no interval.
+  std::optional<TimeInterval> LatencySummary::*interval;
 };
 constexpr Column kColumns[] = {{"p50", &LatencySummary::p50, &LatencySummary::p50_interval},
                                {"p99", &LatencySummary::p99, &LatencySummary::p99_interval},
                                {"p99.9", &LatencySummary::p99_9, &LatencySummary::p99_9_interval},
                                {"max", &LatencySummary::max, nullptr}};
 
-// B / A with its 95 % interval: from the intervals of both logarithms (method of variance estimates recovery; Zou and
-// Donner 2008).
+// Ratio B / A with its 95 % confidence interval, computed from the intervals of both logarithms (method of variance
+// estimates recovery; Zou and Donner 2008).
 struct Ratio {
   double value = 1.0, logarithm = 0.0;
   struct Distances {
-    double below = 0.0, above = 0.0;  // from the logarithm to the ends of its interval
+    double below = 0.0, above = 0.0;  // distances from the logarithm to the ends of its interval
   };
   std::optional<Distances> interval;
-  bool is_shown = false;   // of the interval: it has `value` in it
-  bool is_judged = false;  // the times differ by enough
+  bool is_shown = false;   // `value` lies in the interval, so the interval can be shown
+  bool is_judged = false;  // the times differ by enough to be judged
 
   // Three percentiles of ten spans are judged at once. For a 5 % risk that any of 30 ratios counts as changed by
   // chance, each interval must have 99.8 % (Bonferroni), which is 3.1 instead of 1.96 standard deviations.
@@ -44,7 +45,7 @@ struct Ratio {
 };
 
 Ratio ratio_of(const LatencySummary& a, const LatencySummary& b, const Column& column) {
-  // Not below a microsecond: the times of reading the clocks, which nobody would notice.
+  // Shorter differences are not judged: they are within the time of reading the clocks, and nobody would notice them.
   static constexpr Duration kMin = std::chrono::microseconds(1);
   const auto log_of = [](Duration time) { return std::log(std::max(seconds(kMin), seconds(time))); };
   const Duration from = a.*column.value, to = b.*column.value;
@@ -69,8 +70,8 @@ std::string interval_text(const Ratio& ratio) {
          ratio_text(std::exp(ratio.logarithm + ratio.interval->above));
 }
 
-// Counts of events that are independent of each other differ by less with 97.5 % probability (square roots of Poisson
-// counts have the standard deviation 1/2; Anscombe 1948).
+// Returns whether the count in B is higher by more than chance: counts of independent events differ by less with 97.5 %
+// probability (square roots of Poisson counts have the standard deviation 1/2; Anscombe 1948).
 bool occurs_more_often(std::uint64_t in_a, std::uint64_t frames_a, std::uint64_t in_b, std::uint64_t frames_b) {
   constexpr double kSigmas = 1.96, kOffset = 3.0 / 8.0;
   if (frames_a == 0 || frames_b == 0) return false;

@@ -79,7 +79,7 @@ Table worst_table(const LatencyReport& report) {
   return table;
 }
 
-// In which parts the worst frames waited; no rows if none of them waited noticeably.
+// Lists the parts in which the worst frames waited; no rows if none of them waited noticeably.
 Table waiting_table(const LatencyReport& report) {
   constexpr Duration kNoticeable = std::chrono::microseconds(50);
   Table table{"Where worst frames executed + waited, milliseconds", {""}, {}};
@@ -98,7 +98,7 @@ Table waiting_table(const LatencyReport& report) {
   return table;
 }
 
-// "1 in 2300000 frames"
+// Returns text such as "1 in 2300000 frames".
 std::string one_in_text(double share) {
   constexpr double kNever = 1e-12;
   if (share < kNever) return "never";

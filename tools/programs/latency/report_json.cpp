@@ -87,7 +87,7 @@ void describe_report(Self& report, Visitor& visit) {
   visit("led", report.led);
   visit("console", report.console);
   visit("system", report.system);
-  // Pairs of bin and count; bin i begins at 100 ns * 10^(i / 20).
+  // Stored as pairs of bin and count; bin i begins at 100 ns * 10^(i / 20).
   visit("histograms", BySpan{report.histograms});
 }
 
@@ -150,7 +150,7 @@ class Reader {
     if (!result_.ok()) return;
     const std::string path = path_ + key;
     if (json_.is_object() && !json_.contains(key) && is_optional(value)) {
-      // Written by a version that did not measure it.
+      // The report was written by a version that did not measure this value.
     } else if (!json_.is_object() || !json_.contains(key)) {
       result_ = failure(ErrorCode::kInconsistent, "%s: is missing", path.c_str());
     } else {

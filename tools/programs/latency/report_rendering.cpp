@@ -22,7 +22,7 @@ constexpr std::string_view kStyle = R"(
   @media print { body { margin: 0; max-width: none; font-size: 10pt; } table, svg { break-inside: avoid; } }
 )";
 
-// Number of characters (not bytes) in UTF-8, the width on a terminal.
+// Returns the number of characters (not bytes) in UTF-8, which is the width on a terminal.
 std::size_t width_of(const std::string& text) {
   return static_cast<std::size_t>(
       std::count_if(text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xC0u) != 0x80u; }));
@@ -104,7 +104,7 @@ std::string to_html(const Document& document, const std::string& svg) {
                      escaped(document.title) + "</title>\n<style>" + std::string(kStyle) +
                      "</style>\n</head>\n<body>\n<h1>" + escaped(document.title) + "</h1>\n<p class=\"summary\">" +
                      escaped(document.summary) + "</p>\n";
-  // Skips the XML declaration, which is not allowed inside of a page.
+  // Skips the XML declaration, which is not allowed inside a page.
   const std::size_t begin = svg.find("<svg");
   if (begin != std::string::npos) html += svg.substr(begin);
   for (const Table& table : document.tables) html += to_html(table);

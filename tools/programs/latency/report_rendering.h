@@ -8,7 +8,7 @@ namespace touchline::latency {
 
 struct Cell {
   std::string text;
-  bool marked = false;  // highlighted
+  bool marked = false;  // the cell is highlighted
 };
 
 /// A table of numbers. The first column is aligned to the left, the others to the right.
@@ -23,7 +23,7 @@ struct Document {
   std::string title;
   std::string summary;  // one sentence
   std::vector<Table> tables;
-  std::vector<std::pair<std::string, std::string>> facts;  // name and value
+  std::vector<std::pair<std::string, std::string>> facts;  // pairs of name and value
 };
 
 /// Renders the report for a terminal. The summary comes last, next to the prompt. Marked cells get an asterisk.

@@ -26,7 +26,7 @@ std::string measured_load(const SystemFacts& system) {
     return std::string(text);
   };
   std::string text = "kept " + of_all(*system.others_busy) + " busy";
-  // Less is the resolution of the kernel's counts.
+  // Smaller values are below the resolution of the kernel's counts.
   constexpr double kNoticeable = 0.005;
   if (system.stolen.value_or(0.0) > kNoticeable) text += "; the hypervisor withheld " + of_all(*system.stolen);
   return text;

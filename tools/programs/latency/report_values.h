@@ -11,9 +11,9 @@
 // Texts of values, shared by the report of one measurement and the comparison of two.
 namespace touchline::latency {
 
-/// "1.234".
+/// Returns milliseconds such as "1.234".
 std::string milliseconds(Duration duration);
-/// Four significant digits.
+/// Returns four significant digits.
 std::string number(double value);
 std::string count(std::uint64_t n);
 
@@ -22,9 +22,9 @@ using Facts = std::vector<std::pair<std::string, std::string>>;
 /// Adds a fact unless its value is empty.
 void add(Facts& facts, const char* name, const std::string& value);
 
-/// Settings and system properties, without measured values.
+/// Returns settings and system properties, without measured values.
 Facts conditions_of(const LatencyReport& report);
-/// The load that was really there, whether requested or not; empty: not measured.
+/// Returns the load that was measured, whether requested or not; empty: not measured.
 std::string measured_load(const SystemFacts& system);
 
 struct Counted {

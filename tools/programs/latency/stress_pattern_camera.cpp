@@ -6,14 +6,14 @@
 namespace touchline::latency {
 namespace {
 
-constexpr std::size_t kPatchPx = 12;  // a patch of 37.5 mm if 640 pixels cover 2.2 m
+constexpr std::size_t kPatchPx = 12;  // size of a patch of 37.5 mm if 640 pixels cover 2.2 m
 
 std::uint32_t next_random(std::uint32_t& state) {
-  state = state * 1664525u + 1013904223u;  // Numerical Recipes
+  state = state * 1664525u + 1013904223u;  // linear congruential generator of Numerical Recipes
   return state >> 16;
 }
 
-// A hash of the position.
+// Returns a hash of the position.
 std::uint32_t position_hash(std::size_t u, std::size_t v) {
   auto hash = static_cast<std::uint32_t>(u * 0x9E3779B1u ^ v * 0x85EBCA77u);
   hash = (hash ^ hash >> 15) * 0x2C1B3C6Du;
@@ -55,7 +55,7 @@ void StressPatternCamera::choose_values() {
 std::size_t StressPatternCamera::value_at(std::size_t pattern, std::size_t u, std::size_t v,
                                           std::uint32_t& random) const {
   const std::size_t colors = values_.size() - 1;
-  // Pixels that share a chroma sample cannot differ in color, so colors change from sample to sample.
+  // Pixels that share a chroma sample cannot differ in color, so colors change only between samples.
   const ChannelLayout& chroma = info_of(parameters_.scan.format).channel[1];
   const std::size_t column = u >> chroma.shift_u, row = v >> chroma.shift_v;
   switch (pattern) {
@@ -73,10 +73,11 @@ std::size_t StressPatternCamera::value_at(std::size_t pattern, std::size_t u, st
       // Blocks of two rows, which are too large to be removed as specks.
       return column % 3 < 2 && row % 3 < 2 ? 1 + (column / 3 + row / 3) % colors : 0;
     case 6:
-      // Random pairs of pixels, also too large for specks.
+      // Random colors in pairs of pixels; such pairs are also too large to be removed as specks.
       return position_hash(u / 2, row) % (colors + 1);
     case 7:
-      // Just above the site percolation threshold of the square lattice, 0.5927, where clusters are most ragged.
+      // The share is slightly above the site percolation threshold of the square lattice, 0.5927, where clusters are
+      // most ragged.
       return position_hash(column, row) % 1000 < 600 ? 1 : 0;
     default: {
       const std::size_t cell = u / kPatchPx + v / kPatchPx;

@@ -13,12 +13,12 @@
 
 namespace touchline::latency {
 
-/// A camera that cycles through synthetic pictures that are the most expensive to process. Each is stamped with the
-/// time at which it is requested. The pictures use the venue's colors and the camera's format: one color everywhere;
-/// alternating pixels (most runs); single pixels (most regions); combs whose teeth meet only in the last row (most
-/// merges of labels); random colors; blocks of 2 x 2 pixels and pairs of pixels, which the minimum area does not
-/// remove; clusters at the percolation threshold (most ragged); a grid of patches of real size (most pairs to match);
-/// and the pictures of worst_clutter(), which have the slowest whole steps.
+/// A camera that cycles through synthetic pictures which are as expensive to process as possible. Each picture is
+/// stamped with the time at which it is requested. The pictures use the venue's colors and the camera's format: one
+/// color everywhere; alternating pixels (most runs); single pixels (most regions); combs whose teeth meet only in the
+/// last row (most merges of labels); random colors; blocks of 2 x 2 pixels and pairs of pixels, which the minimum area
+/// does not remove; clusters at the percolation threshold (most ragged); a grid of patches of real size (most pairs to
+/// match); and the pictures of worst_clutter(), which have the slowest whole steps.
 class StressPatternCamera final : public hal::Camera {
  public:
   /// `parameters.scan` gives format, size and colors; it must outlive this object.
@@ -26,7 +26,7 @@ class StressPatternCamera final : public hal::Camera {
 
   [[nodiscard]] const hal::CameraInfo& info() const override { return info_; }
 
-  /// Patterns of alternating colors; those of worst_clutter() follow.
+  /// Number of patterns of alternating colors; the pictures of worst_clutter() follow.
   static constexpr std::size_t kPatterns = 9;
 
  private:
@@ -51,7 +51,7 @@ class StressPatternCamera final : public hal::Camera {
   const PipelineParameters& parameters_;
   const hal::Clock& clock_;
   hal::CameraInfo info_;
-  std::vector<Value> values_;  // [0]: background, then one per color
+  std::vector<Value> values_;  // entry 0: background, then one per color
   std::vector<std::vector<std::uint8_t>> pictures_;
   std::uint32_t sequence_ = 0;
 };

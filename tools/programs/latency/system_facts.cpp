@@ -27,7 +27,7 @@ std::optional<double> scaled_number(const std::string& path, double scale) {
   return std::nullopt;
 }
 
-// The rest of the first line that begins with `key`, as in "model name : AMD EPYC".
+// Returns the rest of the first line that begins with `key`, as in "model name : AMD EPYC".
 std::string value_of(const std::string& path, const std::string& key) {
   std::ifstream file(path);
   for (std::string line; std::getline(file, line);) {
@@ -70,7 +70,7 @@ const char* name_of_policy(int policy) {
 
 std::string preemption_of(const std::string& root) {
   if (line_of(root + "/sys/kernel/realtime") == "1") return "PREEMPT_RT";
-  // "#1 SMP PREEMPT_DYNAMIC Debian 6.1.90-1"
+  // for example "#1 SMP PREEMPT_DYNAMIC Debian 6.1.90-1"
   const std::string version = line_of(root + "/proc/sys/kernel/version");
   const std::size_t begin = version.find("PREEMPT");
   return begin == std::string::npos ? "no PREEMPT" : version.substr(begin, version.find(' ', begin) - begin);
@@ -95,7 +95,7 @@ std::optional<double> hottest_celsius(const std::string& root) {
 
 SystemFacts read_system_facts(const std::string& root) {
   SystemFacts facts;
-  // Boards provide their own name, PCs the name of the processor.
+  // The device tree has the name of a board; PCs only have the name of the processor.
   facts.processor = line_of(root + "/proc/device-tree/model");
   if (facts.processor.empty()) facts.processor = value_of(root + "/proc/cpuinfo", "model name");
   std::ifstream cpuinfo(root + "/proc/cpuinfo");

@@ -7,7 +7,8 @@ namespace touchline::latency {
 /// Resource usage of a thread, as counted by the kernel.
 struct ThreadUsage {
   std::uint64_t minor_faults = 0, major_faults = 0;
-  std::uint64_t voluntary_switches = 0, involuntary_switches = 0;  // context switches: it waited; it was preempted
+  // Context switches because the thread waited, and because it was preempted.
+  std::uint64_t voluntary_switches = 0, involuntary_switches = 0;
   static ThreadUsage of_this_thread();
   ThreadUsage since(const ThreadUsage& before) const;
 

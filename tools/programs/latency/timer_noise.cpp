@@ -28,7 +28,7 @@ TimerNoise::TimerNoise(int processor, int priority) {
 
 void TimerNoise::run(Instant due, const std::stop_token& stop) {
   prctl(PR_SET_TIMERSLACK, 1);
-  prctl(PR_SET_NAME, "timer-noise");  // in the list of what took the processor from the loop
+  prctl(PR_SET_NAME, "timer-noise");  // name in the list of programs that took the processor from the loop
   do {
     due_ns_.store(due.time_since_epoch().count(), std::memory_order_relaxed);
     hal::MonotonicClock::wait_for(due);
@@ -38,7 +38,7 @@ void TimerNoise::run(Instant due, const std::stop_token& stop) {
     Duration::rep longest = longest_ns_.load(std::memory_order_relaxed);
     while (late.count() > longest && !longest_ns_.compare_exchange_weak(longest, late.count())) {
     }
-    // Periods that have passed meanwhile were as late as what is left of the delay.
+    // Each period that has passed in the meantime was late by the part of the delay after it.
     for (due += kPeriod; due < now; due += kPeriod) histogram_.add(now - due);
   } while (!stop.stop_requested());
 }

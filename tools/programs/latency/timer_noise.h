@@ -11,11 +11,11 @@
 
 namespace touchline::latency {
 
-/// How late the timers of a thread beside the loop were.
+/// Delays of the timers of a thread beside the loop.
 struct NoiseReport {
   std::uint64_t count = 0;
-  Duration p50{}, p99{}, p99_9{}, max{};  // percentiles at most 1.6 % too large
-  std::string thread;                     // its processor and priority
+  Duration p50{}, p99{}, p99_9{}, max{};  // percentiles, at most 1.6 % too large
+  std::string thread;                     // processor and priority of the thread
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
@@ -29,23 +29,23 @@ struct NoiseReport {
 };
 
 /// A thread that sleeps until the next millisecond again and again and measures how late it wakes up, as cyclictest
-/// does. It does nothing else, so what delays it is the machine: interrupts, other programs, a hypervisor.
+/// does. It does nothing else, so only the machine can delay it: interrupts, other programs, a hypervisor.
 class TimerNoise {
  public:
   static constexpr Duration kPeriod = std::chrono::milliseconds(1);
 
-  /// `processor`: where the thread runs; -1: anywhere. `priority`: of SCHED_FIFO, 0: an ordinary thread. The thread has
-  /// ordinary priority if the system refuses.
+  /// `processor`: processor on which the thread runs; -1: any. `priority`: priority of SCHED_FIFO; 0: an ordinary
+  /// thread. If the system refuses the priority, the thread is an ordinary one.
   TimerNoise(int processor, int priority);
   ~TimerNoise() { stop(); }
   TimerNoise(const TimerNoise&) = delete;
   TimerNoise& operator=(const TimerNoise&) = delete;
 
-  /// The longest delay since the last call, including one that still lasts. Any thread may call it.
+  /// Returns the longest delay since the last call, including a delay that still lasts. Any thread may call it.
   Duration take_longest();
-  /// Ends the thread. Idempotent.
+  /// Ends the thread; further calls do nothing.
   void stop();
-  /// After stop().
+  /// Returns the report; call it after stop().
   [[nodiscard]] NoiseReport report() const;
 
  private:

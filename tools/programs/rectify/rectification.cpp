@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::array<std::uint8_t, 3> kGridColor{0, 200, 255}, kOutlineColor{255, 0, 0};
 
-// Interpolates bilinearly; black outside the picture.
+// Interpolates bilinearly; pixels outside the picture are black.
 std::array<std::uint8_t, 3> sample(const hal::Picture& picture, const Point& at) {
   const double u = at[0], v = at[1];
   const double width = picture.width_px, height = picture.height_px;
@@ -143,7 +143,7 @@ Result<hal::Picture> rectify_floor(const hal::Picture& picture, const CameraMode
                                    double margin_m, double scale_px_per_m, Raster& raster) {
   const double x = static_cast<double>(field.length_m) / 2 + static_cast<double>(field.goal_depth_m) + margin_m;
   const double y = static_cast<double>(field.width_m) / 2 + margin_m;
-  // Sizes in floats are only approximately whole pixels.
+  // Products of floats are only approximately whole, so subtract a margin before rounding up.
   const double width = std::ceil(2 * x * scale_px_per_m - 0.01), height = std::ceil(2 * y * scale_px_per_m - 0.01);
   if (!(width >= 1 && height >= 1 && width <= kLargestSide_px && height <= kLargestSide_px)) {
     return failure(ErrorCode::kFull, "the picture of the floor would be larger than %u px", kLargestSide_px);

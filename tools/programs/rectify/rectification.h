@@ -9,7 +9,8 @@
 #include "hal/replay/picture.h"
 #include "hal/result.h"
 
-// Pictures like figures 11 and 12 of Klancar's paper, for people. The pipeline never rectifies a picture.
+// Makes pictures like figures 11 and 12 of Klancar's paper, for people to look at. The pipeline never rectifies a
+// picture.
 namespace touchline::rectify {
 
 /// A pixel position in double precision.
@@ -23,12 +24,12 @@ class LensMap {
   /// Uses the model selected by `camera.kind`, which CameraModel must accept.
   explicit LensMap(const CameraParameters& camera);
 
-  /// Removes and applies the distortion: eq. (12) and (13), or Brown's model.
+  /// Remove and apply the distortion: eq. (12) and (13), or Brown's model.
   [[nodiscard]] Point undistorted(const Point& pixel) const;
   [[nodiscard]] Point distorted(const Point& straight) const;
 
  private:
-  // `radius`: maps a radius with the paper's model; `brown`: maps a point with Brown's.
+  // `radius` maps a radius with the paper's model; `brown` maps a point with Brown's.
   template <class Radius, class Brown>
   [[nodiscard]] Point mapped(const Point& from, Radius radius, Brown brown) const;
 
@@ -48,8 +49,8 @@ hal::Picture straighten(const hal::Picture& picture, const LensMap& lens, Raster
 inline constexpr double kLargestStretch = 2.0;
 
 /// Figure 12 (b): corrects lens distortion and perspective. Shows the floor to scale, x to the right and y up, with
-/// `margin_m` around the field and its goals. The raster is in meters; its rows run against y. kFull: the picture would
-/// be larger than kLargestSide_px.
+/// `margin_m` around the field and its goals. The raster is in meters; its rows run in the direction of -y. kFull: the
+/// picture would be larger than kLargestSide_px.
 Result<hal::Picture> rectify_floor(const hal::Picture& picture, const CameraModel& camera, const FieldParameters& field,
                                    double margin_m, double scale_px_per_m, Raster& raster);
 inline constexpr std::uint32_t kLargestSide_px = 8192;

@@ -11,7 +11,7 @@ namespace touchline::rectify {
 namespace {
 
 constexpr double kStep_px = 3.0;
-// Greatest distance of points from the line, for successive fits.
+// Largest distance from the line at which a point is kept, for successive fits.
 constexpr std::array<double, 4> kKeep_px{6.0, 3.0, 1.5, 1.5};
 
 struct Line {
@@ -45,7 +45,7 @@ double scale_at(const CameraModel& camera, const Point& pixel) {
   return static_cast<double>(camera.scale_px_per_m({static_cast<float>(at[0]), static_cast<float>(at[1])}, 0.0f));
 }
 
-// `per_m`: units of `places` per meter for each point; `px_per_unit`: pixels of the picture per unit.
+// `per_m`: units of `places` per meter, for each point; `px_per_unit`: pixels of the picture per unit.
 Deviation deviation(const std::vector<Point>& places, const std::vector<double>& per_m, double px_per_unit) {
   const Line line = line_through(places);
   Deviation out;
@@ -106,7 +106,7 @@ std::array<SideStraightness, 4> straightness(const std::vector<BorderPoint>& poi
       straight.push_back(lens.undistorted(p.pixel));
       floor.push_back(floor_m(camera, p.pixel));
       seen_scale.push_back(scale_at(camera, p.pixel));
-      // The lens stretches the neighborhood of a point by the square root of the determinant of the Jacobian.
+      // The lens stretches the surroundings of a point by the square root of the determinant of the Jacobian.
       const Point right = lens.undistorted({p.pixel[0] + 1, p.pixel[1]});
       const Point below = lens.undistorted({p.pixel[0], p.pixel[1] + 1});
       const Point& at = straight.back();

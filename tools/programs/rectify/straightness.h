@@ -17,7 +17,7 @@ struct Deviation {
 
 /// One side of the border as found in the picture.
 struct SideStraightness {
-  std::size_t points = 0, left_out = 0;  // left out: objects in front of the border, goals, chamfers
+  std::size_t points = 0, left_out = 0;  // left out: points on objects in front of the border, goals, chamfers
   Deviation distorted, straightened, rectified;
 };
 
@@ -27,14 +27,14 @@ struct BorderPoint {
   Point pixel{};
 };
 
-/// Searches the sides of the border up to kReach_px from where `camera` has them. Points that are not on the straight
-/// line of their side after rectification are left out.
+/// Searches for the sides of the border up to kReach_px from where `camera` projects them. Points that are not on the
+/// straight line of their side after rectification are dropped.
 std::vector<BorderPoint> border_points(const hal::Picture& picture, const CameraModel& camera,
                                        const FieldParameters& field, std::array<std::size_t, 4>& left_out);
 inline constexpr double kReach_px = 10.0;
 
-/// Computes the deviations of these points in the three pictures. Millimeters are on the floor at the point.
-/// `scale_px_per_m`: scale of the rectified picture.
+/// Computes the deviations of these points in the three pictures. Deviations in millimeters are measured on the floor
+/// at the point. `scale_px_per_m`: scale of the rectified picture.
 std::array<SideStraightness, 4> straightness(const std::vector<BorderPoint>& points,
                                              const std::array<std::size_t, 4>& left_out, const CameraModel& camera,
                                              const LensMap& lens, double scale_px_per_m);

@@ -101,7 +101,7 @@ double step_of(const Quantization& table, std::size_t i, int quality) {
   return std::clamp((table[i] * scale + 50) / 100, 1, 255);
 }
 
-// Row k of the orthonormal discrete cosine transform.
+// Returns the orthonormal discrete cosine transform; row k is its k-th basis vector.
 const std::array<std::array<double, kBlock>, kBlock>& cosines() {
   static const auto rows = [] {
     std::array<std::array<double, kBlock>, kBlock> out{};
@@ -119,7 +119,7 @@ const std::array<std::array<double, kBlock>, kBlock>& cosines() {
 
 using Block = std::array<double, kBlock * kBlock>;
 
-// The transform of a block, or with `inverse` its inverse.
+// Returns the transform of a block, or the inverse transform if `inverse` is set.
 Block transformed(const Block& in, bool inverse) {
   const auto& c = cosines();
   const auto weight = [&](std::size_t k, std::size_t i) { return inverse ? c[i][k] : c[k][i]; };
@@ -137,7 +137,7 @@ Block transformed(const Block& in, bool inverse) {
   return out;
 }
 
-// What the encoder's quantization leaves of the plane.
+// Quantizes the plane as the encoder does, and reconstructs it.
 void quantize(Plane& plane, const Quantization& table, int quality) {
   for (std::size_t top = 0; top < plane.height; top += kBlock) {
     for (std::size_t left = 0; left < plane.width; left += kBlock) {
@@ -160,7 +160,7 @@ void quantize(Plane& plane, const Quantization& table, int quality) {
   }
 }
 
-// JFIF: luminance in full, the two color differences with half the columns and rows.
+// Compresses as JFIF does: luminance in full resolution, both color differences with half the columns and rows.
 void compress(hal::Picture& picture, int quality) {
   const std::size_t width = picture.width_px, height = picture.height_px;
   const auto weighted = [&](std::size_t u, std::size_t v, const std::array<double, 3>& weights) {

@@ -25,7 +25,7 @@ Result<std::uint64_t> change_series(const std::string& input, const std::string&
     if (lease.code() == ErrorCode::kEndOfStream) return written;
     if (!lease.ok()) return lease.error();
     if (number % every != 0) continue;
-    // All frames of a video have its name.
+    // For a video, the camera reports the video's name with every frame.
     const bool is_video = fs::path(camera.file()) == fs::path(input).filename() && camera.frame_count() != 1;
     const std::string stem = is_video ? formatted("%06llu", static_cast<unsigned long long>(number))
                                       : fs::path(camera.file()).stem().string();

@@ -17,7 +17,8 @@ using replay::CanvasColor;
 constexpr double kWidth = 900, kHeight = 640;
 constexpr CanvasColor kPaper{0.11, 0.12, 0.14}, kInk{0.85, 0.87, 0.9}, kFrame{0.45, 0.47, 0.5};
 
-// Color scale from dark blue over green to yellow with increasing lightness, which is readable in grey as well.
+// Returns the color of a scale from dark blue over green to yellow. Lightness increases along the scale, so it is
+// readable in gray, too.
 CanvasColor shade(double t) {
   constexpr std::array<CanvasColor, 5> kStops{
       {{0.27, 0.0, 0.33}, {0.23, 0.32, 0.55}, {0.13, 0.57, 0.55}, {0.37, 0.79, 0.38}, {0.99, 0.91, 0.14}}};
@@ -133,7 +134,7 @@ void draw_scale(cairo_t& context, const Component& component) {
   }
 }
 
-// Luminance of the map between the centers of its cells.
+// Interpolates the luminance of the map between the centers of its cells.
 class Luminance {
  public:
   Luminance(const LightMap& map, std::size_t width_px, std::size_t height_px)
@@ -161,7 +162,7 @@ class Luminance {
   std::vector<double> values_;
 };
 
-// Marching squares: the segments of one contour.
+// Returns the segments of one contour, by marching squares.
 std::vector<std::pair<Vector2, Vector2>> contour(const Luminance& field, double level) {
   std::vector<std::pair<Vector2, Vector2>> out;
   for (std::size_t row = 0; row + 1 < field.rows(); ++row) {

@@ -48,8 +48,8 @@ class Figures {
     return surface;
   }
 
-  // Draws recognized pixels in black and circles around the patches; the patch that defines the thresholds has a red
-  // circle.
+  // Returns a picture with recognized pixels in black and a circle around each patch; the circle is red around the
+  // patch that defines the thresholds.
   [[nodiscard]] replay::SurfacePtr classified(const std::vector<std::uint8_t>& pixels, const SameColor& color) const {
     using Channels = calibrate::Channels;
     replay::SurfacePtr surface = paint([&](std::size_t i) {

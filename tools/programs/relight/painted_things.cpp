@@ -14,7 +14,7 @@ namespace {
 using Rgb = std::array<double, 3>;
 
 constexpr double kCameraGamma = 2.2;
-// Half the side of the square in which the floor's median is taken, px: much larger than a robot.
+// Half the side, in px, of the square in which the median of the floor is taken; it is much larger than a robot.
 constexpr int kFloorReach = 40;
 // Standard deviation of the sensor's noise, in levels.
 constexpr double kNoise = 1.2;
@@ -32,7 +32,7 @@ double distance_to_segment(Point p, Point a, Point b) {
   return std::hypot(p.x - a.x - along * dx, p.y - a.y - along * dy);
 }
 
-// What a thing shows at a point of its own frame, in which its length is 1.
+// What a thing shows at a point of its own coordinates, in which its length is 1.
 struct Spot {
   std::size_t color = 0;
   double shade = 1;
@@ -42,11 +42,11 @@ class Shape {
  public:
   explicit Shape(const Thing& thing) : thing_(thing) {
     std::mt19937_64 random(thing.seed);
-    // Only bits(): distributions differ between libraries.
+    // Uses the generator's bits directly, because the standard distributions differ between libraries.
     for (double& one : jitter_) one = static_cast<double>(random() >> 11U) / 9007199254740992.0 - 0.5;
   }
 
-  /// Largest distance of the thing from its center.
+  /// Returns the largest distance of the thing's points from its center.
   [[nodiscard]] double reach() const { return thing_.kind == ThingKind::kHand ? 4.0 : 1.0; }
 
   [[nodiscard]] std::optional<Spot> at(Point p) const {
@@ -81,7 +81,7 @@ class Shape {
     const double palm = std::hypot(p.x / 0.5, p.y / 0.42);
     if (palm < 1) return Spot{0, 1.0 - 0.2 * palm * palm};
     for (std::size_t i = 0; i < 5; ++i) {
-      // The thumb is the first one.
+      // Finger 0 is the thumb.
       const double angle = (i == 0 ? -1.2 : -0.5 + 0.3 * static_cast<double>(i - 1)) + 0.15 * jitter_[i];
       const double length = i == 0 ? 0.75 : 1.0 + 0.2 * jitter_[i];
       const double away = distance_to_segment(p, {}, {length * std::cos(angle), length * std::sin(angle)}) / kFinger;
@@ -99,7 +99,7 @@ class Shape {
   }
   [[nodiscard]] static std::optional<Spot> robot(Point p) {
     if (std::max(std::abs(p.x), std::abs(p.y)) > 0.5) return std::nullopt;
-    const double half = 0.23;  // of a patch
+    const double half = 0.23;  // half the side of a patch
     for (const double sign : {1.0, -1.0}) {
       if (std::max(std::abs(p.x - 0.25 * sign), std::abs(p.y - 0.25 * sign)) < half) {
         return Spot{sign > 0 ? 1U : 2U, 1.0};
@@ -112,7 +112,7 @@ class Shape {
   std::array<double, 8> jitter_{};
 };
 
-// Median of the pixels around a place, linear in light.
+// Returns the median of the pixels around a position, linear in light.
 Rgb floor_around(const hal::Picture& picture, double u_px, double v_px) {
   Rgb out{};
   const auto from = [](double center, std::uint32_t size) {
@@ -136,7 +136,7 @@ Rgb floor_around(const hal::Picture& picture, double u_px, double v_px) {
   return out;
 }
 
-// Light of a surface of this color at a place of the picture.
+// Returns the light that a surface of this color reflects at a position of the picture.
 Rgb color_at(const hal::Picture& picture, const ThingColor& color, const Rgb& floor_there) {
   Rgb out{}, floor_here{};
   if (color.like_pixel) {
@@ -162,7 +162,7 @@ Rgb color_at(const hal::Picture& picture, const ThingColor& color, const Rgb& fl
   return out;
 }
 
-// Normal deviate with variance 1, nearly: a sum of uniform ones (Irwin-Hall).
+// Returns a nearly normal deviate with variance 1: a sum of uniform deviates (Irwin-Hall).
 double noise(std::mt19937_64& random) {
   double sum = -6;
   for (int i = 0; i < 12; ++i) sum += static_cast<double>(random() >> 11U) / 9007199254740992.0;

@@ -14,24 +14,24 @@ namespace touchline::relight {
 /// Things that lie on a field and are neither robots nor ball.
 enum class ThingKind : std::uint8_t {
   kPaper,  // a quadrilateral of color 0
-  kHand,   // of color 0, with five fingers and an arm of color 1
-  kShoe,   // of color 0, with stripes of color 1
+  kHand,   // a palm of color 0 with five fingers, and an arm of color 1
+  kShoe,   // a shape of color 0 with stripes of color 1
   kRobot,  // a square of color 0 with two square patches of colors 1 and 2, as in the paper
 };
 
-/// Color of a surface under the light in the middle of the picture.
+/// Color of a surface, as it looks under the light in the middle of the picture.
 struct ThingColor {
   bool like_pixel = false;
-  std::array<double, 2> pixel{};  // if like_pixel: center of a surface of this color in the picture, px
-  std::array<double, 3> rgb{};    // otherwise, 0 to 255
+  std::array<double, 2> pixel{};  // if like_pixel: px of the picture in the middle of a surface with this color
+  std::array<double, 3> rgb{};    // otherwise: red, green, blue, 0 to 255
 };
 
 struct Thing {
   ThingKind kind = ThingKind::kPaper;
   double u_px = 0, v_px = 0, size_px = 1;  // center and length (paper, shoe, robot: sides; hand: palm)
-  double width = 1;                        // of paper, relative to its length
+  double width = 1;                        // width of a paper, relative to its length
   double angle_rad = 0;
-  std::uint64_t seed = 1;  // of the shape and the noise
+  std::uint64_t seed = 1;  // seed of the random shape and noise
   std::vector<ThingColor> colors;
 };
 
@@ -39,11 +39,12 @@ struct Thing {
 using Things = std::map<std::string, std::vector<Thing>>;
 
 /// Reads {"NAME.png": [{"kind": "paper", "u", "v", "size", "width", "angle", "seed", "colors": [{"like": [u, v]} or
-/// {"rgb": [r, g, b]}]}]}. kNotFound, kIo: the file. kInconsistent: its content; the message names what is wrong.
+/// {"rgb": [r, g, b]}]}]}. kNotFound, kIo: the file cannot be read. kInconsistent: its content is invalid; the message
+/// says what is wrong.
 Result<Things> read_things(const std::string& path);
 
-/// Paints the things into an 8-bit RGB picture of a camera with a gamma of 2.2. The light on a thing is that on the
-/// floor around it, as far as the median of the pixels there shows it.
+/// Paints the things into an 8-bit RGB picture of a camera with a gamma of 2.2. A thing gets the same light as the
+/// floor around it, estimated by the median of the pixels there.
 void paint(const std::vector<Thing>& things, hal::Picture& picture);
 
 }  // namespace touchline::relight

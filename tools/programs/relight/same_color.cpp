@@ -14,16 +14,16 @@ namespace {
 using calibrate::ChannelImage;
 using calibrate::FoundPatch;
 
-// Patches of one paint differ by less than this in a corrected picture, two paints by more.
+// In a corrected picture, patches of one paint differ by less than this, and patches of two paints by more.
 constexpr double kOneColor = 15.0;
-// Share of a patch's pixels that is cut off per side and channel: edges.
+// Share of a patch's pixels that is cut off at each end of each channel, because they may be edge pixels.
 constexpr double kEdgeShare = 0.05;
 
 double distance_px(const FoundPatch& patch, double u, double v) {
   return std::hypot(static_cast<double>(patch.center.u_px) - u, static_cast<double>(patch.center.v_px) - v);
 }
 
-// Index of the patch nearest to this position among those that `wanted` accepts.
+// Returns the index of the patch nearest to this position among the patches that `wanted` accepts.
 template <class Wanted>
 std::size_t nearest(const std::vector<FoundPatch>& patches, double u, double v, Wanted&& wanted) {
   std::size_t best = 0;
@@ -64,7 +64,7 @@ Result<SameColor> find_same_color(const ChannelImage& corrected, const calibrate
     for (const FoundPatch& patch : found) colors.push_back(patch.lab);
     std::size_t count = 0;
     const auto label = calibrate::ColorClusters(colors).cut(kOneColor, count);
-    // Counts saturated colors only, because lines are white too.
+    // Counts only patches with a saturated color, because lines are white and may look like patches.
     constexpr double kMinChroma = 20.0;
     std::vector<double> members(count, 0.0);
     for (std::size_t i = 0; i < found.size(); ++i) {

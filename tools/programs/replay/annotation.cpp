@@ -14,18 +14,18 @@ namespace {
 constexpr CanvasColor kWhite{1.0, 1.0, 1.0}, kGrey{0.75, 0.75, 0.75}, kAlarm{1.0, 0.35, 0.3}, kTrack{0.35, 1.0, 0.9};
 constexpr double kHeaderHeight = 30.0, kLegendHeight = 26.0;
 constexpr double kTextSize = 15.0, kSmallText = 10.0, kIdLabelRadius = 10.0;
-constexpr float kAheadSeconds = 0.25f;  // length of velocity vectors
+constexpr float kAheadSeconds = 0.25f;  // velocity vectors show the way driven in this time
 constexpr float kSigmas = 3.0f;
-// Labels at rejected noise would cover the picture: labels only regions that are large enough for a patch, up to a
-// limit.
+// Labels at rejected noise would cover the picture, so only regions that are large enough for a patch get labels, up to
+// a limit.
 constexpr std::uint32_t kMinRefusedPixels = 12;
 constexpr int kMaxRefusals = 24;
-// Narrower pictures are doubled in size, so that text fits between robots.
+// Narrower pictures are doubled in size, so that text fits between the robots.
 constexpr int kDoubledBelow = 1200;
 
 double scale_of(const Frame& frame) { return frame.width_px < kDoubledBelow ? 2.0 : 1.0; }
 
-// A lighter shade of the color for text with a dark outline.
+// Returns a lighter shade of the color, for text with a dark outline.
 CanvasColor lightened(const CanvasColor& color) {
   return {0.5 + color.r / 2.0, 0.5 + color.g / 2.0, 0.5 + color.b / 2.0};
 }
@@ -140,7 +140,7 @@ void Annotator::draw_robot(cairo_t& context, const RobotSighting& robot) const {
   }
 }
 
-// The id in a disk of the team's color, beside the robot so that it does not cover the patches.
+// The id stands in a disk of the team's color beside the robot, so that it does not cover the patches.
 void Annotator::draw_id_label(cairo_t& context, const RobotSighting& robot, double scale) const {
   const MarkerLayout& layout = parameters_.marker.teams[static_cast<std::size_t>(robot.team)].layout;
   const PixelPoint p = camera_.to_pixel(robot.pose.position, layout.height_m);
@@ -257,7 +257,8 @@ SurfacePtr Annotator::draw(const StepTrace& trace, std::uint64_t frame, const st
   cairo_save(&context);
   cairo_scale(&context, scale, scale);
   cairo_set_source_surface(&context, picture.get(), 0.0, 0.0);
-  cairo_pattern_set_filter(cairo_get_source(&context), CAIRO_FILTER_NEAREST);  // shows single pixels
+  // Nearest-neighbor filtering keeps single pixels visible.
+  cairo_pattern_set_filter(cairo_get_source(&context), CAIRO_FILTER_NEAREST);
   cairo_paint(&context);
   cairo_translate(&context, 0.5, 0.5);  // the center of the first pixel is (0, 0)
   dim_outside(context, trace.frame);

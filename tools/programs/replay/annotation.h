@@ -17,9 +17,9 @@ struct AnnotationStyle {
   std::vector<CanvasColor> colors;  // indexed by ColorId
 };
 
-/// Draws the results of the pipeline over the picture: outlines of regions in their color, with the reason for rejected
-/// ones; patch centers; robots with heading and id; the ball; tracks with their 3-sigma ellipse and an arrow to where
-/// they will be in 0.25 s; the field's lines as the camera model projects them.
+/// Draws the results of the pipeline over the picture: outlines of regions in their color, with the reason where one
+/// was rejected; patch centers; robots with heading and id; the ball; tracks with their 3-sigma ellipse and an arrow to
+/// their predicted position in 0.25 s; the lines of the field as the camera model projects them.
 class Annotator {
  public:
   Annotator(const PipelineParameters& parameters, AnnotationStyle style);

@@ -13,16 +13,16 @@
 
 namespace touchline::replay {
 
-/// A color to draw with, 0 to 1 per channel as Cairo takes it.
+/// Drawing color, 0 to 1 per channel as Cairo takes it.
 struct CanvasColor {
   double r = 1.0, g = 1.0, b = 1.0;
 };
-/// From red, green and blue of 0 to 255.
+/// Converts red, green and blue from 0 to 255.
 template <class Rgb>
 CanvasColor canvas_color(const Rgb& rgb) {
   return {rgb[0] / 255.0, rgb[1] / 255.0, rgb[2] / 255.0};
 }
-/// The color at `place`, 0 to 1, on a scale with these colors at equal distances.
+/// Returns the color at `place`, 0 to 1, on a scale with these colors at equal distances.
 CanvasColor color_on_scale(std::span<const CanvasColor> scale, double place);
 
 struct SurfaceDeleter {
@@ -34,7 +34,7 @@ struct ContextDeleter {
 using SurfacePtr = std::unique_ptr<cairo_surface_t, SurfaceDeleter>;
 using ContextPtr = std::unique_ptr<cairo_t, ContextDeleter>;
 
-/// The pixels of a Cairo image surface: B, G, R and an unused byte on little-endian machines.
+/// View of the pixels of a Cairo image surface: B, G, R and an unused byte on little-endian machines.
 struct Pixels {
   std::span<const std::uint8_t> bgrx;
   std::size_t stride_bytes = 0;
@@ -45,7 +45,7 @@ Pixels pixels_of(cairo_surface_t& surface);
 /// Converts a frame of any format to an RGB surface (YUV: ITU-R BT.601).
 SurfacePtr to_surface(const Frame& frame);
 
-/// Draws text with a dark outline, which is legible on any background. `x`, `y`: left end of the baseline.
+/// Draws text with a dark outline, which makes it legible on any background. `x`, `y`: left end of the baseline.
 void draw_text(cairo_t& context, double x, double y, const std::string& text, const CanvasColor& color, double size);
 double text_width(cairo_t& context, const std::string& text, double size);
 

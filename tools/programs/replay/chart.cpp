@@ -21,7 +21,7 @@ struct Range {
     high = empty ? value : std::max(high, value);
     empty = false;
   }
-  // A margin, and no range of length zero.
+  // Adds a margin, and makes an empty range wider than zero.
   void widen() {
     const double margin = std::max(0.04 * (high - low), 1e-3);
     low -= margin;
@@ -89,7 +89,7 @@ void chart_text(cairo_t& context, double x, double y, const std::string& text) {
   cairo_show_text(&context, text.c_str());
 }
 
-// Number with as many decimals as the step between ticks needs.
+// Formats a number with as many decimals as the step between ticks needs.
 std::string tick_text(double value, double step) {
   const int decimals = std::max(0, -static_cast<int>(std::floor(std::log10(step) + 1e-9)));
   return formatted("%.*f", decimals, std::abs(value) < 0.5 * step ? 0.0 : value);
@@ -143,7 +143,7 @@ void draw_curve(cairo_t& context, const Axes2d& axes, const Curve& curve) {
   }
 }
 
-// The line's name is in the title's row, where it hides no values.
+// The name of the limit stands in the title's row, where it hides no values.
 void draw_limit(cairo_t& context, const Chart& chart, const Axes2d& axes) {
   constexpr double kSample = 22.0, kGap = 6.0;
   const std::array<double, 2> dashes{6.0, 4.0};

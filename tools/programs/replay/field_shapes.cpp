@@ -14,7 +14,7 @@ FieldPoint point_ahead(const Pose& pose, float forward_m, float left_m) {
 }
 
 void line_on_field(cairo_t& context, const CameraModel& camera, FieldPoint from, FieldPoint to, float height_m) {
-  constexpr int kPieces = 32;  // lines are curved by the lens
+  constexpr int kPieces = 32;  // pieces of a line, because the lens curves it
   for (int i = 0; i <= kPieces; ++i) {
     const float t = static_cast<float>(i) / kPieces;
     const PixelPoint p =
@@ -62,12 +62,12 @@ void arrow_on_field(cairo_t& context, const CameraModel& camera, FieldPoint from
 
 void region_outline(cairo_t& context, const Runs& runs, const Region& region) {
   const std::size_t width = region.box.right - region.box.left + 3u, height = region.box.bottom - region.box.top + 3u;
-  std::vector<bool> inside(width * height);  // with a margin of one pixel
+  std::vector<bool> inside(width * height);  // pixels of the region's box, with a margin of one pixel
   for (std::uint32_t r = region.first_run; r != kNoRun; r = runs[r].next) {
     const std::size_t row = (runs[r].row - region.box.top + 1u) * width;
     for (std::size_t u = runs[r].begin; u < runs[r].end; ++u) inside[row + u - region.box.left + 1] = true;
   }
-  const double left = region.box.left - 1.5, top = region.box.top - 1.5;  // top left corner of the margin
+  const double left = region.box.left - 1.5, top = region.box.top - 1.5;  // top left corner of the box with its margin
   for (std::size_t y = 0; y + 1 < height; ++y) {
     for (std::size_t x = 0; x + 1 < width; ++x) {
       const std::size_t at = y * width + x;

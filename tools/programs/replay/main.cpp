@@ -115,7 +115,7 @@ int main(int argc, char** argv) {
     return touchline::kExitBadFile;
   }
   const std::string text = text_of(summary.value(), seconds_since(begin));
-  // With --out -, only the result goes to standard output.
+  // With --out -, standard output carries only the result.
   if (!quiet && options.out == "-") output.print_error(text);
   if (!quiet && options.out != "-") output.print(text);
   return touchline::kExitOk;

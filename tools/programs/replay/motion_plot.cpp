@@ -16,7 +16,7 @@ namespace {
 constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();
 constexpr double kDegrees = 180.0 / std::numbers::pi;
 
-// Two columns: the robot and the ball.
+// The sheet has two columns: the robot and the ball.
 constexpr double kColumn = 620.0, kLeftMargin = 62.0, kRightMargin = 22.0;
 constexpr double kPathTop = 62.0, kPathHeight = 400.0, kRowHeight = 130.0, kRowPitch = 190.0;
 constexpr double kSheetWidth = 2 * kColumn, kSheetHeight = kPathTop + kPathHeight + 60.0 + 4 * kRowPitch;
@@ -27,7 +27,7 @@ constexpr CanvasColor kSightingColor{0.84, 0.37, 0.0}, kTrackColor{0.0, 0.45, 0.
 // Quantiles of the chi-square distribution with 2 and 3 degrees of freedom.
 constexpr double kChiSquare2 = 5.991, kChiSquare3 = 7.815;
 
-// The angle that is equal to `angle` modulo a turn and nearest to `near`.
+// Returns the angle that equals `angle` modulo a turn and is nearest to `near`.
 double unwrapped(double angle, double near) { return near + wrap_angle(angle - near); }
 
 Curve sighting_curve() { return {"sighting", kSightingColor, true, {}, {}}; }
@@ -38,11 +38,11 @@ void put(Curve& curve, double x, double y) {
   curve.y.push_back(y);
 }
 
-// A sheet's column of charts below each other.
+// Column of a sheet, with charts below each other.
 class Column {
  public:
   Column(cairo_t& context, double left) : context_(context), left_(left + kLeftMargin) {}
-  // Instead of charts.
+  // Fills the place of the charts with a text.
   void draw_text(const std::string& text) { draw_chart(context_, next(kPathTop, kPathHeight, text, "", "")); }
   void draw_path(Curve sighted, Curve tracked, const std::string& title) {
     Chart chart = next(kPathTop, kPathHeight, title, "x in m", "y in m");
@@ -92,7 +92,7 @@ void draw_paths(Column& column, const MotionPlot::Motions& motions, const std::s
   column.draw_path(std::move(sighted), std::move(tracked), title);
 }
 
-// Fig. 9.
+// Fig. 9 of the paper.
 void draw_robot(cairo_t& context, const MotionPlot::Motions& motions, const std::string& name) {
   Column column(context, 0.0);
   draw_paths(column, motions, name + ": path");
@@ -124,7 +124,7 @@ void draw_robot(cairo_t& context, const MotionPlot::Motions& motions, const std:
                   kChiSquare3);
 }
 
-// Fig. 10.
+// Fig. 10 of the paper.
 void draw_ball(cairo_t& context, const MotionPlot::Motions& motions) {
   Column column(context, kColumn);
   const auto is_known = [](const MotionPlot::Motion& m) { return m.sighted || m.tracked; };

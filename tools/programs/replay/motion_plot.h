@@ -16,16 +16,16 @@ class MotionPlot {
  public:
   void add(const StepTrace& trace);
 
-  /// SVG of the robot of `team` with `id`, and of the ball. Raw velocities are differences of consecutive sightings.
-  /// `name`: of the robot, for the title.
+  /// Returns an SVG of the robot of `team` with `id`, and of the ball. Raw velocities are differences of consecutive
+  /// sightings. `name`: the robot's name in the title.
   [[nodiscard]] std::string svg(Team team, RobotId id, const std::string& name) const;
 
-  /// The robot with an id whose track is longest; kUnknownId if no robot with an id was seen.
+  /// Returns the robot with an id that drove the longest way; kUnknownId if no robot with an id was seen.
   [[nodiscard]] std::pair<Team, RobotId> farthest() const;
   [[nodiscard]] bool knows(Team team, RobotId id) const { return robots_.count({team, id}) > 0; }
 
-  // Values of one object in one frame. Robots: x, y, heading, linear and angular velocity; ball: x, y, velocities along
-  // x and y, of which the heading is unused.
+  // Values of one object in one frame. For a robot: x, y, heading, linear and angular velocity. For the ball: x, y, and
+  // the velocities along x and y; its heading is unused.
   struct Motion {
     double t_s = 0.0;
     bool sighted = false, tracked = false;

@@ -47,7 +47,7 @@ Result<void> check_outputs(const ReplayOptions& options) {
   return {};
 }
 
-// Finds the robot of --plot-robot. `names`: of the teams.
+// Finds the robot of --plot-robot. `names`: names of the two teams.
 Result<std::pair<Team, RobotId>> robot_to_plot(const std::string& wanted, const std::array<std::string, 2>& names,
                                                const MotionPlot& plot) {
   if (wanted.empty()) return plot.farthest();
@@ -144,7 +144,7 @@ Result<ReplaySummary> replay_input(const ReplayOptions& options, const Progress&
 
 Result<ReplaySummary> replay(const ReplayOptions& options, const Progress& progress, const std::atomic<bool>& stop) {
   Result<ReplaySummary> summary = replay_input(options, progress, stop);
-  // Whatever the stop has interrupted is not an error of its own.
+  // An error that the stop itself has caused is not reported.
   return summary.ok() || !stop ? std::move(summary) : stopped();
 }
 

@@ -14,17 +14,17 @@ struct ReplayOptions {
   std::string input;  // folder of pictures, one picture, or a video
   std::string venue, team;
   std::vector<std::string> overrides;  // "key=value" for keys of the two files
-  std::string out;                     // JSON lines; appears when all frames are in it
-  std::string annotate;                // empty, a folder, or a file NAME.mp4
-  std::string plot;                    // empty, or an SVG file (MotionPlot)
-  std::string plot_robot;              // TEAM:ID; empty: the robot that drives farthest
-  double rate_hz = 0.0;                // 0: a video's own time stamps, pictures at 30 Hz
-  bool skip_damaged = false;           // false: the first picture that cannot be decoded ends the replay
+  std::string out;            // file of JSON lines, which appears when all frames are in it; "-": standard output
+  std::string annotate;       // empty, a folder, or a file NAME.mp4
+  std::string plot;           // empty, or an SVG file (MotionPlot)
+  std::string plot_robot;     // TEAM:ID; empty: the robot that drives farthest
+  double rate_hz = 0.0;       // 0: a video's own time stamps, pictures at 30 Hz
+  bool skip_damaged = false;  // false: the first picture that cannot be decoded ends the replay
 };
 
 struct ReplaySummary {
   std::uint64_t frames = 0, damaged = 0;
-  std::uint64_t robots = 0, robots_with_id = 0;  // sightings in all frames
+  std::uint64_t robots = 0, robots_with_id = 0;  // sightings, summed over all frames
   std::uint64_t frames_with_ball = 0, frames_overloaded = 0;
 };
 
@@ -32,7 +32,7 @@ struct ReplaySummary {
 using Progress = std::function<void(std::uint64_t done, std::uint64_t of)>;
 
 /// Runs Pipeline::step on every frame of the input and writes the results. On failure, or if `stop` becomes true, the
-/// error has one or more lines, and the result file is not created or changed.
+/// error has one or more lines, and the result file stays as it was.
 Result<ReplaySummary> replay(const ReplayOptions& options, const Progress& progress, const std::atomic<bool>& stop);
 
 }  // namespace touchline::replay

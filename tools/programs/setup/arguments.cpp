@@ -5,7 +5,7 @@
 namespace touchline::setup {
 namespace {
 
-// A color or a device has a short name; the text of an import is shorter than a message.
+// Longest text; names of colors and devices are short, and an import arrives in pieces shorter than a message.
 constexpr std::size_t kMaxTextBytes = 4096;
 
 Error wrong(const char* name, const std::string& expected) {

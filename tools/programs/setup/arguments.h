@@ -16,15 +16,15 @@ class Arguments {
 
   [[nodiscard]] bool has(const char* name) const;
   [[nodiscard]] const nlohmann::json& operator[](const char* name) const { return command_->at(name); }
-  /// The number from `low` to `high`.
+  /// Returns the number, which must be from `low` to `high`.
   [[nodiscard]] Result<double> number(const char* name, double low, double high) const;
-  /// The same, or `absent` if the member is missing or null.
+  /// As above, or `absent` if the member is missing or null.
   [[nodiscard]] Result<double> number(const char* name, double low, double high, double absent) const;
   [[nodiscard]] Result<std::string> text(const char* name) const;
   [[nodiscard]] Result<std::string> text(const char* name, const std::string& absent) const;
   [[nodiscard]] Result<bool> flag(const char* name, bool absent) const;
   [[nodiscard]] Result<std::vector<std::string>> texts(const char* name) const;
-  /// [[u, v], ...], each within the largest picture.
+  /// Returns the points [[u, v], ...], each within the largest picture.
   [[nodiscard]] Result<std::vector<PixelPoint>> pixels(const char* name, std::size_t count) const;
 
  private:

@@ -19,13 +19,15 @@ namespace {
 
 constexpr std::size_t kBins = 32;
 constexpr std::uint8_t kClipped = 254, kBlack = 1;
-// Lamps that mirror in the floor clip some pixels; more of them hides patches.
+// Largest share of clipped pixels: reflections of lamps in the floor clip some, and more of them hide patches.
 constexpr double kMaxClipped = 0.02;
-// Greatest step between neighbors in a blurred edge: 0.38 of its height with a Gaussian of 1 px, 0.2 with 2 px.
+// Largest step between neighboring pixels in an edge, relative to the edge's height: 0.38 for a Gaussian blur of 1 px,
+// 0.2 for 2 px.
 constexpr double kSharp = 0.3, kBlurred = 0.2;
 constexpr double kMaxBlur_px = 1.0;
 
-// Median over the clear horizontal edges of the largest step between neighbors, relative to the whole edge.
+// Returns the largest step between neighboring pixels relative to the whole edge, as the median over the clear
+// horizontal edges.
 std::optional<double> focus_of(const hal::Picture& picture) {
   constexpr int kReach = 3, kClearEdge = 40;
   constexpr std::size_t kEnough = 100;
@@ -41,7 +43,7 @@ std::optional<double> focus_of(const hal::Picture& picture) {
       int largest = 0;
       for (std::size_t i = u - kReach; i < u + kReach; ++i)
         largest = std::max(largest, std::abs(luma(i + 1, v) - luma(i, v)));
-      // Texture and thin lines have steps larger than the whole.
+      // In texture and thin lines, a step can be larger than the whole edge.
       if (largest <= height) steps.push_back(static_cast<double>(largest) / height);
     }
   }
@@ -51,7 +53,7 @@ std::optional<double> focus_of(const hal::Picture& picture) {
   return *middle;
 }
 
-// Meters on the floor per pixel in the middle of the picture.
+// Returns the meters on the floor per pixel in the middle of the picture.
 double scale_m(const calibrate::VenueDraft& venue, const Frame& frame) {
   CameraModel camera;
   if (calibrate::has_camera_model(venue) && camera.configure(venue.file.camera_model).ok()) {
@@ -62,18 +64,18 @@ double scale_m(const calibrate::VenueDraft& venue, const Frame& frame) {
   return static_cast<double>(venue.file.field.length_m) / frame.width_px;
 }
 
-// The same picture with another exposure, as far as the sensor is linear.
+// Returns the picture as it would be with another exposure, assuming a linear sensor.
 hal::Picture exposed(hal::Picture picture, double share) {
   for (std::uint8_t& value : picture.rgb8) value = static_cast<std::uint8_t>(std::min(255.0, value * share));
   return picture;
 }
 
-// Blur of the fastest robot: the one judge of exposures, also of those that are advised.
+// Judges the blur of the fastest robot; all exposures are judged by this function, including those that are advised.
 const char* blur_level(double exposure_us, double limit_us) {
   return exposure_us > 2 * limit_us ? "bad" : exposure_us > limit_us ? "warning" : "ok";
 }
 
-// What to do about an exposure that is too long. `has_edges`: this picture has edges that can be judged.
+// Says what to do about an exposure that is too long. `has_edges`: this picture has edges that can be judged.
 std::string exposure_advice(const hal::Picture& picture, double exposure_us, double limit_us, bool has_edges) {
   const double advised_us = std::floor(limit_us);  // the key takes whole numbers
   if (advised_us < 1 || std::string_view(blur_level(advised_us, limit_us)) != "ok")

@@ -9,8 +9,9 @@
 namespace touchline::setup {
 
 /// Measures exposure and focus in one picture, and how far the fastest robot of the team file moves during the exposure
-/// of the board file: the members of `steps.camera` from `histogram` to `quality` (docs/console-protocol.md). `folder`
-/// has the files. The scale of the picture is that of the camera model, or that of a field that fills the picture.
+/// of the board file. Returns the members of `steps.camera` from `histogram` to `quality` (docs/console-protocol.md).
+/// `folder` contains the files. The scale of the picture comes from the camera model, or else from a field that fills
+/// the picture.
 nlohmann::json camera_quality(const Frame& frame, const SetupFiles& files, const std::string& folder);
 
 }  // namespace touchline::setup

@@ -9,7 +9,7 @@ namespace {
 
 using Channels = calibrate::Channels;
 
-// The color whose box has this value; null: background.
+// Returns the color whose box has this value; null for background.
 const config::ColorEntry* color_of(const Channels& value, const std::vector<config::ColorEntry>& colors) {
   for (const config::ColorEntry& color : colors) {
     for (const config::ColorBoxEntry& box : color.box) {

@@ -10,8 +10,9 @@
 
 namespace touchline::setup {
 
-/// A PNG with alpha as large as the picture: pixels that have a color with `after` and had another class with `before`
-/// in that color, pixels that lost their color in black, all others transparent. kIo: the encoder failed.
+/// Returns a PNG with alpha as large as the picture. Pixels that get a color with `after` and had another class with
+/// `before` show this color, pixels that lose their color are black, and all others are transparent. kIo: the encoder
+/// failed.
 Result<std::string> color_change_mask(const calibrate::ChannelImage& picture,
                                       const std::vector<config::ColorEntry>& before,
                                       const std::vector<config::ColorEntry>& after);

@@ -19,12 +19,13 @@ namespace fs = std::filesystem;
 
 using calibrate::Click;
 
-// Colors closer than this are confused when the light changes a little (as the advice of touchline-calibrate colors).
+// Two colors closer than this are confused if the light changes a little (the same limit as in the advice of
+// touchline-calibrate colors).
 constexpr int kCloseLevels = 20;
 
 nlohmann::json note(const char* level, const std::string& text) { return {{"level", level}, {"text", text}}; }
 
-// The clicks of the draft, with that of the request.
+// Returns the clicks of the draft and the click of the request.
 std::vector<Click> clicks_of(const nlohmann::json& measured, const ColorRequest& request) {
   std::vector<Click> clicks;
   if (const auto known = measured.find("clicks"); known != measured.end()) {
@@ -33,7 +34,7 @@ std::vector<Click> clicks_of(const nlohmann::json& measured, const ColorRequest&
       click.color = one.at("name").get_ref<const std::string&>();
       click.u_px = one.at("u_px").get<double>();
       click.v_px = one.at("v_px").get<double>();
-      // A click that came with the first picture was stored before that had an id.
+      // A click that came with the first picture was stored before this picture had an id.
       const nlohmann::json& ids = measured.at("pictures");
       const auto id = std::find(ids.begin(), ids.end(), one.at("picture"));
       click.image = color_image(id == ids.end() ? 0 : static_cast<std::size_t>(id - ids.begin()));
@@ -91,7 +92,7 @@ void add_fit(const calibrate::ColorFit& fit, nlohmann::json& measured) {
   }
 }
 
-// Gives the pictures that a calibration has written into its folder to the page, in the order of the images.
+// Shows the page the pictures that a calibration has written into its folder, in the order of the images.
 Result<void> show_files(const std::string& folder, const std::string& ending, const char* member, const JobInput& input,
                         const JobOutput& output) {
   for (std::size_t i = 0; i < input.state.color_frames.size(); ++i) {
@@ -106,7 +107,7 @@ Result<void> show_files(const std::string& folder, const std::string& ending, co
   return {};
 }
 
-// The pixels of the last picture (that of the click) whose class the new colors change.
+// Returns the mask of pixels whose class the new colors change, in the last picture (the picture of the click).
 Result<std::string> mask_of(const calibrate::VenueDraft& venue, const std::string& venue_path, const Frame& frame) {
   TOUCHLINE_TRY_ASSIGN(const calibrate::VenueDraft learned, calibrate::read_draft(venue_path));
   const auto shading = std::make_unique<Shading>();
@@ -144,7 +145,7 @@ Result<void> learn_colors(const ColorRequest& request, const JobInput& input, co
   if (fit_input.pictures.empty()) return Error{ErrorCode::kNotFound, "there is no picture of robots and ball"};
   std::vector<Click> clicks =
       clicks_of(former != input.state.measured.end() ? *former : nlohmann::json::object(), request);
-  // A color that the robots no longer have is not asked for.
+  // Drop clicks on colors that the robots no longer have.
   std::erase_if(clicks, [&](const Click& click) {
     return std::find(files.colors.names.begin(), files.colors.names.end(), click.color) == files.colors.names.end();
   });

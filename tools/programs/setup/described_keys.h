@@ -10,8 +10,8 @@
 
 namespace touchline::setup {
 
-/// Visitor of core/parameter.h that collects the keys of a section for the page: their values, and for forms unit,
-/// range, words and meaning. Sections and lists inside are left out.
+/// Visitor of core/parameter.h that collects the keys of a section for the page: their values, and for forms their
+/// unit, range, words and meaning. Skips nested sections and lists.
 class DescribedKeys {
  public:
   template <class Struct>
@@ -51,7 +51,7 @@ class DescribedKeys {
   void list(const Container&, const Key&) {}
 
  private:
-  // The shortest number that reads back to the same value: 2.2, not 2.2000000476837158.
+  // Returns the shortest number that reads back to the same value: 2.2, not 2.2000000476837158.
   template <class T>
   static nlohmann::json json_of(const T& value) {
     if constexpr (std::is_floating_point_v<T>) {

@@ -9,7 +9,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Each step has its own texts and pictures, up to 1 MB. Nobody goes back further.
+// Number of states that can be undone; each has its own texts and pictures, up to 1 MB.
 constexpr std::size_t kMaxStates = 64;
 
 }  // namespace
@@ -29,7 +29,7 @@ std::vector<std::string> Draft::redo_names() const {
 Result<void> Draft::begin(const std::string& board_path) {
   TOUCHLINE_TRY_ASSIGN(SetupFiles saved, read_setup(board_path));
   DraftState state;
-  // A draft that was left behind, with the files that it began with.
+  // An earlier draft exists, with the files that it began with.
   const std::string board = fs::path(board_path).filename().string();
   Result<SetupFiles> left = read_setup((fs::path(files_folder()) / board).string());
   Result<SetupFiles> base = read_setup((fs::path(folder_) / "saved" / board).string());
@@ -40,7 +40,7 @@ Result<void> Draft::begin(const std::string& board_path) {
     state.files = saved;
     TOUCHLINE_TRY(write_folder(saved, folder_ + "/saved"));
   }
-  // The firmware runs without calibration, but not without the file.
+  // The firmware runs without a calibration, but not without a venue file.
   FileContent& venue = state.files.content[state.files.venue];
   if (venue == nullptr) venue = std::make_shared<const std::string>(config::kNewFile);
   TOUCHLINE_TRY(store(state));

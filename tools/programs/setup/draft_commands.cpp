@@ -9,7 +9,7 @@
 #include "tools/programs/setup/setup_program.h"
 #include "tools/programs/setup/unified_difference.h"
 
-// The commands that concern the draft as a whole.
+// Commands that concern the draft as a whole.
 namespace touchline::setup {
 namespace {
 
@@ -17,7 +17,7 @@ namespace fs = std::filesystem;
 
 using Answer = Result<nlohmann::json>;
 
-// A setup has at most 1 MiB; a piece carries at most 3000 bytes, and at least one.
+// A setup has at most 1 MiB and arrives in pieces of 1 to 3000 bytes.
 constexpr double kMaxParts = 4096;
 
 // Saved files that have changed since the draft began.
@@ -48,7 +48,7 @@ Answer SetupProgram::discard(const Arguments&) {
   return nlohmann::json(nullptr);
 }
 
-// A new state of the draft. With `replaces_last` undo leads to the state before the last one.
+// Makes `next` the draft's new state. With `replaces_last`, undo leads to the state before the last one.
 Answer SetupProgram::change(DraftState next, bool replaces_last) {
   TOUCHLINE_TRY(replaces_last ? draft_.replace(std::move(next)) : draft_.add(std::move(next)));
   if (uses_draft_) use(true);
@@ -136,7 +136,7 @@ Answer SetupProgram::import_setup(const Arguments& arguments) {
   for (const std::string& one : import_) whole += one;
   import_.clear();
   TOUCHLINE_TRY_ASSIGN(SetupFiles files, read_archive(whole));
-  // The board file keeps its name here; the service knows it by that.
+  // An imported board file gets the name of this board's file, by which the service knows it.
   const std::string name = fs::path(options_.board).filename().string();
   if (files.board != name) {
     files.content[name] = files.content[files.board];
@@ -172,7 +172,7 @@ Answer SetupProgram::use_files(const Arguments& arguments) {
 
 Answer SetupProgram::try_draft(const Arguments& arguments) {
   TOUCHLINE_TRY_ASSIGN(trying_, arguments.flag("on", false));
-  // A session that begins ends a try: the draft's newest files come first.
+  // Starting a session cancels a running try, so the newest draft is used.
   try_waits_ = trying_ && use_runs_;
   if (!try_waits_) ask_to_try();
   send_state();
@@ -198,14 +198,14 @@ Answer SetupProgram::confirm(const Arguments& arguments) {
   return changed;
 }
 
-// One file of the draft with another text, as a step.
+// Changes the text of one file of the draft, as a step.
 Answer SetupProgram::change_text(const std::string& step, const std::string& file, Result<std::string> text,
                                  bool replaces_last) {
   if (!text.ok()) return prefixed(file, std::move(text).error());
   DraftState next = draft_.now();
   next.name = step;
   next.files.content[file] = std::make_shared<const std::string>(std::move(text).value());
-  // What a person has confirmed was another text, or another camera: its exposure and the like may change.
+  // A confirmation applied to the former text, or to the former camera with its exposure.
   for (const char* confirmed : {"robots", "radio", "camera "}) {
     const auto measured = next.measured.find(std::string(confirmed, std::strcspn(confirmed, " ")));
     if (measured != next.measured.end() && step.starts_with(confirmed)) measured->erase("done");

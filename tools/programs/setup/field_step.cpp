@@ -11,10 +11,10 @@
 namespace touchline::setup {
 namespace {
 
-// Straight on the field, curved in the picture.
+// Points per line, because a line that is straight on the field is curved in the picture.
 constexpr std::size_t kPointsOfALine = 33;
-// Above these values a robot that is somewhere in the field gets a place that play would notice: a tenth of its size,
-// and a quarter of the limits at which calibrate_field() refuses.
+// Above these values, a robot's position somewhere in the field has an error that affects play: a tenth of the robot's
+// size, and a quarter of the limits at which calibrate_field() fails.
 constexpr double kGoodTop_mm = 4.0, kGoodRms_mm = 1.5;
 
 nlohmann::json polyline(const CameraModel& camera, const calibrate::Mark& mark) {
@@ -28,7 +28,8 @@ nlohmann::json polyline(const CameraModel& camera, const calibrate::Mark& mark) 
   return out;
 }
 
-// The lines of the model that this field has: the border, the goals, and what the pictures show of the other markings.
+// Returns the lines that the model projects and this field has: the border, the goals, and the other markings that the
+// pictures show.
 nlohmann::json overlay_of(const CameraModel& camera, const FieldParameters& field,
                           const calibrate::FieldReport& report) {
   const auto x = static_cast<double>(field.length_m / 2), y = static_cast<double>(field.width_m / 2);
@@ -66,7 +67,7 @@ nlohmann::json notes_of(const calibrate::FieldReport& report, const FieldParamet
     note("warning", "the height of the lens was not measured: measure it with a tape and enter it");
   }
   for (const std::string& doubt : report.doubts) note("warning", doubt);
-  // If it shows the height, the page has it beside the field for it.
+  // A height that the picture shows is displayed beside its input field, so no note is needed.
   if (report.refinement.points > 0 && !calibrate::shows_height(report.refinement.height)) {
     note("ok", calibrate::describe(report.refinement.height));
   }

@@ -9,13 +9,13 @@
 
 namespace touchline::setup {
 
-/// What the person said in the step "field".
+/// A person's entries in the step "field".
 struct FieldRequest {
   calibrate::FieldChoice choice;
   std::optional<calibrate::Corners> corners;  // empty: the border is searched
 };
 
-/// Finds the camera model in the frames and writes it to the venue file of the work's folder. Errors of choose_field()
+/// Finds the camera model in the frames and writes it to the venue file in the job's folder. Errors of choose_field()
 /// and calibrate_field().
 Result<void> find_field(const FieldRequest& request, const JobInput& input, const JobOutput& output);
 

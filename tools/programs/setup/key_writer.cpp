@@ -26,7 +26,7 @@ bool has_section(const std::string& name) {
 }  // namespace
 
 Result<std::string> toml_of(const nlohmann::json& value) {
-  // Most values are single-precision: the shortest number that reads back to the same one.
+  // Most values are single-precision, so write the shortest number that reads back to the same float.
   const float number = value.is_number_float() ? value.get<float>() : INFINITY;
   if (std::isfinite(number)) return config::number_text(number);
   if (value.is_number() || value.is_boolean()) return value.dump();

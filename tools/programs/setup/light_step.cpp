@@ -11,10 +11,11 @@
 namespace touchline::setup {
 namespace {
 
-// The brightest and the darkest place of a lit field. Beyond that the dark side has few levels left for the colors.
+// Largest ratio of the brightest to the darkest place of a well-lit field. Above it, the dark side has too few levels
+// to distinguish the colors.
 constexpr double kUneven = 3.0;
 
-// The picture as it would be under even light (Klancar eq. 17), with the map's nearest cell.
+// Returns the picture as it would be under even light (Klancar eq. 17), using the map's nearest cell.
 hal::Picture corrected(const hal::Picture& picture, const LightMap& map) {
   constexpr double kHalf = 0.5;
   const hal::Picture cells = calibrate::map_picture(map);

@@ -29,7 +29,7 @@ int main(int argc, char** argv) {
                             "serve `touchline run --board hall/board.toml --set console.setup_socket=setup.sock`"}});
   if (const auto exit_code = touchline::parse_arguments(app, argc, argv)) return *exit_code;
 
-  // Writing to a terminal that is gone, or to a firmware that is, must not end the program.
+  // Writing to a terminal or a firmware that no longer exists must not end the program.
   ::signal(SIGPIPE, SIG_IGN);
   sigset_t ends;
   ::sigemptyset(&ends);
@@ -37,7 +37,7 @@ int main(int argc, char** argv) {
   ::sigprocmask(SIG_BLOCK, &ends, nullptr);
   const touchline::hal::Descriptor signals(::signalfd(-1, &ends, SFD_CLOEXEC | SFD_NONBLOCK));
 
-  // After the mask of signals, which its thread inherits.
+  // Created after the signal mask is set, because its thread inherits the mask.
   touchline::hal::TextOutput output;
   touchline::setup::SetupProgram program(options, output);
   if (const touchline::Result<void> opened = program.open(); !opened.ok()) {

@@ -12,7 +12,7 @@ namespace touchline::setup {
 namespace {
 
 constexpr std::size_t kHeaderBytes = 8;
-// A reader that is this far behind does not read at all. Two of the largest pictures fit.
+// Limit of bytes that wait: a reader this far behind does not read at all. It allows for two of the largest pictures.
 constexpr std::size_t kMaxWaitingBytes = 2 * kMaxBinaryBytes;
 
 void append_u32(std::string& out, std::size_t value) {
@@ -80,7 +80,7 @@ Result<void> MessageLink::flush() {
 
 Result<void> MessageLink::receive() {
   std::array<char, 65536> part{};
-  // Messages are handled in between, so that a fast sender does not fill the memory.
+  // Limited, so that messages are handled in between and a fast sender does not fill the memory.
   constexpr int kMaxPartsAtOnce = 64;
   for (int i = 0; i < kMaxPartsAtOnce; ++i) {
     const ssize_t count = ::read(descriptor(), part.data(), part.size());
@@ -88,7 +88,7 @@ Result<void> MessageLink::receive() {
     if (count < 0 && errno == EAGAIN) return {};
     if (count <= 0) {
       const int error = errno;
-      // What has arrived before stays and can be read.
+      // Messages that have already arrived can still be read.
       const hal::Descriptor gone = std::move(descriptor_);
       ::shutdown(gone.get(), SHUT_RDWR);
       return failure(ErrorCode::kIo, "%s", count == 0 ? "the other side has closed" : hal::system_text(error));
@@ -106,7 +106,7 @@ Result<std::optional<Message>> MessageLink::next() {
 }
 
 void MessageLink::close() {
-  // A worker has copies of the program's descriptors, so closing alone does not end the connection.
+  // Shut down the connection: a worker has copies of the program's descriptors, so closing alone does not end it.
   if (is_open()) ::shutdown(descriptor(), SHUT_RDWR);
   *this = MessageLink();
 }

@@ -9,8 +9,8 @@
 #include "hal/linux/network/descriptor.h"
 #include "hal/result.h"
 
-// The messages between firmware and touchline-setup, and between touchline-setup and its worker: u32 length of the
-// JSON, u32 length of the binary part (both little-endian), the JSON object, the binary part.
+// Format of the messages between firmware and touchline-setup, and between touchline-setup and its worker: u32 length
+// of the JSON, u32 length of the binary part (both little-endian), the JSON object, the binary part.
 namespace touchline::setup {
 
 struct Message {
@@ -18,9 +18,9 @@ struct Message {
   std::string bytes;
 };
 
-/// An exported setup with its pictures fits; a client that sends more is wrong.
+/// Limit for an exported setup with its pictures; a client that sends more is faulty.
 inline constexpr std::size_t kMaxContentBytes = std::size_t{1} << 20;
-/// The largest frame: 2592 x 1944 pixels of 4 bytes.
+/// Limit for the largest frame: 2592 x 1944 pixels of 4 bytes.
 inline constexpr std::size_t kMaxBinaryBytes = std::size_t{24} << 20;
 
 /// Makes one message. Text that is not UTF-8 is replaced by U+FFFD.
@@ -30,15 +30,15 @@ std::string framed(const nlohmann::json& content, std::string_view bytes = {});
 class MessageReader {
  public:
   void append(std::string_view bytes) { buffer_.append(bytes); }
-  /// The next complete message; empty: more bytes are needed. kOutOfRange: too long; kInconsistent: not a JSON object.
-  /// After an error the stream cannot be read further.
+  /// Returns the next complete message; empty if more bytes are needed. kOutOfRange: the message is too long;
+  /// kInconsistent: it is not a JSON object. After an error the stream cannot be read further.
   Result<std::optional<Message>> next();
 
  private:
   std::string buffer_;
 };
 
-/// One end of a connection that never waits: what the other side does not take is kept, up to a bound.
+/// One end of a connection that never blocks: bytes that the other side does not take yet are kept, up to a limit.
 class MessageLink {
  public:
   MessageLink() = default;
@@ -49,9 +49,9 @@ class MessageLink {
   [[nodiscard]] bool has_output() const { return !output_.empty(); }
   /// Queues a message and sends what fits. kIo: the other side is gone, or reads nothing; the link is closed then.
   Result<void> send(const nlohmann::json& content, std::string_view bytes = {});
-  /// Sends what fits. kIo as above.
+  /// Sends as much as the connection takes. kIo as above.
   Result<void> flush();
-  /// Reads what has arrived. kIo: the other side has closed; the link is closed then.
+  /// Reads the bytes that have arrived. kIo: the other side has closed the connection; the link is closed then.
   Result<void> receive();
   /// As MessageReader::next(); closes the link on an error.
   Result<std::optional<Message>> next();

@@ -6,8 +6,8 @@
 
 namespace touchline::setup {
 
-/// Writes [noise] of the venue file from the frames of standing robots that were recorded. Errors of
-/// NoiseRecorder::report() and write_sections().
+/// Writes [noise] of the venue file from the recorded frames of robots at rest. Errors of NoiseRecorder::report() and
+/// write_sections().
 Result<void> write_noise(const calibrate::NoiseRecorder& recorder, const JobInput& input, const JobOutput& output);
 
 }  // namespace touchline::setup

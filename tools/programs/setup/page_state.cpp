@@ -20,7 +20,7 @@ bool is_confirmed(const DraftState& draft, const char* step) {
   return measured != draft.measured.end() && measured->value("done", false);
 }
 
-// Adds what follows from the files to what was measured.
+// Combines values derived from the files with the step's measurements.
 nlohmann::json with_measured(const DraftState& draft, const char* step, nlohmann::json values) {
   const auto measured = draft.measured.find(step);
   if (measured != draft.measured.end()) values.update(*measured);
@@ -76,7 +76,8 @@ nlohmann::json radio_values(const config::BoardFile& board) {
   return {{"done", false}, {"values", radio.values()}, {"keys", radio.keys()}, {"devices", devices}};
 }
 
-// What was calibrated for another camera, or another mode of it, is not done: the firmware does without it.
+// Marks steps as not done if they were calibrated for another camera or another mode: the firmware ignores their
+// results.
 void require_same_picture(const hal::CameraSettings& camera, const config::VenueFile& venue, nlohmann::json& steps) {
   const auto repeat = [&steps](const char* step, const std::string& reason) {
     if (!steps[step]["done"]) return;
@@ -111,7 +112,7 @@ nlohmann::json quality(const char* level, const std::string& text, double number
 
 nlohmann::json steps_of(const DraftState& draft, const std::string& folder) {
   const auto path = [&](const std::string& name) { return folder + "/" + name; };
-  // Values that are wrong keep their defaults; `problems` of the differences says so.
+  // Wrong values are replaced by their defaults; `problems` in the answer of "differences" reports them.
   const auto configuration = std::make_unique<config::Configuration>();
   static_cast<void>(config::load_board(path(draft.files.board), {}, *configuration).ok());
   const Result<calibrate::VenueDraft> read = calibrate::read_draft(path(draft.files.venue));
@@ -127,7 +128,7 @@ nlohmann::json steps_of(const DraftState& draft, const std::string& folder) {
       with_measured(draft, "light", {{"done", !venue.file.light.map.empty()}, {"surface", venue.file.light.surface}});
   steps["colors"] = with_measured(draft, "colors", color_values(venue, team));
   steps["robots"] = with_measured(draft, "robots", robots_state(path(draft.files.team), venue));
-  // Only a person can compare the drawings with the robots: before, colors that differ are no reason for a tick.
+  // Only a person can compare the drawings with the robots: until then, colors that differ are not enough for a tick.
   if (steps["robots"]["quality"]["level"] == "none" && is_confirmed(draft, "robots")) {
     steps["robots"]["quality"] = quality("ok", "compared with the robots; their colors are found in the next step");
   } else if (steps["robots"]["quality"]["level"] == "ok" && !is_confirmed(draft, "robots")) {

@@ -7,18 +7,18 @@
 
 namespace touchline::setup {
 
-/// `steps` of the page's state (docs/console-protocol.md): what the steps have measured, and what follows from the
-/// files, which are also in `folder`. A file with errors gives what could be read of it.
+/// Returns `steps` of the page's state (docs/console-protocol.md): the measurements of the steps, and values derived
+/// from the files, which are also in `folder`. From a file with errors, the readable part is used.
 nlohmann::json steps_of(const DraftState& draft, const std::string& folder);
 
-/// What `touchline check` says of the files; "" if they are complete.
+/// Returns the problems that `touchline check` reports about the files; "" if they are complete.
 std::string problems_of(const SetupFiles& files, const std::string& folder);
 
-/// Checks the keys of one file by themselves; what the files need of each other comes later. kInconsistent: the message
+/// Checks the keys of one file on their own; consistency between files is checked later. kInconsistent: the message
 /// names line and key.
 Result<void> check_file(const SetupFiles& files, const std::string& name, const std::string& folder);
 
-/// `quality` of a step.
+/// Returns a `quality` member for a step.
 nlohmann::json quality(const char* level, const std::string& text);
 nlohmann::json quality(const char* level, const std::string& text, double number, const char* unit);
 

@@ -22,7 +22,7 @@
 namespace touchline::setup {
 namespace {
 
-// As the advice of touchline-calibrate colors.
+// Limit below which two colors look alike, as in the advice of touchline-calibrate colors.
 constexpr double kLookAlike_levels = 20;
 constexpr std::size_t kMaxPairs = 12;
 
@@ -47,7 +47,7 @@ nlohmann::json layout_json(const std::string& name, const std::string& help, con
           {"patches", patches}};
 }
 
-// Those of the team file come first, as where a team names one.
+// Layouts of the team file come first, because they take precedence when a team names one.
 nlohmann::json layouts_json(const config::TeamFile& file) {
   nlohmann::json out = nlohmann::json::array();
   for (const config::LayoutEntry& own : file.layout) {
@@ -59,7 +59,7 @@ nlohmann::json layouts_json(const config::TeamFile& file) {
   return out;
 }
 
-// Names from which a person may choose, and their usual looks until the camera has shown the real ones.
+// Returns the names that a person can choose, with their usual appearance until the camera has shown the real one.
 nlohmann::json palette_json(const config::TeamFile& file) {
   nlohmann::json out = nlohmann::json::array();
   for (const auto& [name, rgb] : config::usual_paints()) out.push_back({{"name", name}, {"rgb", rgb}});
@@ -83,7 +83,7 @@ nlohmann::json team_json(const config::TeamEntry& team) {
   return {{"layout", team.layout}, {"color", team.color}, {"robots", robots}};
 }
 
-// Distance of the patch that tells both robots apart best; empty if a color is unknown to the venue.
+// Returns the largest distance over the patches, which tells both robots apart best; empty if the venue lacks a color.
 std::optional<double> distance_of(const config::RobotEntry& a, const config::RobotEntry& b,
                                   const config::VenueFile& venue) {
   const auto typical = [&](const std::string& name) -> std::optional<calibrate::Channels> {
@@ -131,7 +131,7 @@ nlohmann::json robots_state(const std::string& team_path, const calibrate::Venue
   nlohmann::json problems = nlohmann::json::array();
   std::istringstream lines(calibrate::read_team_colors(team_path).text());
   for (std::string line; std::getline(lines, line);) {
-    // The draft's folder means nothing to a person.
+    // Remove the draft's folder, because it means nothing to a person.
     const std::size_t folder = line.rfind('/', line.find(": "));
     problems.push_back(folder == std::string::npos ? line : line.substr(folder + 1));
   }
@@ -167,7 +167,7 @@ Result<std::string> replace_layout(const std::string& text, const nlohmann::json
   if (!members.has("patches") || !members["patches"].is_array() || members["patches"].empty()) {
     return Error{ErrorCode::kInconsistent, "the layout needs patches"};
   }
-  // The text of a number that was rounded to single precision, as everywhere in these files.
+  // Text of a number rounded to single precision, as everywhere in these files.
   const auto short_number = [](double value) { return std::stod(config::number_text(static_cast<float>(value))); };
   toml::array patches;
   for (const nlohmann::json& one : members["patches"]) {

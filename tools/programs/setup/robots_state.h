@@ -8,8 +8,8 @@
 
 namespace touchline::setup {
 
-/// `steps.robots` of the page's state: layouts, both teams, what is wrong with the team file, and the pairs of robots
-/// of a team whose identification colors are closest in this venue.
+/// Returns `steps.robots` of the page's state: layouts, both teams, errors of the team file, and for each team the
+/// pairs of robots whose identification colors are closest in this venue.
 nlohmann::json robots_state(const std::string& team_path, const calibrate::VenueDraft& venue);
 
 /// Returns the text of the team file with this [[layout]], which replaces one of the same name: {name, robot_side_m,
@@ -20,7 +20,7 @@ Result<std::string> replace_layout(const std::string& text, const nlohmann::json
 Result<std::string> replace_ball(const std::string& text, const nlohmann::json& ball);
 
 /// Returns the text of the team file with [own] or [opponent] as the page has it: {layout, color, robots: [{id,
-/// colors}]}. Other keys of the table stay. kInconsistent: the table has another form.
+/// colors}]}. Other keys of the table are kept. kInconsistent: the table has another form.
 Result<std::string> replace_team(const std::string& text, const std::string& name, const nlohmann::json& table);
 
 }  // namespace touchline::setup

@@ -14,7 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Pictures first: a file is replaced after those that it names.
+// Returns the files in the order of replacing: a file comes after the files that it names, so pictures come first.
 std::vector<std::string> in_order(const SetupFiles& draft, std::vector<std::string> names) {
   const auto rank = [&](const std::string& name) {
     return name == draft.board ? 3 : name == draft.venue ? 2 : name == draft.team ? 1 : 0;
@@ -24,7 +24,8 @@ std::vector<std::string> in_order(const SetupFiles& draft, std::vector<std::stri
   return names;
 }
 
-// New contents under temporary names. Whatever was not renamed at the end is removed, unless a journal names it.
+// Writes new contents under temporary names. The destructor removes the temporary files that were not renamed, unless a
+// journal names them.
 class PreparedFiles {
  public:
   PreparedFiles() = default;
@@ -45,7 +46,7 @@ class PreparedFiles {
     return {};
   }
   void remove(const std::string& path) { renames_.push_back({path, "", state_of(path)}); }
-  /// A power failure after this does not lose the temporary files.
+  /// Syncs the temporary files, so that a power failure does not lose them.
   Result<void> sync() const {
     std::set<fs::path> folders;
     for (const PendingRename& rename : renames_) folders.insert(fs::path(rename.path).parent_path());
@@ -53,7 +54,7 @@ class PreparedFiles {
     return {};
   }
   [[nodiscard]] const std::vector<PendingRename>& renames() const { return renames_; }
-  /// The journal will be finished by the next start.
+  /// Keeps the temporary files, because the next start finishes the journal.
   void keep() { renames_.clear(); }
 
  private:
@@ -62,7 +63,8 @@ class PreparedFiles {
 
 using Contents = std::vector<std::optional<std::string>>;
 
-// Undoes the renames that are done already, by a save of the former contents. `former` has those, in the same order.
+// Undoes the renames that are already done, by saving the former contents. `former` holds these contents in the same
+// order.
 Result<void> undo(const std::vector<PendingRename>& done, const Contents& former, const std::string& journal) {
   PreparedFiles files;
   for (std::size_t i = done.size(); i-- > 0;) {
@@ -98,7 +100,7 @@ Result<void> save_files(const SetupFiles& draft, const std::vector<std::string>&
   }
   TOUCHLINE_TRY(files.sync());
   TOUCHLINE_TRY(write_journal(journal, files.renames()));
-  // Everything is on the disk already; what remains are renames.
+  // Now everything is on the disk, and only renames remain.
   Result<std::vector<std::string>> completed = complete(files.renames());
   Result<void> saved;
   if (!completed.ok()) {
@@ -126,7 +128,8 @@ Result<std::vector<std::string>> finish_saving(const std::string& journal) {
   if (renames.code() == ErrorCode::kInconsistent) fs::remove(journal, error);
   if (!renames.ok()) return renames.error();
   TOUCHLINE_TRY_ASSIGN(std::vector<std::string> left, complete(renames.value()));
-  for (const PendingRename& rename : renames.value()) fs::remove(rename.temporary, error);  // of those that were left
+  // Temporary files of the files that were left unchanged.
+  for (const PendingRename& rename : renames.value()) fs::remove(rename.temporary, error);
   fs::remove(journal, error);
   return left;
 }

@@ -72,7 +72,7 @@ Result<std::vector<PendingRename>> read_journal(const std::string& journal) {
   const nlohmann::json in = nlohmann::json::parse(text, nullptr, false);
   try {
     if (in.at("format") == kJournalFormat && in.at("version") == kJournalVersion) return renames_of(in);
-  } catch (const nlohmann::json::exception&) {  // reported below
+  } catch (const nlohmann::json::exception&) {  // the error below reports it
   }
   return failure(ErrorCode::kInconsistent,
                  "%s: an interrupted save cannot be finished, because its journal is damaged or of another version: "

@@ -39,7 +39,7 @@ Result<std::string> named_file(const toml::table& board, const std::string& path
 
 using ReadFile = std::function<Result<FileContent>(const std::string& name)>;
 
-// Follows the names from the board file on. Missing files are left out.
+// Collects the files that are named, directly or indirectly, by the board file. Missing files are skipped.
 Result<SetupFiles> follow(const std::string& board, const std::string& path, const ReadFile& read) {
   SetupFiles out;
   out.board = board;
@@ -56,7 +56,7 @@ Result<SetupFiles> follow(const std::string& board, const std::string& path, con
   };
   TOUCHLINE_TRY(read_if_present(out.venue));
   TOUCHLINE_TRY(read_if_present(out.team));
-  // A venue file with an error is shown and can be replaced, so it is no error here.
+  // A venue file with an error is not reported here, because it can be shown and replaced.
   const Result<toml::table> venue = parsed(out.text(out.venue), out.venue);
   for (const char* key : kPictureKeys) {
     const std::string name = venue.ok() ? venue.value()["light"][key].value_or(std::string()) : std::string();

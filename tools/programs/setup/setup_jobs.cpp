@@ -9,7 +9,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// A camera that is being reopened needs some seconds.
+// Allows for a camera that is being reopened, which takes some seconds.
 constexpr std::chrono::seconds kFrameTimeout{20};
 
 }  // namespace
@@ -30,7 +30,8 @@ Result<nlohmann::json> SetupProgram::start(Job job) {
   return nlohmann::json(nullptr);
 }
 
-// One at a time: the loop copies a picture only if it is asked to, and the connection may be lost in between.
+// Requests one frame at a time: the loop copies a picture only on request, and the connection may be lost between two
+// frames.
 void SetupProgram::request_frames() {
   running_->waits_for_frame = true;
   running_->next_frame = {};
@@ -77,7 +78,7 @@ void SetupProgram::handle_work(Message message) {
     const ShownPicture picture{content.at("width_px").get<std::uint32_t>(),
                                content.at("height_px").get<std::uint32_t>(),
                                std::make_shared<const std::string>(std::move(message.bytes)),
-                               // The pictures of robots and ball stay when the colors are learned again.
+                               // The pictures of robots and ball are kept when the colors are learned again.
                                running_->job.keeps_frames && member == "pictures" ? step + ".pictures" : step};
     const bool changes = !running_->job.undo_name.empty();
     nlohmann::json& owner = changes ? state.measured[step] : running_->result;

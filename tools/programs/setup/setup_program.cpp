@@ -22,7 +22,7 @@ std::string type_of(const nlohmann::json& message) {
                                                                     : std::string();
 }
 
-// The header of a binary message of the console, for a picture with an id (docs/console-protocol.md).
+// Returns the header of a binary message of the console, for a picture with an id (docs/console-protocol.md).
 std::string picture_header(std::uint32_t id, std::uint32_t width_px, std::uint32_t height_px) {
   constexpr std::size_t kPageHeaderBytes = 32;
   std::string out = "TLPC";
@@ -63,7 +63,7 @@ Result<void> SetupProgram::open() {
     }
   }
   TOUCHLINE_TRY(listener_.open(options_.socket));
-  // Whoever may connect may change the files of the board.
+  // Restrict access, because a client can change the files of the board.
   if (::chmod(options_.socket.c_str(), S_IRUSR | S_IWUSR) == 0) return {};
   return failure(ErrorCode::kPermission, "%s: its permissions cannot be set", options_.socket.c_str());
 }
@@ -91,7 +91,7 @@ void SetupProgram::accept() {
   firmware_.close();
   firmware_ = MessageLink(std::move(descriptor));
   use_runs_ = use_is_stale_ = trying_ = try_waits_ = false;
-  // A restarted firmware runs with the saved files and knows nothing of a frame that was asked for.
+  // A restarted firmware runs with the saved files and has forgotten a request for a frame.
   if (running_ && running_->waits_for_frame) request_frames();
   if (draft_.is_open() && uses_draft_) use(true);
   send_state();
@@ -123,7 +123,7 @@ void SetupProgram::handle(const Message& message) {
   if (type == "setup") handle_command(message.content);
   if (type == "frame") handle_frame(message);
   if (type == "tried") {
-    // Also without a request: a stop, or files that changed, ended the try.
+    // This arrives without a request, too, if a stop or changed files have ended the try.
     trying_ = message.content.contains("ok") && message.content.at("ok") == true && trying_;
     send_state();
   }
@@ -216,11 +216,11 @@ void SetupProgram::send_picture(std::uint32_t id, const ShownPicture& picture, c
 
 void SetupProgram::use(bool draft) {
   uses_draft_ = draft;
-  // The firmware refuses an order while it loads the files of another: only the newest one matters then.
+  // The firmware rejects an order while it loads the files of an earlier one; then only the newest order is repeated.
   use_is_stale_ = use_runs_;
   if (use_runs_ || !firmware_.is_open()) return;
   use_runs_ = true;
-  // Relative to the firmware's folder, which may be another one.
+  // Use absolute paths, because the firmware may run in another folder.
   const auto absolute = [](const fs::path& path) {
     std::error_code error;
     return fs::absolute(path, error).string();

@@ -21,32 +21,32 @@ namespace touchline::setup {
 
 struct SetupOptions {
   std::string board;   // the saved board file; venue and team file lie beside it
-  std::string folder;  // for the draft
+  std::string folder;  // folder of the draft
   std::string socket;
 };
 
-/// Who asked; request 0 wants no answer.
+/// The client that asked; request 0 needs no answer.
 struct Asker {
   nlohmann::json client, request = 0;
 };
 
-/// The job that runs, from its first frame to the end of its work.
+/// The running job, from its first frame to the end of its work.
 struct RunningJob {
   Job job;
   Asker asker;
   std::vector<std::shared_ptr<const calibrate::CameraPicture>> frames;
-  std::size_t frame_number = 0;  // frames that came
+  std::size_t frame_number = 0;  // number of frames that have arrived
   std::chrono::steady_clock::time_point next_frame, give_up;
   bool waits_for_frame = false;
   std::string text;
   nlohmann::json progress = nullptr, result = nullptr;
-  DraftState state;  // what it will become
+  DraftState state;  // draft state that the job will create
 };
-/// The program behind "Set up" of the console (docs/console-protocol.md, Guided setup). One thread; long work runs in a
-/// process of its own. Serves one connection, that of the firmware; a new one replaces it.
+/// The program behind "Set up" of the console (docs/console-protocol.md, Guided setup). It has one thread; long work
+/// runs in a process of its own. It serves one connection, from the firmware; a new connection replaces the old one.
 class SetupProgram {
  public:
-  /// `output`: for its log, which nobody needs to read.
+  /// `output`: for the log; a failure to write it is ignored.
   SetupProgram(SetupOptions options, hal::TextOutput& output);
   /// Finishes an interrupted save and listens. Errors of finish_saving() and hal::UnixListener.
   Result<void> open();
@@ -87,7 +87,7 @@ class SetupProgram {
   void end_job(const std::string& error);
   void check_time();
 
-  // Commands of the draft as a whole (draft_commands.cpp).
+  // Commands for the draft as a whole (draft_commands.cpp).
   Result<nlohmann::json> state(const Arguments&);
   Result<nlohmann::json> begin(const Arguments&);
   Result<nlohmann::json> discard(const Arguments&);
@@ -136,20 +136,22 @@ class SetupProgram {
 
   bool uses_draft_ = false;
   std::uint32_t use_request_ = 0;
-  bool use_runs_ = false, use_is_stale_ = false;  // the firmware has not answered yet; the files have changed since
+  // Use_runs_: the firmware has not answered yet; use_is_stale_: the files have changed since.
+  bool use_runs_ = false, use_is_stale_ = false;
   nlohmann::json preview_ = {{"source", "saved"}, {"ok", true}, {"error", ""}};
   std::string error_;
   std::uint32_t next_picture_ = 1;
   std::vector<std::string> import_;
   bool trying_ = false;
-  bool try_waits_ = false;  // for the firmware to load the draft's files
-  // Who waits for the camera's measures, and the newest ones: not part of the draft, because they change all the time.
+  bool try_waits_ = false;  // the try waits until the firmware has loaded the draft's files
+  // Clients that wait for the camera's measures, and the newest measures. They are not part of the draft, because they
+  // change all the time.
   std::vector<Asker> measure_camera_;
   nlohmann::json camera_;
 
   std::optional<RunningJob> running_;
-  Asker asker_;            // of the command that is handled
-  bool answered_ = false;  // its job answers later
+  Asker asker_;            // client whose command is being handled
+  bool answered_ = false;  // the job of the command will answer later
 };
 
 }  // namespace touchline::setup

@@ -9,22 +9,24 @@
 #include "tools/programs/setup/robots_state.h"
 #include "tools/programs/setup/setup_program.h"
 
-// The commands of the six steps.
+// Commands of the six steps.
 namespace touchline::setup {
 namespace {
 
 using Answer = Result<nlohmann::json>;
 
-// Averaging halves the noise.
+// Averaging four frames halves the noise.
 constexpr std::size_t kFieldFrames = 4;
 
-// The noise of one picture does not matter beside the cells' medians; a game needs many pictures.
+// Few frames suffice, because the noise of a picture is small against that of the cells' medians; pictures of a game
+// must be many.
 constexpr std::size_t kLightFrames = 3, kMovingFrames = 16;
 constexpr double kMovingInterval_s = 0.5;
-// A standard deviation of 100 samples is known to 7 %; in five seconds, slow changes of the light show as well.
+// From 100 samples, a standard deviation is known to 7 %; they take five seconds, so slow changes of the light show as
+// well.
 constexpr std::size_t kNoiseFrames = 100;
 constexpr double kNoiseInterval_s = 0.05;
-// Each takes up to 15 MB.
+// Each picture takes up to 15 MB.
 constexpr std::size_t kMaxColorPictures = 8;
 
 Job color_job(const std::string& command, const std::string& undo_name, const ColorRequest& request,
@@ -34,7 +36,7 @@ Job color_job(const std::string& command, const std::string& undo_name, const Co
   job.text = "the colors are being learned";
   job.step = "colors";
   job.undo_name = undo_name;
-  // Only the first time; further pictures are taken by colors.picture.
+  // Takes a picture only the first time; colors.picture takes further ones.
   job.frame_count = draft.color_frames.empty() ? 1 : 0;
   job.keeps_frames = job.frame_count > 0;
   job.work = [request, is_new = job.keeps_frames](const JobInput& input, const JobOutput& output) -> Result<void> {
@@ -44,14 +46,14 @@ Job color_job(const std::string& command, const std::string& undo_name, const Co
   return job;
 }
 
-// The ids of the pictures that the colors were learned from.
+// Returns the ids of the pictures that the colors were learned from.
 nlohmann::json color_pictures(const DraftState& draft) {
   const auto colors = draft.measured.find("colors");
   if (colors == draft.measured.end() || !colors->contains("pictures")) return nlohmann::json::array();
   return colors->at("pictures");
 }
 
-// Ranges as the options of touchline-calibrate field.
+// The ranges are those of touchline-calibrate field's options.
 Result<FieldRequest> field_request(const Arguments& arguments) {
   FieldRequest request;
   TOUCHLINE_TRY_ASSIGN(request.choice.preset, arguments.text("preset", ""));
@@ -79,7 +81,7 @@ Job field_job(const char* command, const char* undo_name, const FieldRequest& re
 const std::vector<SetupProgram::Command>& SetupProgram::commands() {
   using P = SetupProgram;
   static const std::vector<Command> all = {
-      // Name, handler, whether it needs a draft, whether it is possible during long work.
+      // Name, handler, whether it needs a draft, whether it is allowed during long work.
       {"state", &P::state, false, true},
       {"begin", &P::begin, false, false},
       {"discard", &P::discard, true, false},
@@ -225,7 +227,7 @@ Answer SetupProgram::set(const Arguments& arguments) {
   const SetupFiles& files = draft_.now().files;
   TOUCHLINE_TRY_ASSIGN(const std::string file, file_of_key(files, key));
   TOUCHLINE_TRY_ASSIGN(const bool continues, arguments.flag("continues", false));
-  // A slider that is being moved is one step.
+  // All changes while a slider is being moved count as one step.
   const bool replaces_last = continues && draft_.now().name.starts_with(key + " ");
   return change_text(key + " " + (value.empty() ? "removed" : value), file, replace_key(files.text(file), key, value),
                      replaces_last);
@@ -254,7 +256,7 @@ Answer SetupProgram::robots_noise(const Arguments&) {
   job.frame_count = kNoiseFrames;
   job.frame_interval_s = kNoiseInterval_s;
   job.take_frame = [recorder, number = 0](Frame frame) mutable {
-    // Every picture has a number and a time, which are not those of the camera.
+    // Pictures get consecutive numbers and equal intervals, not those of the camera.
     ++number;
     frame.sequence = static_cast<decltype(frame.sequence)>(number);
     frame.capture_time = Instant(from_seconds(number * kNoiseInterval_s));
@@ -274,7 +276,7 @@ Answer SetupProgram::radio_set(const Arguments& arguments) {
   return set_section("radio", {"backend", "device", "baud"}, arguments);
 }
 
-// Several keys of the board file as one step: a device and how it is used belong together.
+// Sets several keys of the board file as one step, because a device and its use belong together.
 Answer SetupProgram::set_section(const std::string& section, std::initializer_list<const char*> keys,
                                  const Arguments& arguments) {
   const SetupFiles& files = draft_.now().files;

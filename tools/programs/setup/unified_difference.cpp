@@ -12,7 +12,8 @@ namespace {
 using Lines = std::vector<std::string_view>;
 
 constexpr std::size_t kContext = 3;
-// The table of the longest common subsequence has the product of both numbers of lines; 16 million entries of 2 bytes.
+// Largest table of the longest common subsequence, whose size is the product of both numbers of lines: 16 million
+// entries of 2 bytes.
 constexpr std::size_t kMaxEntries = std::size_t{16} << 20;
 
 struct Edit {
@@ -30,7 +31,7 @@ Lines lines_of(std::string_view text) {
   return lines;
 }
 
-// Longest common subsequence of what is left after the equal lines at both ends.
+// Finds the longest common subsequence of the lines that remain after removing equal lines at both ends.
 std::vector<Edit> edits_between(const Lines& a, const Lines& b) {
   std::size_t first = 0, last = 0;
   while (first < a.size() && first < b.size() && a[first] == b[first]) ++first;
@@ -66,7 +67,7 @@ std::vector<Edit> edits_between(const Lines& a, const Lines& b) {
   return out;
 }
 
-// "12,3" as in the header of a hunk; an empty range is given by the line before it.
+// Returns "12,3" as in the header of a hunk; an empty range is given by the line before it.
 std::string range_text(std::size_t lines_before, std::size_t count) {
   return formatted("%zu,%zu", count == 0 ? lines_before : lines_before + 1, count);
 }
@@ -79,7 +80,7 @@ std::string unified_difference(std::string_view name, std::string_view before, s
   std::string out = formatted("--- %s\n+++ %s\n", std::string(name).c_str(), std::string(name).c_str());
   std::size_t old_line = 0, new_line = 0;
   for (std::size_t i = 0; i < edits.size();) {
-    // A hunk ends where more than twice the context is equal.
+    // A hunk ends where more than twice the context lines are equal.
     std::size_t change = i;
     while (change < edits.size() && edits[change].sign == ' ') ++change;
     if (change == edits.size()) break;

@@ -5,8 +5,8 @@
 
 namespace touchline::setup {
 
-/// The difference of two texts as `diff -u` prints it, with three lines of context; "" if they are equal. Texts of
-/// more than 4000 lines that differ everywhere are shown as replaced completely.
+/// Returns the difference of two texts as `diff -u` prints it, with three lines of context; "" if they are equal. Texts
+/// of more than 4000 lines that differ everywhere are shown as replaced completely.
 std::string unified_difference(std::string_view name, std::string_view before, std::string_view after);
 
 }  // namespace touchline::setup

@@ -20,19 +20,21 @@
 namespace touchline::setup {
 namespace {
 
-// The service may write the files of the board (CAP_DAC_OVERRIDE). A decoder that a picture has taken over must not.
+// Drops the right to write all files of the board (CAP_DAC_OVERRIDE), which the service has. If a malicious picture
+// takes over a decoder, it does not get this right.
 bool drop_capabilities() {
-  ::prctl(PR_CAP_AMBIENT, PR_CAP_AMBIENT_CLEAR_ALL, 0, 0, 0);  // fails only on kernels without them
-  // Needs CAP_SETPCAP; without it, no set has a capability that a program could get from the bounding set.
+  // Fails only on kernels that have no ambient capabilities.
+  ::prctl(PR_CAP_AMBIENT, PR_CAP_AMBIENT_CLEAR_ALL, 0, 0, 0);
+  // This needs CAP_SETPCAP; without it, no set has a capability that a program could get from the bounding set.
   for (unsigned long one = 0; one <= CAP_LAST_CAP; ++one) ::prctl(PR_CAPBSET_DROP, one, 0, 0, 0);
   __user_cap_header_struct header{_LINUX_CAPABILITY_VERSION_3, 0};
   const std::array<__user_cap_data_struct, _LINUX_CAPABILITY_U32S_3> none{};
   return ::prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) == 0 && ::syscall(SYS_capset, &header, none.data()) == 0;
 }
 
-// Runs in the new process, and never returns.
+// Runs the work in the new process, and never returns.
 [[noreturn]] void run(const Worker::Work& work, int descriptor) {
-  // The work must not outlive the program, and its signals are those of any other process.
+  // The work must not outlive the program, and must not inherit its blocked signals.
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
   sigset_t none;
   ::sigemptyset(&none);
@@ -45,7 +47,7 @@ bool drop_capabilities() {
     error = formatted("this work failed: %s", fault.what());
   }
   reporter.send({{"type", "done"}, {"error", error}});
-  // Without destructors and exit handlers: those are the parent's to run.
+  // Skip destructors and exit handlers, which only the parent must run.
   ::_exit(EXIT_SUCCESS);
 }
 
@@ -62,7 +64,7 @@ void Worker::Reporter::send(const nlohmann::json& content, std::string_view byte
   for (std::size_t sent = 0; sent < message.size();) {
     const ssize_t count = ::send(descriptor_, message.data() + sent, message.size() - sent, MSG_NOSIGNAL);
     if (count < 0 && errno == EINTR) continue;
-    if (count < 0) return;  // the program is gone, and this process with it
+    if (count < 0) return;  // the program has ended, so this process ends soon
     sent += static_cast<std::size_t>(count);
   }
 }

@@ -12,17 +12,17 @@
 
 namespace touchline::setup {
 
-/// Long work in a process of its own: it can be cancelled at any moment, and neither a lack of memory nor a failed
-/// assertion in a library ends the program. It has no capabilities, and can get none.
+/// Runs long work in a process of its own: it can be canceled at any moment, and neither a lack of memory nor a failed
+/// assertion in a library ends the program. The process has no capabilities, and can get none.
 class Worker {
  public:
-  /// What the work uses to report.
+  /// Functions by which the work reports.
   class Reporter {
    public:
     explicit Reporter(int descriptor) : descriptor_(descriptor) {}
     /// `share`: 0 to 1, less than 0: unknown.
     void progress(std::string_view text, double share = -1) const;
-    /// Any message; `content` has "type".
+    /// Sends any message; `content` must have "type".
     void send(const nlohmann::json& content, std::string_view bytes = {}) const;
 
    private:
@@ -35,13 +35,14 @@ class Worker {
   Worker(const Worker&) = delete;
   Worker& operator=(const Worker&) = delete;
 
-  /// Starts the work. Its messages arrive at link(), at last {"type": "done", "error": ""}. kIo: no further process.
+  /// Starts the work. Its messages arrive at link(), at last {"type": "done", "error": ""}. kIo: no process could be
+  /// started.
   Result<void> start(const Work& work);
   [[nodiscard]] bool is_running() const { return process_ > 0; }
   [[nodiscard]] MessageLink& link() { return link_; }
-  /// After "done", or if the link has closed before: waits for the end of the process. Says how it ended; "" if well.
+  /// Waits for the end of the process, after "done" or after the link has closed. Returns how it ended; "" if normally.
   std::string finish();
-  /// Ends the process at once, if there is one.
+  /// Ends the process at once, if it is running.
   void cancel();
 
  private:

@@ -29,7 +29,7 @@ BlockBootstrap::BlockBootstrap(std::span<const std::int64_t> values) : least_blo
   }
 }
 
-// The rank is among the values that were drawn: blocks differ in length by up to one value.
+// The rank refers to the values that were drawn, because blocks differ in length by up to one value.
 std::int64_t BlockBootstrap::percentile(const BlockCounts& times_drawn, double percent) const {
   std::size_t drawn = 0;
   for (std::size_t b = 0; b < kBlocks; ++b) drawn += std::size_t{times_drawn[b]} * block_lengths_[b];

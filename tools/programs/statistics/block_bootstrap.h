@@ -13,19 +13,20 @@ struct Interval {
   std::int64_t low = 0, high = 0;
 };
 
-/// Confidence intervals of percentiles of a series whose neighboring values depend on each other, such as the times of
-/// consecutive frames: the series is cut into kBlocks blocks whose lengths differ by at most one, and blocks are drawn
-/// with replacement (block bootstrap; Kunsch 1989). Intervals of independent values would be too narrow. Changes that
-/// are slower than a block, or that differ from run to run, are not in the interval.
+/// Confidence intervals of percentiles of a series in which neighboring values are correlated, such as the times of
+/// consecutive frames. The series is cut into kBlocks blocks whose lengths differ by at most one, and blocks are drawn
+/// with replacement (block bootstrap; Kunsch 1989). Intervals for independent values would be too narrow. The interval
+/// does not cover changes that are slower than a block, or that differ from run to run.
 class BlockBootstrap {
  public:
   static constexpr std::size_t kBlocks = 40, kResamples = 1000;
 
-  /// `values` in the order of time.
+  /// `values` must be in the order of time.
   explicit BlockBootstrap(std::span<const std::int64_t> values);
 
-  /// 95 % interval of the nearest-rank percentile; `percent` in (0, 100). Empty with fewer than five values per block,
-  /// or if fewer than five values are above the percentile. The same values give the same interval.
+  /// Returns the 95 % confidence interval of the nearest-rank percentile; `percent` in (0, 100). Empty with fewer than
+  /// five values per block, or if fewer than five values are above the percentile. The same values give the same
+  /// interval.
   [[nodiscard]] std::optional<Interval> interval(double percent) const;
 
  private:
@@ -39,7 +40,7 @@ class BlockBootstrap {
   std::size_t least_block_length_;
   BlockCounts block_lengths_{};
   std::vector<Value> sorted_;
-  std::vector<BlockCounts> before_;  // at every kStride-th value: how many smaller ones each block has
+  std::vector<BlockCounts> before_;  // for every kStride-th value, the number of smaller values in each block
 };
 
 }  // namespace touchline::statistics

@@ -10,14 +10,15 @@
 namespace touchline::statistics {
 namespace {
 
-// Shapes closer to zero are the exponential distribution.
+// Shapes closer to zero are treated as the exponential distribution.
 constexpr double kExponential = 1e-7;
 constexpr double kImpossible = -std::numeric_limits<double>::infinity();
 // Half of the 95 % quantile of chi-squared with one degree of freedom.
 constexpr double kHalfChiSquared = 1.920729;
 constexpr double kLargestMinusLog = 60.0;
 
-// The place of the largest value of `function` in [low, high]: a grid, then golden sections around its best point.
+// Returns the position of the largest value of `function` in [low, high], by a grid search and then golden sections
+// around the best point.
 template <class Function>
 double place_of_maximum(double low, double high, int points, const Function& function) {
   const double step = (high - low) / (points - 1);
@@ -43,7 +44,8 @@ double place_of_maximum(double low, double high, int points, const Function& fun
   return std::max({std::pair(best_value, best), std::pair(at_c, c), std::pair(at_d, d)}).second;
 }
 
-// Where `function` changes its sign between `inside` (positive or zero) and `outside` (negative).
+// Returns the position at which `function` changes its sign between `inside` (positive or zero) and `outside`
+// (negative).
 template <class Function>
 double place_of_change(double inside, double outside, const Function& function) {
   constexpr int kHalvings = 40;
@@ -89,7 +91,7 @@ ParetoFit::ParetoFit(std::span<const double> excesses) : excesses_(excesses) {
     if (d.shape < kMinShape || d.shape > kMaxShape) return kImpossible;
     return -count * (std::log(d.scale) + d.shape + 1.0);
   };
-  // In units of 1 / median, because the mean of a heavy tail depends on a single value.
+  // Values are scaled by 1 / median, because the mean of a heavy tail depends on a single value.
   constexpr double kLowest = -12.0, kLargestTheta = 200.0;
   constexpr int kPoints = 41;
   std::vector<double> copy(excesses_.begin(), excesses_.end());
@@ -156,7 +158,7 @@ Estimate ParetoFit::survival(double excess) const {
     estimate.low = std::exp(-place_of_change(minus_log, kLargestMinusLog, margin));
   }
   constexpr double kAlmostCertain = 1e-3;
-  // If the best distribution excludes such an excess, the inside of the interval must be found first.
+  // If the best distribution excludes such an excess, a point inside the interval must be found first.
   double inside = minus_log;
   while (margin(inside) < 0.0 && inside > 1.0) inside *= 0.9;
   estimate.high = std::exp(-place_of_change(inside, kAlmostCertain, margin));

@@ -12,7 +12,7 @@ namespace {
 constexpr int kTrials = 999;
 constexpr int kFits = 299;
 
-// Share of the trials of chance, the observed value included, that are at least as large.
+// Returns the p-value: share of the random trials, the observed value included, that are at least as large.
 class MonteCarlo {
  public:
   explicit MonteCarlo(double observed) : observed_(observed) {}
@@ -31,7 +31,7 @@ class MonteCarlo {
   int trials_ = 0, larger_ = 0, smaller_ = 0;
 };
 
-// Draws `count` of the numbers below `of`, ascending (Vitter's method A is not needed for a few hundred).
+// Draws `count` of the numbers below `of` in ascending order (for a few hundred, Vitter's method A is not needed).
 void draw_places(std::mt19937_64& random, std::size_t of, std::vector<std::size_t>& places) {
   const std::size_t count = places.size();
   std::uniform_int_distribution<std::size_t> any(0, of - 1);
@@ -42,7 +42,7 @@ void draw_places(std::mt19937_64& random, std::size_t of, std::vector<std::size_
   }
 }
 
-// Sum of the squared gaps (Greenwood 1946): large for clusters, small for regular ones.
+// Returns the sum of the squared gaps (Greenwood 1946), which is large for clusters and small for regular gaps.
 double squared_gaps(const std::vector<std::size_t>& places, std::size_t of) {
   double sum = 0.0, last = -1.0;
   for (const std::size_t place : places) {
@@ -60,7 +60,7 @@ double neighbors(const std::vector<std::size_t>& places) {
   return count;
 }
 
-// Largest distance from a uniform distribution (Kolmogorov and Smirnov).
+// Returns the largest distance from a uniform distribution (Kolmogorov and Smirnov).
 double unevenness(const std::vector<std::size_t>& places, std::size_t of) {
   double largest = 0.0;
   const auto count = static_cast<double>(places.size());
@@ -81,7 +81,7 @@ std::vector<double> ranks_of(const std::vector<double>& values) {
   return ranks;
 }
 
-// Up to constants, the rank correlation of each value with the next one, and with time.
+// These are, up to constants, the rank correlation of each value with the next one, and with time.
 double with_next(const std::vector<double>& ranks) {
   double sum = 0.0;
   for (std::size_t i = 1; i < ranks.size(); ++i) sum += ranks[i] * ranks[i - 1];
@@ -108,7 +108,7 @@ PeaksOverThreshold::PeaksOverThreshold(std::span<const double> values) : count_(
     places_.push_back(i);
     excesses_.push_back(values[i] - threshold_);
   }
-  // Fewer if many values equal the threshold.
+  // There are fewer peaks if many values equal the threshold.
   if (excesses_.size() >= kMinPeaks / 2) fit_.emplace(excesses_);
 }
 
@@ -126,7 +126,7 @@ double PeaksOverThreshold::independence() const {
     std::shuffle(ranks.begin(), ranks.end(), random);
     sizes.add(with_next(ranks));
   }
-  // Three tests at once (Bonferroni).
+  // The level is divided by three, because there are three tests (Bonferroni).
   return std::min(1.0, 3.0 * std::min({gaps.both_sides(), clusters.above(), sizes.both_sides()}));
 }
 
@@ -146,7 +146,7 @@ double PeaksOverThreshold::stationarity() const {
 
 double PeaksOverThreshold::fit_probability() const {
   std::mt19937_64 random(3);
-  // 1 - U is never 0.
+  // (1 - U is never 0.)
   std::uniform_real_distribution<double> uniform(0.0, 1.0);
   MonteCarlo distance(fit_->anderson_darling());
   std::vector<double> drawn(excesses_.size());

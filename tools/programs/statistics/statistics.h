@@ -13,10 +13,11 @@ namespace touchline::statistics {
 /// ascending and not empty; `percent` in (0, 100].
 template <class T>
 T percentile(std::span<const T> sorted, double percent) {
-  // 99.9 % of 1000 must give rank 999; without the correction, rounding errors of 0.999 * 1000 would give 1000.
+  // The correction is needed because 99.9 % of 1000 must give rank 999, but rounding errors of 0.999 * 1000 would give
+  // 1000.
   const double rank = percent / 100.0 * static_cast<double>(sorted.size()) - 1e-9;
   auto index = static_cast<std::size_t>(rank);
-  if (static_cast<double>(index) < rank) ++index;  // rounds up
+  if (static_cast<double>(index) < rank) ++index;  // this rounds up
   return sorted[(index == 0 ? 1 : index) - 1];
 }
 
@@ -38,10 +39,10 @@ auto lower_median(Values& values) {
   return *middle;
 }
 
-/// Arithmetic mean; 0 without values.
+/// Returns the arithmetic mean; 0 without values.
 double mean(std::span<const double> values);
 
-/// Root mean square; 0 without values.
+/// Returns the root mean square; 0 without values.
 double rms(std::span<const double> values);
 
 /// Magnitudes of errors; all zero without errors.
@@ -49,7 +50,7 @@ struct ErrorSummary {
   std::size_t count = 0;
   double rms = 0.0, p95 = 0.0, max = 0.0;
 };
-/// Signs of the errors do not matter. `p95` is the nearest rank.
+/// The signs of the errors are ignored. `p95` is the nearest-rank percentile.
 ErrorSummary summarize(std::vector<double> errors);
 
 }  // namespace touchline::statistics

@@ -11,12 +11,13 @@
 namespace touchline::calibrate {
 namespace {
 
-// Costs in nats: a recognized robot or ball, a robot in colors that no robot has, a missing color.
+// Costs in nats: of a recognized robot or ball (negative), of a robot in colors that no robot has, and of a missing
+// color.
 constexpr double kExplained = 4.0, kUnlistedRobot = 6.0, kMissing = 8.0, kForbidden = 1e4;
-// Standard deviation of paints of one name, and the greatest cost of a paint.
+// Standard deviation of paints with one name, and the largest cost of a paint's appearance.
 constexpr double kPaint = 12.0, kMaxPaintCost = 14.0;
-// Standard deviation of the shades of one color under uneven light, the cost of a further shade, and the least decrease
-// of the whole cost by it.
+// For shades of one color under uneven light: their standard deviation, the cost of a further shade, and the least
+// decrease of the total cost that justifies one.
 constexpr double kShade = 14.0, kFurtherShade = 0.5, kWorthAShade = 1.0;
 
 class Solver {
@@ -50,8 +51,8 @@ class Solver {
  private:
   using Teams = std::array<std::size_t, 2>;
 
-  // Under uneven light the patches of a color form several clusters, and no single distance separates all colors: adds
-  // clusters to colors as further shades as long as this explains more robots.
+  // Adds clusters to colors as further shades as long as this explains more robots. Under uneven light the patches of a
+  // color form several clusters, and no single distance separates all colors.
   void add_shades(PatchLabels cut, const Teams& teams, const Exclusion& exclusion, Solution& best) const {
     constexpr std::size_t kMaxShades = 8;
     for (std::size_t round = 0; round < kMaxShades; ++round) {
@@ -81,7 +82,8 @@ class Solver {
     }
   }
 
-  // Labels of the most frequent team patches; only kNone if the team is not searched or there is no marker.
+  // Returns the labels of the most frequent team patches; only kNone if the team is not searched for or there is no
+  // marker.
   std::vector<std::size_t> team_labels(const PatchLabels& cut, std::size_t team) const {
     if (input_.teams[team].team_color == kBackground) return {kNone};
     std::vector<std::size_t> count(cut.labels.size(), 0), order;
@@ -98,7 +100,7 @@ class Solver {
     return order;
   }
 
-  // The color that a label has whatever is assigned.
+  // Returns the color that a label has in every assignment, or kNone.
   static std::size_t fixed(const Label& label) { return label.named != kNone ? label.named : label.shade; }
 
   bool has_team_color(const PatchLabels& cut, const Teams& teams, std::size_t team, std::size_t label) const {
@@ -138,7 +140,7 @@ class Solver {
 
   double unlikely(std::size_t color, const Label& label, const std::vector<std::optional<Lab>>& expected,
                   const Exclusion& exclusion) const {
-    if (fixed(label) != kNone) return kForbidden;  // it has its color
+    if (fixed(label) != kNone) return kForbidden;  // the label already has its color
     if (exclusion.color == color && difference(label.lab, exclusion.lab) < kSame) return kForbidden;
     if (!expected[color]) return kMaxPaintCost / 2;
     if (!is_plausible(input_.colors[color].look, label.rgb)) return kMaxPaintCost;
@@ -146,7 +148,8 @@ class Solver {
     return std::min(kMaxPaintCost, d * d / 2);
   }
 
-  // Ball candidates of a label are patches that no marker uses. A single one in a picture counts as a recognized ball.
+  // Cost of a label as the ball; its ball candidates are the patches that no marker uses. A single candidate in a
+  // picture counts as a recognized ball.
   double ball_cost(const std::vector<bool>& in_markers, const Label& label) const {
     std::map<std::size_t, int> alone;
     double cost = 0;
@@ -161,7 +164,7 @@ class Solver {
     return alone.empty() ? cost + kMissing : cost;
   }
 
-  // Index of the robot that a marker shows with this assignment; kNone: unknown robot.
+  // Returns the index of the robot that a marker shows with this assignment; kNone: unknown robot.
   std::size_t robot(const MarkerCandidate& m, const PatchLabels& cut, const std::vector<std::size_t>& color_of) const {
     const TeamMarking& team = input_.teams[m.team];
     for (std::size_t r = 0; r < team.robots.size(); ++r) {
@@ -174,7 +177,7 @@ class Solver {
     return kNone;
   }
 
-  // Cost of all markers; `color_of` gives the color of a label, or kNone.
+  // Returns the cost of all markers; `color_of` gives the color of a label, or kNone.
   double marker_cost(const PatchLabels& cut, const std::vector<std::size_t>& color_of, Solution& out) const {
     double cost = 0;
     out.robots = out.unknown_robots = 0;
@@ -213,14 +216,14 @@ class Solver {
     return out;
   }
 
-  // Cost of a label as identification color without its appearance: each patch contributes its part of a marker. A
-  // label that shows no robot of the team file is as costly as a missing color; one that also shows unlisted robots may
-  // still be better than that, so that a robot of others does not take a color away.
+  // Returns the cost of each label as each identification color, without the appearance: each patch contributes its
+  // part of a marker. A label that shows no robot of the team file costs as much as a missing color. A label that also
+  // shows unlisted robots may still cost less, so that robots of other teams do not take a color away.
   std::vector<std::vector<double>> roles(const PatchLabels& cut,
                                          const std::vector<const MarkerCandidate*>& markers) const {
     std::vector<std::vector<double>> cost(input_.colors.size(), std::vector<double>(cut.labels.size(), 0.0));
     std::vector<std::vector<bool>> explains(input_.colors.size(), std::vector<bool>(cut.labels.size(), false));
-    std::map<std::array<std::size_t, 4>, int> seen;  // picture, team, position, label
+    std::map<std::array<std::size_t, 4>, int> seen;  // number of markers by picture, team, position, label
     for (const MarkerCandidate* m : markers) {
       const TeamMarking& team = input_.teams[m->team];
       for (std::size_t k = 1; k < m->patches.size(); ++k) {
@@ -286,7 +289,7 @@ class Solver {
           if (l == teams[0] || l == teams[1]) continue;
           double place = is_id ? role[c][l] : 0.0;
           if (c + 1 == input_.ball) place += ball[l];
-          if (place >= kMissing) continue;  // better missing, whatever it looks like
+          if (place >= kMissing) continue;  // a missing color costs less, whatever this label looks like
           row[l] = place + unlikely(c, cut.labels[l], out.expected, exclusion);
           is_useful[l] = is_useful[l] || row[l] < kForbidden / 2;
         }
@@ -302,8 +305,8 @@ class Solver {
     return out;
   }
 
-  // Assigns labels to colors. On a textured floor most labels are of no use for any color; leaving them out changes
-  // nothing but the work.
+  // Assigns labels to colors. On a textured floor most labels suit no color; leaving them out saves work and does not
+  // change the result.
   static void assign_useful(const PatchLabels& cut, const std::vector<std::size_t>& wanted,
                             const std::vector<std::vector<double>>& cost, const std::vector<bool>& is_useful,
                             std::vector<std::size_t>& label_of) {
@@ -322,7 +325,7 @@ class Solver {
       label_of[wanted[i]] = column[i] < useful.size() ? useful[column[i]] : kNone;
   }
 
-  // A color with a click is not missing if no other label has it.
+  // Returns the cost of a missing color; a color with a click is not missing if no other label has it.
   static double missing(const PatchLabels& cut, std::size_t color) {
     return cut.named(color) == kNone ? kMissing : 0.0;
   }
@@ -356,8 +359,8 @@ class Solver {
     return cost;
   }
 
-  // If robots have several identification patches, the colors depend on each other: swaps pairs as long as the cost
-  // decreases.
+  // Swaps pairs of labels as long as the cost decreases, because the colors of robots with several identification
+  // patches depend on each other.
   void improve(const PatchLabels& cut, const std::vector<std::size_t>& wanted, const Teams& teams,
                const Exclusion& exclusion, const std::vector<double>& ball, Solution& out,
                std::vector<std::size_t>& label_of) const {
@@ -385,7 +388,7 @@ class Solver {
     }
   }
 
-  // A color looks like the patch that was clicked on, or like its name in this light.
+  // Returns the expected appearances: a color looks like the patch that was clicked on, or like its name in this light.
   std::vector<std::optional<Lab>> expected_looks(const PatchLabels& cut, const Rgb& gain) const {
     std::vector<std::optional<Lab>> out(input_.colors.size());
     for (std::size_t color = 0; color < out.size(); ++color) {
@@ -399,7 +402,7 @@ class Solver {
     return out;
   }
 
-  // Exposure and white balance relative to the table: one gain per channel with a prior of 1.
+  // Fits exposure and white balance relative to the table of names: one gain per channel with a prior of 1.
   Rgb fitted_gain(const PatchLabels& cut, const std::vector<std::size_t>& label_of) const {
     constexpr double kPriorWeight = 4.0;
     Rgb sum{};
@@ -419,7 +422,7 @@ class Solver {
 
   const AssignmentInput& input_;
   const std::vector<PatchLabels>& cuts_;
-  std::vector<bool> is_ball_;  // per patch
+  std::vector<bool> is_ball_;  // for each patch
 };
 
 }  // namespace

@@ -11,16 +11,16 @@ namespace touchline::calibrate {
 
 /// An assignment of labels to colors and its cost.
 struct Solution {
-  double cost = std::numeric_limits<double>::infinity();  // nats
-  std::vector<std::size_t> label_of;  // per color, besides labels that clicks name; kNone: not found
+  double cost = std::numeric_limits<double>::infinity();  // in nats
+  std::vector<std::size_t> label_of;  // label of each color, in addition to labels that clicks name; kNone: not found
   std::vector<Label> labels;
-  std::vector<std::optional<Lab>> expected;  // per color: expected appearance in this light
+  std::vector<std::optional<Lab>> expected;  // expected appearance of each color in this light
   std::vector<const MarkerCandidate*> markers;
   std::size_t robots = 0, unknown_robots = 0;
   std::vector<AssignedRobot> named, unlisted;
 };
 
-/// A cluster (and similar ones) that a color must not take. Clusters that clicks name are never excluded.
+/// A cluster that a color must not take, and the clusters similar to it. Clusters that clicks name are never excluded.
 struct Exclusion {
   std::size_t color = kNone;
   Lab lab;

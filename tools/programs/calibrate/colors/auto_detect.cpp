@@ -18,7 +18,7 @@
 namespace touchline::calibrate {
 namespace {
 
-// Greatest elongation of a ball. Shadow and motion elongate a ball; the end of a line is longer.
+// Largest elongation of a ball. Shadow and motion elongate a ball up to this value; the end of a line is longer.
 constexpr double kBallElongation = 1.6;
 
 std::vector<PatchSize> sizes_of(const MarkerParameters& marker) {
@@ -31,9 +31,9 @@ std::vector<PatchSize> sizes_of(const MarkerParameters& marker) {
   return sizes;
 }
 
-// Selects the patches to learn from: those with the usual area, evenness and appearance for their color. A region that
-// grew into a neighbor or beyond its edge would give a wrong color. The appearance of a patch that was clicked on is
-// right whatever the others look like.
+// Selects the patches to learn from: patches with the usual area, evenness and appearance for their color. A region
+// that grew into a neighbor or beyond its edge would give a wrong color. A patch that was clicked on has the right
+// appearance, even if the others look different.
 std::vector<std::size_t> cleanest(const AssignmentInput& input, const AssignedColor& color,
                                   const std::vector<const ChannelImage*>& images) {
   struct Measure {
@@ -61,7 +61,7 @@ std::vector<std::size_t> cleanest(const AssignmentInput& input, const AssignedCo
     std::vector<double> values;
     values.reserve(measures.size());
     for (const Measure& m : measures) values.push_back(m.*what);
-    // The lower median takes the better one of two.
+    // Of two values, the lower median is the better one.
     return statistics::lower_median(values);
   };
   if (measures.empty()) return {};
@@ -76,7 +76,7 @@ std::vector<std::size_t> cleanest(const AssignmentInput& input, const AssignedCo
     }
   }
   if (!out.empty()) return out;
-  // No patch is usual in everything: the most even one has the fewest pixels of others.
+  // If no patch is usual in all measures, take the most even one, which has the fewest pixels of other colors.
   const auto most_even = std::min_element(measures.begin(), measures.end(),
                                           [](const Measure& a, const Measure& b) { return a.uneven < b.uneven; });
   return {color.patches[static_cast<std::size_t>(most_even - measures.begin())]};
@@ -96,15 +96,16 @@ void add_robot(const FoundPatch& patch, const ChannelImage& image, const CameraM
   }
 }
 
-// The patch that a click marks.
+// The patch that a click marks, and how.
 struct Marked {
   std::size_t patch = kNone;
   std::optional<std::array<double, 4>> box = {};  // the patch was selected by this rectangle
   bool by_click = false;                          // learn from the click's place instead of the patch's seed
 };
 
-// True if the region around the patch's seed does not contain the click, and the one around the click looks more like
-// the color's name: in the middle of a ball that the search met at its shaded rim, for example, but not on a highlight.
+// Returns true if the region around the patch's seed does not contain the click, and the one around the click looks
+// more like the color's name: in the middle of a ball that the search met at its shaded rim, for example, but not on a
+// highlight.
 bool has_better_shade(const Click& click, const FoundPatch& patch, const ChannelImage& image,
                       const std::vector<std::uint8_t>& inside) {
   const std::optional<Rgb> look = usual_rgb(click.color);
@@ -127,7 +128,7 @@ bool has_better_shade(const Click& click, const FoundPatch& patch, const Channel
   return difference(by_click.value().lab, wanted) < difference(by_seed.value().lab, wanted);
 }
 
-// Gives the patches that are marked the names of their clicks, without those in `left_out`.
+// Names the marked patches by their clicks, except the clicks in `left_out`.
 void name_patches(const std::vector<Click>& clicks, const std::vector<Marked>& marked,
                   const std::vector<bool>& left_out, DetectedColors& out) {
   AssignmentInput& input = out.input;
@@ -152,7 +153,7 @@ void name_patches(const std::vector<Click>& clicks, const std::vector<Marked>& m
   }
 }
 
-// Whether a picture shows more patches than two complete teams have.
+// Returns whether a picture shows more patches than two complete teams have.
 bool is_cluttered(const DetectedColors& found) {
   std::vector<std::size_t> grown(found.images.size(), 0);
   for (std::size_t p = 0; p < found.input.patches.size(); ++p) {
@@ -161,7 +162,7 @@ bool is_cluttered(const DetectedColors& found) {
   return std::any_of(grown.begin(), grown.end(), [](std::size_t count) { return count > kPatchesOfTwoTeams; });
 }
 
-// Assigns colors with the clicks. A click without which more robots are recognized is left out, as long as fewer are
+// Assigns colors with the clicks. A click is left out if more robots are recognized without it, as long as fewer are
 // recognized than without any click.
 void assign_with_clicks(const std::vector<Click>& clicks, const std::vector<Marked>& marked, DetectedColors& out) {
   std::vector<bool> left_out(clicks.size(), true);
@@ -170,8 +171,8 @@ void assign_with_clicks(const std::vector<Click>& clicks, const std::vector<Mark
   left_out.assign(clicks.size(), false);
   name_patches(clicks, marked, left_out, out);
   out.assignment = assign_colors(out.input);
-  // A click outweighs robots without ids, and all robots that a textured floor seems to show: of many patches, some are
-  // in the arrangement of a robot by chance.
+  // A click outweighs robots without ids, and outweighs all robots that a textured floor seems to show: of many
+  // patches, some are arranged like a robot by chance.
   while (!is_cluttered(out) && out.assignment.named.size() < without_clicks.named.size()) {
     std::size_t worst = clicks.size();
     Assignment best = out.assignment;
@@ -193,7 +194,7 @@ void assign_with_clicks(const std::vector<Click>& clicks, const std::vector<Mark
     name_patches(clicks, marked, left_out, out);
     out.assignment = std::move(best);
   }
-  // A doubt that a click resolves would only ask for this click.
+  // If a click resolves a doubt, leaving the click out would only make the doubt ask for it again.
   bool restored = false;
   for (const DetectionDoubt& doubt : detection_doubts(out.input, out.assignment, out.images, {})) {
     for (std::size_t i = 0; i < clicks.size(); ++i) {
@@ -206,7 +207,7 @@ void assign_with_clicks(const std::vector<Click>& clicks, const std::vector<Mark
     name_patches(clicks, marked, left_out, out);
     out.assignment = assign_colors(out.input);
   }
-  // A color that was certain without the clicks remains so.
+  // A color that was certain without the clicks stays certain.
   for (std::size_t c = 0; c < out.assignment.colors.size(); ++c) {
     AssignedColor& color = out.assignment.colors[c];
     const AssignedColor& before = without_clicks.colors[c];
@@ -278,7 +279,7 @@ Result<DetectedColors> auto_detect_colors(const VenueDraft& venue, const TeamCol
         marked[i].patch = kNone;
         out.uses[i].reason = grown.text();
         const int u = static_cast<int>(clicks[i].u_px), v = static_cast<int>(clicks[i].v_px);
-        // An object is there although its outline is unclear.
+        // There is an object here, although its outline is unclear.
         if (channels.contains(u, v)) out.unclear[image].push_back(channels.index(u, v));
       }
     }
@@ -305,7 +306,7 @@ Result<DetectedColors> auto_detect_colors(const VenueDraft& venue, const TeamCol
         input.markers.push_back(std::move(marker));
       }
     }
-    input.picture.resize(input.patches.size(), out.images.size());  // of the patches that were sampled
+    input.picture.resize(input.patches.size(), out.images.size());  // entries of the patches that were sampled
     sampled.push_back({out.images.size(), {channels, inside, floor}});
     out.images.push_back(image);
     searched.push_back(&channels);
@@ -337,11 +338,12 @@ Result<DetectedColors> auto_detect_colors(const VenueDraft& venue, const TeamCol
                   out.unclear[out.images[input.picture[p]]]);
       }
     }
-    // Robots show every shade of a paint under these lamps; the rim of a ball is not its color.
+    // All patches of robots are used, because they show every shade of a paint under these lamps; of the ball only the
+    // cleanest, because its rim has another color.
     for (const std::size_t p : c + 1 == input.ball ? cleanest(input, color, searched) : color.patches) {
       const FoundPatch& patch = input.patches[p];
       Click click{out.images[input.picture[p]], input.colors[c].name, patch.u_px, patch.v_px, patch.radius_px, {}};
-      if (patch.sampled) click.pixels = patch.pixels;  // growth has not found it
+      if (patch.sampled) click.pixels = patch.pixels;  // growing a region did not find this patch
       click.usual = patch.usual;
       for (std::size_t i = 0; i < marked.size(); ++i) {
         if (marked[i].patch != p || !out.uses[i].used) continue;
@@ -367,7 +369,7 @@ Result<void> write_detection_picture(const std::string& path, const DetectedColo
   for (std::size_t c = 0; c < found.assignment.colors.size(); ++c) {
     for (const std::size_t p : found.assignment.colors[c].patches) color_of[p] = c;
   }
-  for (const AssignedRobot& robot : found.assignment.named) {  // also those that nothing is learned from
+  for (const AssignedRobot& robot : found.assignment.named) {  // including robots that nothing is learned from
     const TeamMarking& team = found.input.teams[robot.team];
     color_of[robot.patches[0]] = team.team_color - std::size_t{1};
     for (std::size_t k = 1; k < robot.patches.size(); ++k)

@@ -9,20 +9,21 @@
 namespace touchline::calibrate {
 namespace {
 
-// Standard deviation of paints of one name, and the greatest dissimilarity of a pixel to the name.
+// Standard deviation of paints with one name, and the largest dissimilarity of a pixel to the name.
 constexpr double kBallPaint = 14.0, kMaxBallDissimilarity = 50.0;
-// Least part of the ball's disk that must look like it, and greatest elongation of that part.
+// Least part of the ball's disk that must look like the ball, and the largest elongation of this part.
 constexpr double kMinPart = 0.18, kMaxBallElongation = 1.7;
-// Least brightness of the ball's pixels relative to its lit part, which is this quantile.
+// Quantile of brightness that stands for the ball's lit part, and the least brightness of the ball's pixels relative to
+// it.
 constexpr double kLitQuantile = 0.9, kMinLit = 0.5;
-// Part of the disk that usually looks like the ball, the cost if nothing does, and the cost if everything in a ring
-// around the ball (in radii) differs from the floor.
+// Part of the disk that usually looks like the ball; cost if no part does; ring around the ball, in radii, and the cost
+// if everything in it differs from the floor.
 constexpr double kUsualPart = 0.5, kUncovered = 4.0, kRingBegin = 1.4, kRingEnd = 2.0, kSurrounded = 8.0;
-// Radius of the search around a candidate, which may be only the rim of one side, in radii of the ball.
+// Search radius around a candidate, in radii of the ball; the candidate may be only the rim of one side.
 constexpr double kSearchRadius = 1.5;
-// Relative areas of the candidates: part of the ball, or the ball with a line.
+// Limits of a candidate's area relative to the ball: from a part of the ball to the ball together with a line.
 constexpr double kMinRelativeBallArea = 0.2, kMaxRelativeBallArea = 2.2;
-// Least difference to the next best candidate in nats.
+// Least cost difference to the next best candidate, in nats.
 constexpr double kMinBallMargin = 3.0;
 
 class BallInference {
@@ -35,7 +36,7 @@ class BallInference {
     expected_ = lab_of(rgb);
   }
 
-  // A patch of a robot is no ball, unless a person has clicked on it.
+  // Removes patches of robots from the ball's candidates, except patches that a person has clicked on.
   void remove_from_robots() {
     AssignedColor& color = assignment_.colors[ball_];
     std::vector<std::size_t> kept;
@@ -46,7 +47,7 @@ class BallInference {
     color.patches = std::move(kept);
   }
 
-  // Among the patches.
+  // Searches among the patches.
   void search(const SearchedPicture& picture) {
     std::vector<FoundPatch> candidates;
     for (std::size_t p = 0; p < input_.patches.size(); ++p) {
@@ -55,7 +56,7 @@ class BallInference {
     choose(picture, candidates);
   }
 
-  // Among all pixels: a ball on a line has no clear edge where the line meets it, and is no patch.
+  // Searches among all pixels, because a ball on a line has no clear edge where the line meets it, and so is no patch.
   void search_pixels(const SearchedPicture& picture) { choose(picture, regions_like_ball(picture.picture)); }
 
  private:
@@ -91,7 +92,7 @@ class BallInference {
     input_.named.push_back(kNone);
   }
 
-  // 4-connected regions of pixels that look like the ball. Each pixel is looked at once.
+  // Returns the 4-connected regions of pixels that look like the ball. Each pixel is looked at once.
   [[nodiscard]] std::vector<FoundPatch> regions_like_ball(const SampledPicture& picture) const {
     const ChannelImage& image = picture.image;
     std::vector<std::uint8_t> left(image.pixels.size(), 0);
@@ -127,7 +128,7 @@ class BallInference {
     return out;
   }
 
-  // Neither the floor, nor more like the color of a patch.
+  // Returns whether the pixel is neither floor nor more similar to the color of a patch.
   [[nodiscard]] bool looks_like_ball(const SampledPicture& picture, int u, int v) const {
     const ChannelImage& image = picture.image;
     if (!differs_from_floor(image.at(u, v), picture.floor.at(u, v), image.space)) return false;
@@ -140,7 +141,7 @@ class BallInference {
            });
   }
 
-  // Whether the patch lies in the square of a recognized robot.
+  // Returns whether the patch lies in the square of a recognized robot.
   [[nodiscard]] bool is_on_robot(std::size_t picture, const FoundPatch& patch) const {
     return std::any_of(assignment_.named.begin(), assignment_.named.end(), [&](const AssignedRobot& robot) {
       if (robot.picture != picture) return false;
@@ -158,7 +159,7 @@ class BallInference {
     });
   }
 
-  // The pixels of the ball's disk that look like it; none: too few.
+  // Returns the pixels of the ball's disk that look like the ball; empty if they are too few.
   [[nodiscard]] FoundPatch like_ball(const FoundPatch& candidate, const SampledPicture& picture) const {
     const ChannelImage& image = picture.image;
     const double area = static_cast<double>(candidate.pixels.size()) / relative_area(candidate, camera_, size_);
@@ -166,7 +167,7 @@ class BallInference {
     const int u0 = static_cast<int>(std::lround(candidate.center.u_px)),
               v0 = static_cast<int>(std::lround(candidate.center.v_px));
     GrownPatch ball;
-    std::vector<int> brightness;  // per pixel
+    std::vector<int> brightness;  // for each pixel
     for (int v = v0 - reach; v <= v0 + reach; ++v) {
       for (int u = u0 - reach; u <= u0 + reach; ++u) {
         if (!image.contains(u, v) || (u - u0) * (u - u0) + (v - v0) * (v - v0) > reach * reach ||
@@ -185,7 +186,8 @@ class BallInference {
     return out.elongation < kMaxBallElongation ? out : FoundPatch{};
   }
 
-  // Leaves out the glow of a ball on the floor in its shadow, which has its hue, and its rim, if a part is lit.
+  // If a part of the ball is lit, keeps only the lit pixels: the rim is removed, and so is the ball's glow on the floor
+  // in its shadow, which has the ball's hue.
   static void keep_lit(std::vector<std::size_t>& pixels, const std::vector<int>& brightness) {
     if (pixels.empty()) return;
     std::vector<int> sorted = brightness;
@@ -200,7 +202,8 @@ class BallInference {
     pixels.resize(kept);
   }
 
-  // Leaves out what is no part of a disk of this radius around the pixels' mean, such as the edge of a line beside it.
+  // Removes pixels outside a disk of this radius around the mean of the pixels, such as the edge of a line beside the
+  // ball.
   static void keep_disk(std::vector<std::size_t>& pixels, const ChannelImage& image, double radius) {
     if (pixels.empty()) return;
     const auto width = static_cast<std::size_t>(image.width_px);
@@ -214,7 +217,8 @@ class BallInference {
     pixels.erase(std::remove_if(pixels.begin(), pixels.end(), outside), pixels.end());
   }
 
-  // A ball covers its disk, and around it lies the floor; around a patch of a robot lie others.
+  // Returns how unlike a ball the shape is: a ball fills its disk and is surrounded by floor; a patch of a robot is
+  // surrounded by other patches.
   [[nodiscard]] double shape_cost(const FoundPatch& patch, const FoundPatch& candidate,
                                   const SearchedPicture& picture) const {
     const ChannelImage& image = picture.picture.image;

@@ -11,7 +11,7 @@
 namespace touchline::calibrate {
 namespace {
 
-// A growing box. Sides: channel * 2 + (0 low, 1 high).
+// A growing box. Indices of its sides: channel * 2 + (0 low, 1 high).
 struct Growing {
   ColorBox box;
   ColorBox core;
@@ -27,7 +27,7 @@ class Grower {
     for (const ColorSamples& color : input.colors) color_total_.push_back(total(color.pixels));
   }
 
-  // `fixed`: further boxes that do not grow.
+  // `fixed`: further boxes, which do not grow.
   void grow(ColorBoxes& boxes, const ColorBoxes& fixed) const {
     std::vector<Growing> growing;
     for (const ColorBox& box : boxes) growing.push_back({box, box, {}, 0.0, std::vector<double>(color_total_.size())});
@@ -72,7 +72,7 @@ class Grower {
     return true;
   }
 
-  // Adds the slab's samples to what the box has caught, unless they would be too many.
+  // Adds the samples in the slab to the samples inside the box, unless they would become too many.
   bool take(Growing& g, const ColorBox& slab) const {
     const double background = count_in(input_.background, slab);
     bool met = g.caught_background + background > rules_.background_share * background_total_;
@@ -88,8 +88,8 @@ class Grower {
     return true;
   }
 
-  // A side that has met no samples may still have background right behind it, and boxes move while the light changes.
-  // Other colors have a box of their own.
+  // Moves a side inwards, unless it has met samples: background may lie directly behind it, and boxes move while the
+  // light changes. Other colors have boxes of their own.
   void keep_away_from_background(Growing& g, std::size_t side) const {
     const int core = side_value(g.core, side), margin = std::abs(side_value(g.box, side) - core);
     double caught = g.caught_background;
@@ -104,7 +104,7 @@ class Grower {
   }
 
   static int outwards(std::size_t side) { return side % 2 == 0 ? -1 : 1; }
-  // The plane of the box's size where its side would be at `value`.
+  // Returns the plane that the side sweeps if it is at `value`.
   static ColorBox slab_at(ColorBox box, std::size_t side, int value) {
     set_side(box, side, value);
     set_side(box, side ^ 1, value);
@@ -113,7 +113,7 @@ class Grower {
 
   const LearningInput& input_;
   const LearningRules& rules_;
-  const int room_ = static_cast<int>(AdaptationParameters{}.max_shift);  // by so much boxes may move in a game
+  const int room_ = static_cast<int>(AdaptationParameters{}.max_shift);  // levels by which boxes may move in a game
   double background_total_ = 0;
   std::vector<double> color_total_;
 };
@@ -188,7 +188,7 @@ Result<LearnedColors> learn_boxes(const LearningInput& input, const LearningRule
   grower.grow(cores, in_other_light);
   out.boxes = cores;
   for (const ColorBox& box : in_other_light) out.boxes.push_back(box);
-  // After all others have grown: the ball gets what they leave.
+  // Boxes of the ball come after all others have grown, and get the space that is left.
   for (const ColorBox& box : light_boxes(input, rules, out.boxes, ColorUse::kBall)) out.boxes.push_back(box);
   std::stable_sort(out.boxes.begin(), out.boxes.end(),
                    [](const ColorBox& a, const ColorBox& b) { return a.color < b.color; });

@@ -30,7 +30,7 @@ double share_in(const LearningInput& input, const ColorBox& box, ColorId color) 
   return count_in(pixels, box) / total(pixels);
 }
 
-// Cuts slabs off the box, the one with most pixels first, until only the common part is left; each slab shrinks to its
+// Cuts slabs off the box, the slab with most pixels first, until only the common part is left; each slab shrinks to its
 // own pixels.
 std::vector<Piece> without(ColorBox rest, const ColorBox& common, const LearningInput& input,
                            const LearningRules& rules) {
@@ -81,7 +81,7 @@ Result<void> separate_boxes(const LearningInput& input, const LearningRules& rul
     const ColorBox given = cores[giver];
     std::vector<Piece> pieces = without(given, common, input, rules);
     const ColorId taker = cores[first_gives ? second : first].color;
-    erase(cores, giver);  // the remaining pieces cover less than before, so the loop ends
+    erase(cores, giver);  // The remaining pieces cover less than before, so the loop ends.
     const std::size_t room = std::min(rules.boxes_a_color - std::min(rules.boxes_a_color, boxes_of(cores, given.color)),
                                       kMaxColorBoxes - cores.size());
     std::sort(pieces.begin(), pieces.end(), [](const Piece& a, const Piece& b) { return a.share > b.share; });
@@ -130,7 +130,7 @@ void carve_background(const LearningInput& input, const LearningRules& rules, Co
           }
         }
       }
-      if (best_gain <= 1.0) break;  // the color would lose more than the background
+      if (best_gain <= 1.0) break;  // the cut would remove more of the color than of the background
       box = best;
       own_left = best_own;
       floor_left = best_floor;

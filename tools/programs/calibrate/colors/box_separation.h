@@ -10,8 +10,9 @@ namespace touchline::calibrate {
 /// kInconsistent, with both names: nothing would be left of one color.
 Result<void> separate_boxes(const LearningInput& input, const LearningRules& rules, ColorBoxes& cores);
 
-/// Shrinks boxes that contain much background, side by side, where most background is removed for the fewest pixels of
-/// the color. A box loses at most rules.most_carved of its pixels; the report shows the remaining background.
+/// Shrinks boxes that contain much background, one side at a time, choosing the side that removes most background for
+/// the fewest pixels of the color. A box loses at most rules.most_carved of its pixels; the report shows the remaining
+/// background.
 void carve_background(const LearningInput& input, const LearningRules& rules, ColorBoxes& cores);
 
 }  // namespace touchline::calibrate

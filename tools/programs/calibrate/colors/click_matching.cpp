@@ -10,7 +10,7 @@
 namespace touchline::calibrate {
 namespace {
 
-// Tolerance of a click: a person's hand is not exact, and the pixels of an edge belong to no patch.
+// Tolerance of a click, because a person's hand is not exact and the pixels of an edge belong to no patch.
 constexpr double kNear_px = 2.0;
 
 }  // namespace

@@ -13,19 +13,19 @@ namespace touchline::calibrate {
 namespace {
 
 constexpr double kShadowedLight = 0.5, kPictureGamma = 2.2;
-// Half the side of the square whose median is the floor around a click, relative to the picture's width: 32 of 640
-// pixels, so that a robot covers less than half of it.
+// Half the side of the square around a click whose median stands for the floor, relative to the picture's width: 32 of
+// 640 pixels, so that a robot covers less than half of the square.
 constexpr double kReachOfFloor = 0.05;
-// Only every n-th pixel in each direction.
+// Reads every n-th pixel in each direction.
 constexpr int kFloorStep = 2;
 
-// Brightness of a pixel above black.
+// Returns the brightness of a pixel above black.
 int brightness_of(const Channels& value, ColorSpace space) {
   if (is_yuv(space)) return std::max(0, value[0] - black_value(space, 0));
   return (value[0] + 2 * value[1] + value[2]) / 4;
 }
 
-// Median brightness of the pixels inside of a rectangle; empty if there are none.
+// Returns the median brightness of the pixels inside a rectangle; empty if there are none.
 std::optional<double> median_brightness(const ChannelImage& image, const std::vector<std::uint8_t>& inside, int left,
                                         int top, int right, int bottom) {
   std::vector<int> values;
@@ -65,7 +65,7 @@ Result<std::vector<ShadowedClick>> clicks_in_shadow(const std::vector<Click>& cl
       if (!is_here(clicks[i])) continue;
       const int u = static_cast<int>(clicks[i].u_px), v = static_cast<int>(clicks[i].v_px);
       const std::optional<double> floor = median_brightness(image, inside, u - reach, v - reach, u + reach, v + reach);
-      // A click outside the picture or its region of interest is reported as such when it is used.
+      // If a click is outside the picture or its region of interest, this is reported when the click is used.
       if (!floor) continue;
       const double share = std::pow(*floor / usual, kPictureGamma);
       if (share < kShadowedLight) out.push_back({i, share});

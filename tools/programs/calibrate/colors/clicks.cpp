@@ -58,7 +58,7 @@ Result<std::vector<Click>> read_clicks(const std::string& path) {
 }
 
 Result<Click> parse_click(const std::string& text, const std::string& image) {
-  // The picture may have commas in its name.
+  // Only the first commas separate, because the picture's name may contain some.
   std::array<std::string, 4> word;
   std::size_t begin = 0, words = 0;
   for (; words < word.size() && begin <= text.size(); ++words) {

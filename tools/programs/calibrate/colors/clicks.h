@@ -10,24 +10,24 @@
 
 namespace touchline::calibrate {
 
-/// A click of a person on a patch or on the ball, or a rectangle of about its size.
+/// A person's click on a patch or on the ball, or a rectangle of about the object's size.
 struct Click {
-  std::string image;  // the name in the file
+  std::string image;  // name of the picture in the file
   std::string color;
-  double u_px = 0, v_px = 0;                      // for a rectangle: its center
+  double u_px = 0, v_px = 0;                      // position; for a rectangle its center
   int radius_px = 0;                              // 0: GrowthLimits::radius_px
   std::optional<std::array<double, 4>> box = {};  // u0, v0, u1, v1; u0 < u1, v0 < v1
-  std::vector<std::size_t> pixels = {};           // of the patch, if they are known already
-  std::vector<Channels> usual = {};               // see FoundPatch
+  std::vector<std::size_t> pixels = {};           // pixels of the patch, if they are known already
+  std::vector<Channels> usual = {};               // as FoundPatch::usual
 };
 
 /// Reads {"samples": [{"image", "color", "u", "v"}, ...]}, where "box": [u0, v0, u1, v1] (any two opposite corners) can
-/// replace u and v. Other keys are ignored. kNotFound, kIo: errors of the file. kInconsistent: wrong content. The
+/// replace u and v. Other keys are ignored. kNotFound, kIo: errors of the file. kInconsistent: invalid content. The
 /// message names the file and the sample (counted from 0).
 Result<std::vector<Click>> read_clicks(const std::string& path);
 
-/// Reads "COLOR,U,V" or "COLOR,U,V,PICTURE", an option of the command line. Without a picture it is `image`.
-/// kInconsistent: wrong content; the message quotes it.
+/// Reads the command line option "COLOR,U,V" or "COLOR,U,V,PICTURE". The default picture is `image`. kInconsistent:
+/// invalid content; the message quotes it.
 Result<Click> parse_click(const std::string& text, const std::string& image);
 
 }  // namespace touchline::calibrate

@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::size_t kNoColor = static_cast<std::size_t>(-1);
 
-// Distance between a color and a box: the largest over all channels; 0 inside.
+// Returns the distance between a color and a box: the largest over all channels; 0 inside.
 int distance(const std::array<int, 3>& color, const ColorBox& box) {
   int largest = 0;
   for (std::size_t c = 0; c < 3; ++c) largest = std::max({largest, box.low[c] - color[c], color[c] - box.high[c]});
@@ -36,7 +36,7 @@ class Adviser {
     }
   }
 
-  // Finds the paint that is farthest from all colors except the one that it replaces.
+  // Finds the paint that is farthest from all colors except color `without`, which it replaces.
   [[nodiscard]] PaintSuggestion additional(std::size_t without) const {
     PaintSuggestion best;
     for (const auto& [name, rgb] : usual_paints()) {

@@ -17,21 +17,21 @@ struct PaintSuggestion {
 /// Two colors that are too similar, and a replacement.
 struct ColorReplacement {
   std::size_t first = 0, second = 0;
-  int levels = 0;            // distance between them
-  std::size_t replaced = 0;  // index of the one to replace
+  int levels = 0;            // distance between the two colors
+  std::size_t replaced = 0;  // index of the color to replace
   PaintSuggestion suggestion;
 };
 
 struct ColorAdvice {
   std::vector<ColorReplacement>
       replacements;            // for the closest pairs, closest first; each color is replaced at most once
-  PaintSuggestion additional;  // the best paint for one more color
+  PaintSuggestion additional;  // best paint for one more color
 };
 
-/// Suggests replacements for pairs of colors less than `least_levels` apart: the paint (usual_paints()) that is
-/// farthest from all other colors and the background in the color space of this camera and in this light. The gains
-/// that map the usual appearance of the known colors to the learned one are applied to the paints. `shown_rgb`: median
-/// RGB of the colors.
+/// Suggests replacements for pairs of colors less than `least_levels` apart. It suggests the paint (usual_paints())
+/// that is farthest from all other colors and the background, in the color space of this camera and in this light. The
+/// paints are converted by the gains that map the usual appearance of the known colors to the learned one. `shown_rgb`:
+/// median RGB of the colors.
 ColorAdvice advise(const LearningInput& input, const LearningRules& rules, const std::vector<Channels>& shown_rgb,
                    const std::vector<PairMargin>& margins, int least_levels);
 

@@ -11,10 +11,10 @@
 namespace touchline::calibrate {
 namespace {
 
-// The greatest margin in nats that is reported, and that of a color with a click.
+// Largest margin in nats that is reported, and the margin of a color with a click.
 constexpr double kCertain = 50.0;
 
-// Returns the color that gets these patches in the solution in which `color` may not have them.
+// Returns the color to which solution `other`, in which `color` may not have these patches, assigns them.
 std::string alternative_of(const AssignmentInput& input, const Solution& other, std::size_t color, const Lab& lab) {
   for (std::size_t c = 0; c < input.colors.size(); ++c) {
     if (c == color || other.label_of[c] == kNone) continue;
@@ -23,7 +23,8 @@ std::string alternative_of(const AssignmentInput& input, const Solution& other, 
   return "";
 }
 
-// Whether the center of a patch is in one of these: the same patch with a part of what is around it.
+// Returns whether the center of a patch lies in one of these patches; then it is the same patch with some of its
+// surroundings.
 bool is_within(const AssignmentInput& input, std::size_t patch, const std::vector<std::size_t>& others) {
   const PixelPoint& at = input.patches[patch].center;
   return std::any_of(others.begin(), others.end(), [&](std::size_t p) {
@@ -35,7 +36,7 @@ bool is_within(const AssignmentInput& input, std::size_t patch, const std::vecto
   });
 }
 
-// Whether `other` recognizes every robot of `one` at the same place.
+// Returns whether `other` recognizes every robot of `one` at the same position.
 bool has_robots_of(const Solution& other, const Solution& one) {
   return std::all_of(one.named.begin(), one.named.end(), [&](const AssignedRobot& robot) {
     return std::any_of(other.named.begin(), other.named.end(), [&](const AssignedRobot& same) {
@@ -75,7 +76,7 @@ Assignment assign_colors(const AssignmentInput& input) {
     const Lab lab = lab_of(color.rgb);
     color.dissimilarity = best.expected[c] ? dissimilarity(lab, *best.expected[c]) : 0.0;
     const bool is_ball = c + 1 == input.ball;
-    std::map<std::size_t, int> balls;  // per picture
+    std::map<std::size_t, int> balls;  // number of balls by picture
     for (const std::size_t p : all) balls[input.picture[p]] += in_markers.count(p) == 0 ? 1 : 0;
     for (const std::size_t p : all) {
       const bool in_marker = in_markers.count(p) > 0;
@@ -92,7 +93,7 @@ Assignment assign_colors(const AssignmentInput& input) {
     if (other.label_of.empty()) continue;
     color.alternative = alternative_of(input, other, c, lab);
     const std::size_t label = other.label_of[c];
-    // A larger cluster around the same patches gives them no other color.
+    // A larger cluster around the same patches does not change their color.
     color.same = label != kNone && has_robots_of(other, single) &&
                  std::all_of(color.patches.begin(), color.patches.end(),
                              [&](std::size_t p) { return is_within(input, p, other.labels[label].patches); });

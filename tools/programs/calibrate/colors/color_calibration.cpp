@@ -13,10 +13,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// More pictures than these show the lamps as they are, and take time.
+// Largest number of pictures that are tried; more pictures add little about the lamps, and take time.
 constexpr std::size_t kMaxTriedPictures = 4;
 
-// Colors that some of the clicks or pictures lead to, and how well they do.
+// Colors learned from some of the clicks or pictures, and how well they perform.
 struct Trial {
   DetectedColors found;
   std::optional<int> recognized;  // SelfCheck::recognized(); empty: nothing can be learned
@@ -32,7 +32,7 @@ struct Trial {
   }
 };
 
-// Leaves `trial` as it is if nothing can be learned.
+// Tests the colors of `trial`; leaves `trial` as it is if nothing can be learned.
 Result<void> check_trial(const ColorFiles& files, ColorFitInput input, Trial& trial) {
   TOUCHLINE_TRY_ASSIGN(const VisibleByPicture visible, take_detected(trial.found, input));
   TOUCHLINE_TRY(check_all_colors(files.team, files.colors, input.clicks));
@@ -55,12 +55,12 @@ Result<void> check_trial(const ColorFiles& files, ColorFitInput input, Trial& tr
 Result<Trial> try_clicks(const ColorFiles& files, const ColorFitInput& input, const std::vector<Click>& clicks) {
   Trial trial;
   TOUCHLINE_TRY_ASSIGN(trial.found, auto_detect_colors(files.draft, files.colors, clicks, input.pictures));
-  static_cast<void>(check_trial(files, input, trial));  // colors from which nothing can be learned are worst
+  static_cast<void>(check_trial(files, input, trial));  // Colors from which nothing can be learned count as worst.
   return trial;
 }
 
-// Colors from all pictures, or from one of them if more is recognized with these: under other lamps, patches of one
-// color may look like those of another.
+// Returns colors from all pictures, or from a single picture if its colors recognize more: under other lamps, patches
+// of one color may look like patches of another.
 Result<DetectedColors> detect_without_clicks(const ColorFiles& files, const ColorFitInput& input) {
   TOUCHLINE_TRY_ASSIGN(Trial best, try_clicks(files, input, {}));
   if (input.pictures.size() == 1 || input.pictures.size() > kMaxTriedPictures) return std::move(best.found);
@@ -162,7 +162,7 @@ Result<VisibleByPicture> take_detected(const DetectedColors& found, ColorFitInpu
     if (marking.team_color == kBackground) continue;
     const auto& named = found.assignment.named;
     std::vector<std::size_t> patches = found.assignment.colors[marking.team_color - 1U].patches;
-    for (const AssignedRobot& robot : named) {  // in odd light, nothing is learned from its team patch
+    for (const AssignedRobot& robot : named) {  // in odd light, nothing is learned from the robot's team patch
       const bool is_new = std::find(patches.begin(), patches.end(), robot.team_patch) == patches.end();
       if (robot.team == t && is_new) patches.push_back(robot.team_patch);
     }

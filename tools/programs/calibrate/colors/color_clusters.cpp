@@ -14,7 +14,7 @@ ColorClusters::ColorClusters(const std::vector<Lab>& colors) : size_(colors.size
   std::vector<double> members(size_, 1.0);
   std::vector<std::size_t> alive(size_);
   std::iota(alive.begin(), alive.end(), std::size_t{0});
-  // The nearest later cluster of each, so that a merge costs one pass over the clusters and not over all pairs.
+  // For each cluster, the nearest later one, so that a merge costs one pass over the clusters instead of all pairs.
   std::vector<std::size_t> nearest(size_, size_);
   const auto find_nearest = [&](std::size_t position) {
     const std::size_t k = alive[position];

@@ -12,18 +12,19 @@
 namespace touchline::calibrate {
 namespace {
 
-// Width of the margin around a patch whose pixels belong neither to the patch nor to the background: Bayer
-// interpolation and chroma subsampling reach two pixels.
+// Width of the margin around a patch. Its pixels belong neither to the patch nor to the background: Bayer interpolation
+// and chroma subsampling reach two pixels.
 constexpr int kEdge_px = 3;
 
-// Share of a patch's pixels that is cut off per side and channel, because they are mixed with the neighbor.
+// Share of a patch's pixels that is cut off at each end of each channel, because these pixels are mixed with the
+// surroundings.
 constexpr double kEdgeShare = 0.03;
 
-// Least distance of two colors in levels: twice the change by lamp flicker and a tilted robot.
+// Least distance of two colors in levels: twice the change that lamp flicker and a tilted robot cause.
 constexpr int kMinPairMargin = 20;
 
-// So many patches of a color show the light on the field: a team's needs no boxes for other light, in which mixed
-// pixels of edges could join patches, and neither does the ball's.
+// Number of patches of a color that suffices to show the light on the field. Then a team color needs no boxes for other
+// light, in which mixed pixels of edges could join patches; the same holds for the ball.
 constexpr int kManyPatches = 15;
 
 // Reasons why a pixel is not background; a later one overrides an earlier one.
@@ -34,7 +35,7 @@ struct Scene {
   std::string image;
   const CameraPicture* picture = nullptr;
   ChannelImage channels;
-  std::vector<std::uint8_t> owner;     // index of the color + 1; 0: none
+  std::vector<std::uint8_t> owner;     // for each pixel, index of its color + 1; 0: none
   std::vector<std::uint8_t> reserved;  // one Reserved value per pixel
 };
 
@@ -53,7 +54,7 @@ void reserve_pixel(Scene& scene, std::size_t pixel) {
   reserve_around(scene, static_cast<int>(pixel % width), static_cast<int>(pixel / width), kNearClick);
 }
 
-// Buffers of the scanner are large, so they are on the heap.
+// On the heap, because buffers of the scanner are large.
 struct Scan {
   RegionScanner scanner;
   Runs runs;
@@ -71,7 +72,7 @@ Status scan(const ColorFitInput& input, const ColorBoxes& boxes, const CameraPic
   parameters.region_of_interest = input.region_of_interest;
   if (Status s = out.scanner.configure(parameters); !s.ok()) return s;
   const Status s = out.scanner.scan(frame, out.runs, out.regions);
-  return s.code() == ErrorCode::kFull ? Status{} : s;  // regions that do not fit are small noise
+  return s.code() == ErrorCode::kFull ? Status{} : s;  // regions that do not fit are only small noise
 }
 
 template <class Visit>
@@ -81,7 +82,7 @@ void each_pixel(const Runs& runs, const Region& region, Visit&& visit) {
   }
 }
 
-// Median of each channel.
+// Returns the median of each channel.
 Channels median(const std::vector<ColorCount>& pixels) {
   return {quantile(pixels, 0, 0.5), quantile(pixels, 1, 0.5), quantile(pixels, 2, 0.5)};
 }
@@ -162,13 +163,14 @@ class Fitter {
           if (click.usual.empty()) scene->owner[pixel] = static_cast<std::uint8_t>(color + 1);
           reserve_pixel(*scene, pixel);
         }
-        // What continues a patch has its color: as background, it would shrink the boxes to the noise of the samples.
+        // Pixels that continue a patch have its color. If they counted as background, the boxes would shrink to the
+        // noise of the samples.
         for (const std::size_t pixel : continue_patch(scene->channels, inside_, patch.pixels))
           reserve_pixel(*scene, pixel);
       } else {
         result.reason = selected.text();
         if (scene->channels.contains(static_cast<int>(click.u_px), static_cast<int>(click.v_px))) {
-          // An object is there although its outline is unclear.
+          // There is an object here, although its outline is unclear.
           reserve_around(*scene, static_cast<int>(click.u_px), static_cast<int>(click.v_px), kNearClick);
         }
       }
@@ -219,7 +221,7 @@ class Fitter {
     std::vector<std::vector<Channels>> pixels(out_.names.size());
     for (std::size_t i = 0; i < patches_.size(); ++i) {
       const Grown& g = patches_[i];
-      // The edge is cut per patch, so that a patch in poor light counts as much as ten in good light.
+      // The edge is cut off per patch, so that a patch in poor light counts as much as ten in good light.
       std::vector<Channels> own = input_.clicks[i].usual;
       if (own.empty()) {
         for (const std::size_t pixel : g.patch.pixels) own.push_back(scenes_[g.scene].channels.pixels[pixel]);
@@ -241,8 +243,10 @@ class Fitter {
 
   Result<void> reserve_look_alikes(LearningInput learning) {
     LearningRules rules = input_.rules;
-    rules.max_margin = 6;                                                      // noise between two patches of a color
-    for (ColorSamples& color : learning.colors) color.use = ColorUse::kOther;  // in this light
+    // Noise between two patches of a color, in levels.
+    rules.max_margin = 6;
+    // Boxes for other light are not needed here.
+    for (ColorSamples& color : learning.colors) color.use = ColorUse::kOther;
     TOUCHLINE_TRY_ASSIGN(const LearnedColors cores, learn_boxes(learning, rules));
     for (Scene& scene : scenes_) {
       if (Status s = scan(input_, cores.boxes, *scene.picture, *scan_); !s.ok()) return scan_error(s);
@@ -254,7 +258,7 @@ class Fitter {
     return {};
   }
 
-  // A region that the matcher could take for a patch.
+  // Returns whether the matcher could take a region for a patch.
   [[nodiscard]] bool is_patch_sized(const Region& region) const {
     return region.color != kBackground && std::size_t{2} * region.area_px >= patch_area_[region.color - 1U];
   }
@@ -273,7 +277,7 @@ class Fitter {
     return count_colors(pixels);
   }
 
-  // A few brighter pixels are mirrored lamps or noise.
+  // Returns the brightest value in the pictures, ignoring a few pixels that are reflections of lamps or noise.
   [[nodiscard]] int brightest() const {
     constexpr double kShare = 0.999;
     std::vector<std::uint8_t> values;
@@ -300,7 +304,7 @@ class Fitter {
     return count_colors(pixels);
   }
 
-  // Classifies each picture like the firmware.
+  // Classifies each picture like the firmware and measures the result.
   Result<void> judge() {
     const std::size_t colors = out_.names.size();
     std::vector<double> clicked(colors), caught(colors);
@@ -355,7 +359,7 @@ class Fitter {
   std::vector<Scene> scenes_;
   std::vector<std::uint8_t> inside_;
   std::vector<Grown> patches_;
-  std::vector<std::size_t> patch_area_;  // median over the clicks of a color
+  std::vector<std::size_t> patch_area_;  // for each color, median over its clicks
 };
 
 }  // namespace

@@ -18,12 +18,13 @@ namespace touchline::calibrate {
 
 struct ColorFitInput {
   std::vector<Click> clicks;
-  std::map<std::string, CameraPicture> pictures;  // by Click::image; all with the same format and size
-  std::vector<std::string> learned_from;          // of these pictures; empty: from all
+  std::map<std::string, CameraPicture> pictures;  // by Click::image; all have the same format and size
+  std::vector<std::string> learned_from;          // pictures to learn from; empty: all
   std::map<std::string, std::vector<std::size_t>>
-      unclear;                                             // per picture: pixels that are neither sample nor background
-  std::map<std::string, std::vector<std::size_t>> things;  // per picture: those of `unclear` that are no robots
-  std::map<std::string, ColorUse> uses;                    // of colors; those that are missing are for something else
+      // By picture: pixels that are neither sample nor background.
+      unclear;
+  std::map<std::string, std::vector<std::size_t>> things;  // by picture: pixels of `unclear` that belong to no robot
+  std::map<std::string, ColorUse> uses;                    // uses of colors; the default is kOther
   LightMap light;
   Polygon region_of_interest;
   GrowthLimits growth;
@@ -37,7 +38,7 @@ struct ColorFitInput {
 /// Result of a click.
 struct ClickResult {
   std::size_t area_px = 0;  // 0: no patch was selected, see `reason`
-  double recognized = 0;    // share of its pixels that are classified correctly
+  double recognized = 0;    // share of the pixels that are classified correctly
   std::string reason;
 };
 
@@ -52,23 +53,24 @@ struct StrayRegion {
 struct ColorFit {
   std::vector<std::string> names;  // ColorId is the index + 1; in the order of their first click
   std::vector<Channels> shown_rgb;
-  std::vector<Channels> typical;  // per color: median of its pixels, corrected by the light map
+  std::vector<Channels> typical;  // for each color, median of its pixels, corrected by the light map
   TypicalBackground background;   // median of the background; empty if there is no background pixel
   ColorSpace space = ColorSpace::kRgb;
   LearnedColors learned;
   ColorAdvice advice;
   std::vector<ClickResult> clicks;  // in the order of the input
-  // Confusion matrix of the pipeline's classifier. Rows: the color clicked on. Columns: background, then the colors.
-  // Shares of the pixels of the row.
+  // Confusion matrix of the pipeline's classifier, as shares of a row's pixels. Rows: the color clicked on. Columns:
+  // background, then the colors.
   std::vector<std::vector<double>> confusion;
-  std::vector<double> background_share;  // per color: share of the background pixels that are classified as it
-  std::vector<StrayRegion> strays;       // at least half as large as a patch of their color
+  // For each color, share of the background pixels that are classified as this color.
+  std::vector<double> background_share;
+  std::vector<StrayRegion> strays;  // regions at least half as large as a patch of their color
 };
 
 /// Learns colors from clicks: selects a patch around each click, takes everything else as background, learns boxes, and
 /// classifies the pictures with the scanner of the pipeline to measure the quality. Regions of a learned color with the
 /// size of a patch but without a click do not count as background; they are reported. Clicks without a patch are
-/// reported and ignored. kNotFound: a color without a usable click. kInconsistent: pictures differ in size or format.
+/// reported and ignored. kNotFound: a color has no usable click. kInconsistent: pictures differ in size or format.
 /// Otherwise as learn_boxes().
 Result<ColorFit> fit_colors(const ColorFitInput& input);
 

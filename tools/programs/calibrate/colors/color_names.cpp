@@ -6,7 +6,7 @@
 namespace touchline::calibrate {
 namespace {
 
-// Angle in the plane of equal brightness.
+// Returns the angle between both colors in the plane of equal brightness.
 double hue_difference_deg(const Rgb& a, const Rgb& b) {
   constexpr double kHalfTurn_deg = 180.0;
   const auto hue = [](const Rgb& rgb) {
@@ -43,7 +43,7 @@ double dissimilarity(const Lab& color, const Lab& expected) {
   constexpr double kLightness = 0.25, kChroma = 0.4, kHue = 1.5;
   const double l = color.l - expected.l, a = color.a - expected.a, b = color.b - expected.b;
   const double chroma = std::hypot(color.a, color.b) - std::hypot(expected.a, expected.b);
-  const double hue = std::max(0.0, a * a + b * b - chroma * chroma);  // squared, as in CIE 1976
+  const double hue = std::max(0.0, a * a + b * b - chroma * chroma);  // squared hue difference, as in CIE 1976
   return std::sqrt(kLightness * l * l + kChroma * chroma * chroma + kHue * hue);
 }
 
@@ -54,7 +54,8 @@ double saturation(const Rgb& rgb) {
 
 bool is_plausible(const std::optional<Rgb>& usual, const Rgb& seen) {
   if (!usual) return true;
-  // Tinted lamps give a grey paint some saturation, and shade takes some from a colored one.
+  // Limits of saturation and hue: tinted lamps give a gray paint some saturation, and shade takes some from a colored
+  // one.
   constexpr double kGrey = 0.12, kSaturated = 0.6, kColored = 0.3, kFarHue = 90.0;
   const double is = saturation(seen), should_be = saturation(*usual);
   if (should_be >= kColored && is < kGrey) return false;

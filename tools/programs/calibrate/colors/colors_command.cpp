@@ -87,7 +87,7 @@ Result<void> ColorsCommand::read_input(ColorFitInput& input) const {
   if (!samples.empty()) {
     TOUCHLINE_TRY_ASSIGN(input.clicks, read_clicks(samples));
   }
-  // Pictures of --click are named as in --picture, those of the JSON file relative to their folder.
+  // Names of pictures in --click are used as in --picture; names in the JSON file are relative to its folder.
   const std::size_t from_file = input.clicks.size();
   for (const std::string& text : clicked) {
     TOUCHLINE_TRY_ASSIGN(Click click, parse_click(text, pictures.empty() ? "" : pictures.front()));
@@ -115,7 +115,7 @@ Result<void> ColorsCommand::read_input(ColorFitInput& input) const {
   return {};
 }
 
-// The camera model is that of pictures of one size.
+// Checks that all pictures have the size for which the camera model was made.
 Result<void> ColorsCommand::check_size(const VenueDraft& draft, const ColorFitInput& input) const {
   if (!has_camera_model(draft)) return {};
   const config::PictureEntry& expected = draft.file.picture;
@@ -214,7 +214,7 @@ Result<void> ColorsCommand::check_result(const ColorFitInput& input, const std::
 }
 
 Result<void> ColorsCommand::run() const {
-  // A team file that no colors can fit is reported before pictures are taken into account.
+  // Checks the team file first, because no pictures help if no colors can fit it.
   TeamColors wanted;
   if (!team.empty()) {
     TOUCHLINE_TRY_ASSIGN(wanted, read_team_colors(team));
@@ -231,7 +231,7 @@ Result<void> ColorsCommand::run() const {
   for (const ShadowedClick& one : shadowed) {
     std::printf("%s\n", describe_shadow(one, input.clicks, input.light.columns > 0).c_str());
   }
-  // Without a camera model or a team file, clicks are all there is to learn from.
+  // Without a camera model or a team file, colors can be learned from clicks only.
   VisibleByPicture visible;
   const bool can_detect = !team.empty() && has_camera_model(draft);
   if (can_detect || !pictures.empty()) TOUCHLINE_TRY(detect_colors(draft, wanted, input, visible));

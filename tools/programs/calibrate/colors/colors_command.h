@@ -24,7 +24,7 @@ struct ColorsCommand {
   std::string samples, venue, team, images, format = "rgb24", preview;
   std::vector<std::string> pictures;
   std::vector<std::string> clicked;     // "COLOR,U,V" or "COLOR,U,V,PICTURE"
-  std::vector<std::string> odd_colors;  // that need not look like their names
+  std::vector<std::string> odd_colors;  // colors that need not look like their names
   bool yes = false, accept = false;
   int patch_radius_px = 24;
   void add_options(CLI::App& app);

@@ -56,7 +56,7 @@ void print_report(const ColorFitInput& input, const ColorFit& fit) {
   std::printf("%*s\n", column, "boxes");
   for (std::size_t c = 0; c < fit.names.size(); ++c) {
     std::printf("%-*s", column, fit.names[c].c_str());
-    // The pixels of a patch in odd light do not have the color that is learned from it.
+    // The pixels of a patch in odd light do not have the color that was learned from the patch.
     const bool has_pixels = std::any_of(input.clicks.begin(), input.clicks.end(), [&](const Click& click) {
       return click.color == fit.names[c] && click.usual.empty();
     });

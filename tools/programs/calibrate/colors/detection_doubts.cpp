@@ -9,14 +9,15 @@
 namespace touchline::calibrate {
 namespace {
 
-// Least difference in negative log-likelihood to the next best assignment: a probability of 95 %.
+// Least difference of the negative log-likelihood to the next best assignment: a probability of 95 %.
 constexpr double kMinCostMargin = 3.0;
-// Greatest difference from the expected appearance of a color name; the names themselves are 30 to 100 apart.
+// Largest difference from the expected appearance of a color name; the names themselves are 30 to 100 apart.
 constexpr double kMaxDissimilarity = 55.0;
-// With less difference, another patch that might have the color does not matter: the self-check shows a wrong choice.
+// Below this difference, it does not matter that another patch might have the color: the self-check would show a wrong
+// choice.
 constexpr double kMatchingDissimilarity = 30.0;
 
-// More robots that contradict the team file than robots that match it.
+// Returns whether more robots contradict the team file than match it.
 bool contradicts_team_file(const Assignment& assignment) { return assignment.unknown_robots > assignment.robots; }
 
 class Doubts {
@@ -71,7 +72,7 @@ class Doubts {
                      name, color.dissimilarity) +
                beside_clicks(c),
            any_click(c), c});
-      // An unusual paint of the right hue for which there is no other patch is no doubt.
+      // An unusual paint of the right hue raises no doubt if no other patch could have the color.
     } else if (color.margin < kMinCostMargin && !(color.same && c + 1 != input_.ball) &&
                !(color.alone && has_hue_of(wanted.look, color.rgb)) &&
                (!color.alternative.empty() || !wanted.look || color.dissimilarity > kMatchingDissimilarity)) {
@@ -89,7 +90,7 @@ class Doubts {
     }
   }
 
-  // A robot with this color that was recognized but not learned from; nullptr: none.
+  // Returns a robot with this color that was recognized, but from which no color was learned; nullptr if there is none.
   [[nodiscard]] const AssignedRobot* in_odd_light(std::size_t c) const {
     const auto& robots = assignment_.in_odd_light;
     const auto found = std::find_if(robots.begin(), robots.end(), [&](const AssignedRobot& one) {
@@ -101,7 +102,7 @@ class Doubts {
   [[nodiscard]] std::string searched() const {
     return images_.size() == 1 ? images_.front() : formatted("any of the %zu pictures", images_.size());
   }
-  // What a picture must show to find this color.
+  // Says what a picture must show so that this color is found.
   [[nodiscard]] std::string wish(std::size_t c) const {
     if (c + 1 == input_.ball) return "the ball lies elsewhere, alone on the field";
     std::string robots;
@@ -122,7 +123,7 @@ class Doubts {
     return formatted("all %zu robots stand elsewhere, apart and out of glare and shade", all);
   }
 
-  // A person who has named the team's color knows which robots are meant.
+  // Returns whether a person has named the team's color, and so knows which robots are meant.
   [[nodiscard]] bool is_team_clicked() const {
     return std::any_of(input_.teams.begin(), input_.teams.end(), [&](const TeamMarking& team) {
       return team.team_color != kBackground && input_.colors[team.team_color - 1U].clicked;
@@ -144,7 +145,7 @@ class Doubts {
     return text.empty() ? "twice in a picture" : text;
   }
 
-  // The first of the patches that are taken for this color.
+  // Returns the first of the patches that are taken for this color.
   [[nodiscard]] const FoundPatch& example(std::size_t c) const {
     return input_.patches[assignment_.colors[c].patches.front()];
   }
@@ -154,7 +155,7 @@ class Doubts {
                      static_cast<double>(patch.center.v_px), of_picture(c, " of ").c_str());
   }
   [[nodiscard]] std::string any_click(std::size_t c) const { return "--click " + input_.colors[c].name + ",U,V"; }
-  // Whether the person has already named this color on this patch.
+  // Returns whether the person has already named this color on this patch.
   [[nodiscard]] bool was_clicked(std::size_t c, const FoundPatch& patch, std::size_t picture) const {
     return std::any_of(clicks_.begin(), clicks_.end(), [&](const Click& one) {
       return one.color == input_.colors[c].name && one.image == images_[picture] &&
@@ -162,7 +163,7 @@ class Doubts {
                         one.v_px - static_cast<double>(patch.center.v_px)) <= patch.radius_px;
     });
   }
-  // Clicks on this color did not help, so that another one is needed.
+  // Returns the words that ask for another click, because the clicks on this color did not help.
   [[nodiscard]] std::string beside_clicks(std::size_t c) const {
     std::string places;
     for (const Click& one : clicks_) {
@@ -170,13 +171,13 @@ class Doubts {
     }
     return places.empty() ? "" : "; clicks at" + places + " were not used, see above: click elsewhere";
   }
-  // On the patch that is taken for this color.
+  // Returns the option for a click on the patch that is taken for this color.
   [[nodiscard]] std::string click(std::size_t c) const {
     const FoundPatch& patch = example(c);
     return formatted("--click %s,%.0f,%.0f%s", input_.colors[c].name.c_str(), static_cast<double>(patch.center.u_px),
                      static_cast<double>(patch.center.v_px), of_picture(c, ",").c_str());
   }
-  // The picture's name, if there are several.
+  // Returns the picture's name if there are several pictures.
   [[nodiscard]] std::string of_picture(std::size_t c, const std::string& before) const {
     if (images_.size() < 2) return "";
     return before + images_[input_.picture[assignment_.colors[c].patches.front()]];

@@ -16,11 +16,11 @@
 namespace touchline::calibrate {
 namespace {
 
-// From the edge of a patch to the edge of its robot; the largest robots (SSL) have a radius of 9 cm.
+// Distance from the edge of a patch to the edge of its robot; the largest robots (SSL) have a radius of 9 cm.
 constexpr float kRobot_m = 0.1f;
 constexpr float kRobotWithoutModel_px = 24.0f;
 constexpr float kOutside_m = 0.25f;
-// Smaller regions are noise, larger ones (a share of the picture's width or height) are floor or furniture.
+// Smaller regions are noise; larger ones (by share of the picture's width or height) are floor or furniture.
 constexpr std::uint32_t kMinArea_px = 8;
 constexpr unsigned kLargest_share = 4;
 
@@ -94,10 +94,10 @@ double brightness_of(const FieldCells& field) {
   return sums.empty() ? 0.0 : statistics::median(sums);
 }
 
-// Whether both pictures were taken in the same light: most of the cells that both show differ little in each channel.
+// Returns whether both pictures were taken in the same light: most cells that both show differ little in each channel.
 bool has_light_of(const FieldCells& field, const FieldCells& other) {
-  constexpr double kMaxChange = 0.1;  // logarithm of the ratio
-  constexpr double kDark = 2.0;       // of a cell's sum, hardly more than noise
+  constexpr double kMaxChange = 0.1;  // logarithm of the ratio of two cells
+  constexpr double kDark = 2.0;       // sum of a cell that is hardly more than noise
   for (std::size_t c = 0; c < 3; ++c) {
     std::vector<double> ratios;
     for (std::size_t cell = 0; cell < field.size(); ++cell) {
@@ -115,7 +115,7 @@ struct ColoredRegions {
   Regions regions;
 };
 
-// Covers everything that has a color of a robot or of the ball.
+// Marks as covered everything that has a color of a robot or of the ball.
 void cover_colors(const ColorFitInput& input, const ColorFit& fit, const Frame& frame, ColoredRegions& scan,
                   Coverage& coverage) {
   ScanParameters parameters;
@@ -126,7 +126,7 @@ void cover_colors(const ColorFitInput& input, const ColorFit& fit, const Frame& 
   parameters.light = input.light;
   parameters.region_of_interest = input.region_of_interest;
   if (!scan.scanner.configure(parameters).ok()) return;
-  (void)scan.scanner.scan(frame, scan.runs, scan.regions);  // regions that do not fit are small noise
+  (void)scan.scanner.scan(frame, scan.runs, scan.regions);  // regions that do not fit are only small noise
   for (const Region& region : scan.regions) {
     const PixelBox& box = region.box;
     if (region.area_px < kMinArea_px || kLargest_share * (box.right - box.left) > frame.width_px ||
@@ -138,15 +138,16 @@ void cover_colors(const ColorFitInput& input, const ColorFit& fit, const Frame& 
   }
 }
 
-// The field in the pictures that have the light of the one with most patches, because the typical colors have it. Of
-// several, it is the one with the median brightness. A mix of cells from two lamps would be like none of them.
+// Returns the field in the pictures that have the same light as the picture with most patches, because the typical
+// colors come from its light. If several pictures have most patches, the one with the median brightness is used. Cells
+// from pictures under two lamps must not be mixed, because the result would fit neither.
 std::vector<FieldCells> fields_in_one_light(const VenueDraft& draft, const ColorFitInput& input, const ColorFit& fit) {
   Coverage coverage(draft, input.pictures.begin()->second.frame());
   const ReferenceGrid grid = coverage.grid();
   const auto scan = std::make_unique<ColoredRegions>();
   const auto colors = std::make_unique<CellColors>();
   std::vector<FieldCells> fields;
-  std::vector<std::pair<std::ptrdiff_t, double>> order;  // most patches, then brightness
+  std::vector<std::pair<std::ptrdiff_t, double>> order;  // number of patches (most first), then brightness
   for (const auto& [name, picture] : input.pictures) {
     if (!input.learns_from(name)) continue;
     const Frame frame = picture.frame();

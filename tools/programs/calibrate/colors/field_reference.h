@@ -7,11 +7,12 @@
 
 namespace touchline::calibrate {
 
-/// Makes the reference of the field from the pictures that the colors were learned in: the median of the pictures in
-/// which nothing covers the cell. Pictures in other light than the one with most patches (of several, the one with the
-/// median brightness) are left out. Places within 10 cm of a click or of a region of a learned color count as covered
-/// (24 pixels if the camera model is unknown). Cells more than 25 cm outside the field (outside the region of interest
-/// if the camera model is unknown) are left out, because people stand there. `draft.file.color` is not used.
+/// Makes the reference of the field from the pictures that the colors were learned from: for each cell the median of
+/// the pictures in which nothing covers it. Pictures are left out if their light differs from that of the picture with
+/// most patches (of several, the picture with the median brightness). A position within 10 cm of a click or of a region
+/// of a learned color counts as covered (24 pixels if the camera model is unknown). Cells more than 25 cm outside the
+/// field (outside the region of interest if the camera model is unknown) are left out, because people stand there.
+/// `draft.file.color` is not used.
 LightReference field_reference(const VenueDraft& draft, const ColorFitInput& input, const ColorFit& fit);
 
 /// Writes the reference beside the venue file and returns the section [light] that names it. Errors of

@@ -7,7 +7,7 @@
 namespace touchline::calibrate {
 namespace {
 
-// The pixels of a color that one box is made for.
+// Pixels of a color that get one box.
 struct Cluster {
   std::size_t color = 0;
   std::vector<ColorCount> pixels;
@@ -15,8 +15,8 @@ struct Cluster {
   double conflict = 0;
 };
 
-// Cost of a box: shares of the other colors that it contains, and the share of the background relative to the allowed
-// one.
+// Returns the cost of a box: the shares of the other colors that it contains, and the share of the background relative
+// to the allowed one.
 double conflict_of(const LearningInput& input, const LearningRules& rules, const ColorBox& box, double background) {
   double sum = 0;
   for (std::size_t c = 0; c < input.colors.size(); ++c) {
@@ -24,7 +24,7 @@ double conflict_of(const LearningInput& input, const LearningRules& rules, const
     sum += count_in(input.colors[c].pixels, box) / total(input.colors[c].pixels);
   }
   if (background > 0) {
-    // Ten times the allowed share costs as much as a hundredth of another color.
+    // Ten times the allowed share of background costs as much as a hundredth of another color.
     sum += 0.01 * count_in(input.background, box) / (10.0 * rules.background_share * background);
   }
   return sum;
@@ -53,7 +53,7 @@ std::optional<Halves> best_split(const LearningInput& input, const LearningRules
         half->core = core_of(half->pixels, static_cast<ColorId>(half->color + 1), rules.core_tail);
         half->conflict = conflict_of(input, rules, half->core, background);
       }
-      // Both parts touch.
+      // Both halves contain the cut, so they touch.
       halves.low.core.high[channel] = cut;
       halves.high.core.low[channel] = static_cast<std::uint8_t>(std::min(255, cut + 1));
       halves.high.core.high[channel] = std::max(halves.high.core.high[channel], halves.high.core.low[channel]);
@@ -134,7 +134,8 @@ ColorBoxes initial_boxes(const LearningInput& input, const LearningRules& rules)
     cluster.conflict = conflict_of(input, rules, cluster.core, background);
     clusters.push_back(std::move(cluster));
   }
-  // Below a hundredth of another color, the percentiles themselves are less accurate.
+  // A smaller conflict is not worth a cut: below a hundredth of another color, the percentiles themselves are less
+  // accurate.
   constexpr double kConflict = 0.01, kWorthwhile = 0.7;
   std::vector<bool> settled(clusters.size(), false);
   while (clusters.size() < kMaxColorBoxes) {

@@ -14,24 +14,24 @@ using PlanePoint = std::complex<double>;
 
 // A long axis gives the heading if its variance exceeds that of the other axis by this factor.
 constexpr double kLongAxis = 1.5;
-// Part of an outline's length and width that is sampled: chroma bleeds over the rest.
+// Part of an outline's length and width that is sampled; chroma bleeds over the rest.
 constexpr double kInnerPart = 0.6;
 constexpr std::size_t kMinPixels = 4;
-// Pixels within this distance of the median have its color.
+// Pixels within this distance of the median have the color of the sample.
 constexpr double kSameColor = 30.0;
-// A dark patch is not a shadow if it is at least this different and saturated.
+// A dark patch is no shadow if its contrast and its saturation are at least this large.
 constexpr double kMinContrast = 8.0, kMinSaturation = 0.25;
 
 FieldPoint field_point(PlanePoint at) { return {static_cast<float>(at.real()), static_cast<float>(at.imag())}; }
 
-// Whether a point in the patch's own frame lies in the inner part of the outline.
+// Returns whether a point in the patch's coordinates lies in the inner part of the outline.
 bool in_inner_part(const PatchPlace& place, PlanePoint at) {
   const double length = static_cast<double>(place.length_m) * kInnerPart;
   const double width = static_cast<double>(place.width_m) * kInnerPart;
   switch (place.outline) {
     case PatchOutline::kCircle:
       return std::abs(at) <= length / 2;
-    case PatchOutline::kTriangle:  // the centroid is a third of the height above the base
+    case PatchOutline::kTriangle:  // The centroid of a triangle is a third of the height above the base.
       return at.real() >= -length / 3 && std::abs(at.imag()) <= width / 2 * (2 * length / 3 - at.real()) / length;
     case PatchOutline::kSquare:
     case PatchOutline::kBar:
@@ -68,7 +68,7 @@ std::vector<double> LayoutView::headings(const std::vector<FoundPatch>& patches,
   const PrincipalVariances expected = principal_variances(place);
   const PlanePoint center = on_field(patches[team].center);
   if (static_cast<double>(expected.major_m2) > kLongAxis * static_cast<double>(expected.minor_m2)) {
-    PlanePoint sum = 0;  // twice the angle of the long axis
+    PlanePoint sum = 0;  // direction with twice the angle of the long axis
     const auto width = static_cast<std::size_t>(picture.image.width_px);
     for (const std::size_t pixel : patches[team].pixels) {
       const std::size_t row = pixel / width, column = pixel % width;

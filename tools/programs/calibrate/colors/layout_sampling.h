@@ -12,7 +12,7 @@ namespace touchline::calibrate {
 /// The picture that patches are sampled from.
 struct SampledPicture {
   const ChannelImage& image;
-  const std::vector<std::uint8_t>& inside;  // see inside_mask()
+  const std::vector<std::uint8_t>& inside;  // as returned by inside_mask()
   const LocalBackground& floor;
 };
 
@@ -22,48 +22,49 @@ struct LayoutView {
   const CameraModel& camera;
   const SampledPicture& picture;
 
-  /// A point in the plane of the patches, m.
+  /// Maps a pixel to the plane of the patches, m.
   [[nodiscard]] std::complex<double> on_field(PixelPoint pixel) const;
-  /// Position tolerance at this point, m: see kCenterError_px and kLayoutError_m.
+  /// Returns the position tolerance at this point, m, from kCenterError_px and kLayoutError_m.
   [[nodiscard]] double tolerance_m(std::complex<double> at) const;
-  /// Whether the area of the patch fits this place of the layout.
+  /// Returns whether the area of the patch fits this place of the layout.
   [[nodiscard]] bool fits(const FoundPatch& patch, std::size_t place) const;
-  /// Headings that a robot with this team patch can have, rad: both directions of the long axis of the team patch, and
-  /// those in which one of the other patches is an identification patch.
+  /// Returns the headings, in rad, that a robot with this team patch can have: both directions of the long axis of the
+  /// team patch, and the headings at which another patch would be one of the identification patches.
   [[nodiscard]] std::vector<double> headings(const std::vector<FoundPatch>& patches,
                                              const std::vector<std::size_t>& numbers, std::size_t team) const;
 };
 
-/// The inner part of a patch's place.
+/// Sample of the inner part of a patch's place.
 struct PlaceSample {
   std::vector<std::size_t> pixels;
   Channels median{};
   PixelPoint middle;
-  int radius_px = 0;    // of a circle around the patch
+  int radius_px = 0;    // radius of a circle around the patch
   double even = 0;      // share of the pixels that differ little from the median
   double contrast = 0;  // color distance of the median to the floor
-  bool on_top = false;  // neither floor nor shadow
+  bool on_top = false;  // true: neither floor nor shadow
 };
 
-/// Position of a patch in the robot's frame, m.
+/// Returns the position of a patch in the robot's frame, m.
 std::complex<double> place_of(const PatchPlace& place);
 
-/// Where a robot stands.
+/// Position and heading of a robot.
 struct LayoutFit {
-  std::complex<double> center{0, 0}, turn{1, 0};  // m; of length 1, with the heading as angle
+  std::complex<double> center{0, 0}, turn{1, 0};  // center in m; turn has length 1 and the heading as angle
   double residual_m = 0;                          // RMS distance between the places and the layout
 };
 
-/// Fits a layout to the places of its patches on the field (least squares in the complex plane). A single patch shows
-/// no heading: `turn` is 1.
+/// Fits a layout to the positions of its patches on the field (least squares in the complex plane). A single patch
+/// shows no heading: `turn` is 1.
 LayoutFit fit_layout(const MarkerLayout& layout, const std::vector<std::complex<double>>& places);
 
-/// Samples the place `place` of the layout, centered at `at`, of a robot whose heading is the angle of `turn`. Empty if
-/// it lies outside the picture or the region of interest, or has too few pixels.
+/// Samples the pixels of the layout's patch with the index `place`. `at`: center of this patch on the field; `turn`:
+/// the robot's heading as the angle of a complex number. Returns nullopt if the patch lies outside the picture or the
+/// region of interest, or has too few pixels.
 std::optional<PlaceSample> sample_place(const LayoutView& view, std::size_t place, std::complex<double> at,
                                         std::complex<double> turn);
 
-/// The patch that a sample is (FoundPatch::sampled).
+/// Makes a patch of a sample (FoundPatch::sampled).
 FoundPatch sampled_patch(const ChannelImage& image, PlaceSample sample);
 
 }  // namespace touchline::calibrate

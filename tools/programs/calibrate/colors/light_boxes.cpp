@@ -13,24 +13,25 @@ namespace {
 
 // Approximates the sRGB transfer function.
 constexpr double kPaintGamma = 2.2;
-// Light on a field: factor of the whole light, its tint (of red, and its inverse of blue), and glare as share of white.
+// Light on a field: factors of the brightness, its tint (factor of red, and inverse factor of blue), and glare as a
+// share of white.
 constexpr std::array kLitGains = {0.3, 0.38, 0.46, 0.55, 0.65, 0.77, 0.9, 1.05, 1.25, 1.45, 1.7};
 constexpr std::array kLitTints = {0.8, 1.0, 1.25};
 constexpr std::array kLitGlares = {0.0, 0.02, 0.04, 0.07, 0.1, 0.14, 0.18};
-// Standard deviations of their logarithms; mean of the glare.
+// Standard deviations of the logarithms of gain and tint; mean of the glare.
 constexpr double kLogGainSigma = 0.5, kLogTintSigma = 0.2, kMeanLitGlare = 0.06;
-// Pixels of a color that stand for all.
+// Number of pixels that represent all pixels of a color.
 constexpr std::size_t kShades = 16;
-// Least share of a color's light that a further box must add, and the number of such boxes of a color.
+// Least share of a color's light that a further box must add, and the largest number of further boxes per color.
 constexpr double kMinGain = 0.015;
 constexpr std::size_t kMaxAdded = 4;
-// How many times more likely than any other color a box must make its own: one that is found by its box, or one that is
-// not.
+// Least likelihood ratio between a box's own color and any other color, for other colors that are found by their boxes,
+// and for identification colors, which are not.
 constexpr double kMinOdds = 10.0, kMinOddsOfIdentification = 2.0;
 // Least distance of a box from gray, in levels.
 constexpr int kFromGray = 12;
 
-// Boxes are counted on a grid.
+// Boxes are evaluated on a grid with cells of this many levels.
 constexpr int kCell = 4, kCells = 256 / kCell;
 
 // First and last cell of each channel.
@@ -48,7 +49,8 @@ ColorBox levels_of(const CellBox& box, ColorId color) {
   return out;
 }
 
-// Weights of colors, summed over all boxes of cells from the origin, so that the sum over any box takes eight values.
+// Prefix sums of weights of colors: each is the sum over a box of cells from the origin, so the sum over any box needs
+// eight values.
 class WeightVolume {
  public:
   WeightVolume() : sums_(static_cast<std::size_t>(kCells + 1) * (kCells + 1) * (kCells + 1)) {}
@@ -91,10 +93,10 @@ struct LitPixel {
   Channels value{};
   double weight = 0;
 };
-// The pixels of a color in one light.
+// Pixels of a color in one light.
 using LitShades = std::vector<LitPixel>;
 
-// Pixels that stand for all of a color.
+// Selects pixels that represent all pixels of a color.
 std::vector<Channels> shades_of(const std::vector<ColorCount>& pixels) {
   const double all = total(pixels);
   std::vector<Channels> out;
@@ -107,7 +109,7 @@ std::vector<Channels> shades_of(const std::vector<ColorCount>& pixels) {
   return out;
 }
 
-// Adds a color in all light of a camera that clips at `white`.
+// Adds a color in every light, for a camera that clips at `white`.
 void add_lit(const std::vector<Channels>& shades, ColorSpace space, int white, std::vector<LitShades>& out) {
   const double brightest = std::pow(white / 255.0, kPaintGamma);
   for (const double gain : kLitGains) {
@@ -132,8 +134,8 @@ void add_lit(const std::vector<Channels>& shades, ColorSpace space, int white, s
   }
 }
 
-// A color in all light; the weights add up to one. The brightest value in the pictures may be that at which the camera
-// clips.
+// Computes each color in every light; the weights of a color add up to one. The brightest value in the pictures may be
+// the value at which the camera clips.
 std::vector<LitShades> lit(const LearningInput& input, const std::vector<ColorCount>& pixels) {
   const std::vector<Channels> shades = shades_of(pixels);
   std::vector<LitShades> out;
@@ -199,7 +201,7 @@ class Widening {
                        [&](const ColorBox& box) { return box.color == color + 1 && contains(box, value); });
   }
 
-  // The box around the pixels in this light, without the outermost ones; empty if it is not allowed.
+  // Returns the box around the pixels in this light, without the outermost ones; empty if this box is not allowed.
   [[nodiscard]] std::optional<CellBox> core_in_light(std::size_t color, const LitShades& shades) const {
     CellBox box;
     for (std::size_t c = 0; c < 3; ++c) {
@@ -231,7 +233,7 @@ class Widening {
     });
   }
 
-  // Or nearly gray: paper, lines and worn floor are.
+  // Returns whether the box contains gray or nearly gray, the colors of paper, lines and worn floor.
   [[nodiscard]] bool contains_gray(const ColorBox& box) const {
     if (input_.space == ColorSpace::kRgb) {
       return *std::max_element(box.low.begin(), box.low.end()) <
@@ -249,7 +251,7 @@ class Widening {
     return value >= 0 && value < kCells;
   }
 
-  // Moves sides outwards as long as the box gains something; the side that gains most for its width first.
+  // Moves sides outwards as long as the box gains weight, first the side that gains most for its width.
   void grow(std::size_t color, const WeightVolume& missing, CellBox& box) const {
     constexpr int kFarthest = 6;
     double now = missing.in(box);
@@ -273,7 +275,7 @@ class Widening {
     }
   }
 
-  // Noise and light between the computed ones.
+  // Adds a margin for noise, and for light between the computed steps.
   void add_margin(std::size_t color, CellBox& box) const {
     for (std::size_t side = 0; side < kSides; ++side) {
       CellBox wider = box;
@@ -285,7 +287,7 @@ class Widening {
   const LearningRules& rules_;
   ColorBoxes& boxes_;
   WeightVolume background_, things_;
-  std::vector<WeightVolume> real_, lit_volume_;  // per color: its pixels, and those in all light
+  std::vector<WeightVolume> real_, lit_volume_;  // for each color: its pixels, and its pixels in every light
   std::vector<std::vector<LitShades>> lit_;
 };
 

@@ -4,8 +4,8 @@
 
 namespace touchline::calibrate {
 
-/// The column of each row, all different, with the least sum of costs: solve_assignment() of core/linear_assignment.h.
-/// `cost[row][column]` must be finite, with no more rows than columns.
+/// Returns a different column for each row, with the least sum of costs: solve_assignment() of
+/// core/linear_assignment.h. `cost[row][column]` must be finite, with no more rows than columns.
 std::vector<std::size_t> assign(const std::vector<std::vector<double>>& cost);
 
 }  // namespace touchline::calibrate

@@ -14,7 +14,7 @@ using Point = std::complex<double>;
 
 // Least share of the pixels that have the color of the patch.
 constexpr double kEven = 0.7;
-// Color difference to the floor at which a patch is certainly one.
+// Color difference to the floor above which a sample is certainly a patch.
 constexpr double kClearlyDifferent = 100.0;
 
 class Completion {
@@ -82,7 +82,7 @@ class Completion {
   std::vector<FoundPatch>& patches_;
   const std::vector<std::size_t>& numbers_;
   const LayoutView& view_;
-  std::map<std::array<int, 3>, std::size_t> sampled_;  // by pixel and place
+  std::map<std::array<int, 3>, std::size_t> sampled_;  // sampled patches by pixel and place
   std::set<std::vector<std::size_t>> known_;
   std::vector<MarkerCandidate> found_;
 };

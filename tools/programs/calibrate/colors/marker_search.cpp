@@ -65,7 +65,7 @@ class Search {
     }
   }
 
-  // A rigid fit also detects a mirrored layout.
+  // A mirrored layout matches in its distances, too; only a rigid fit detects it.
   void accept() {
     std::vector<Point> places;
     double tolerance = 0;

@@ -5,8 +5,9 @@
 namespace touchline::calibrate {
 namespace {
 
-// By chance a patch or two of another robot lie where a mirror image has them, but not those of three more robots that
-// the team file lists, without any doubt about a color: in 40 drawn teams, no picture as it is was taken for a mirror.
+// Number of additional robots that a mirror image must explain, all listed in the team file and without a doubt about a
+// color. By chance, a patch or two of another robot lie where a mirror image has them, but not three whole robots: in
+// 40 random teams, no real picture was taken for a mirrored one.
 constexpr std::size_t kMoreRobots = 3;
 
 }  // namespace

@@ -17,7 +17,8 @@ Result<CameraPicture> in_other_light(const CameraPicture& picture, const OtherLi
     const double value = std::round(changed.rgb8[i] * light.gain[i % 3]);
     changed.rgb8[i] = static_cast<std::uint8_t>(std::clamp(value, 0.0, 255.0));
   }
-  // Read like any picture, so that the conversion to the camera's format is that of a replay.
+  // The picture is written and read like any other, so that it is converted to the camera's format exactly as in a
+  // replay.
   std::error_code unknown;
   const std::string path = (std::filesystem::temp_directory_path(unknown) /
                             formatted("touchline-light-%d.png", static_cast<int>(::getpid())))

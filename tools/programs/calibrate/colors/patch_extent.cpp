@@ -11,17 +11,18 @@
 namespace touchline::calibrate {
 namespace {
 
-// The inner part of a patch that is sampled is 0.6 of its length (layout_sampling.cpp). Three times that is a patch
-// that is 1.8 times as long as its layout says, which no mistake of cutting explains.
+// Limit of a patch's radius relative to its sampled inner part, which is 0.6 of its length (layout_sampling.cpp). A
+// patch of three times that radius is 1.8 times as long as its layout says, which no mistake in cutting explains.
 constexpr double kReach = 3.0;
-// Patches that are cut by hand differ by up to an eighth.
+// Smallest deviation that is reported; patches cut by hand differ by up to an eighth.
 constexpr double kNotable = 0.15;
 constexpr std::size_t kMinPatches = 3;
-// Part of the pixels beside a region that the patch covers: they are mixed with the neighbor, so that growth stops.
-// Between 0.28 and 0.38 in pictures of the arena with patches of 6 to 10 pixels.
+// Share of the pixels along a region's border that the patch covers on average. They are mixed with the surroundings,
+// so growth stops before them. In pictures of the arena with patches of 6 to 10 pixels, the share is between 0.28 and
+// 0.38.
 constexpr double kCoveredBeside = 1.0 / 3;
 
-// Area of the patch in pixels with its part of those beside the region.
+// Returns the area of the patch in pixels, including its share of the pixels along its border.
 double whole_area(const ChannelImage& image, std::vector<std::size_t> region) {
   std::sort(region.begin(), region.end());
   const auto width = static_cast<std::size_t>(image.width_px);
@@ -65,7 +66,7 @@ std::vector<std::size_t> continue_patch(const ChannelImage& image, const std::ve
   std::vector<std::size_t> out = pixels;
   std::sort(out.begin(), out.end());
   out.erase(std::unique(out.begin(), out.end()), out.end());
-  // A window of the picture, so that the work depends on the patch alone.
+  // Works in a window of the picture, so that the effort depends only on the patch.
   const int left = static_cast<int>(std::floor(u - reach)) - 1, top = static_cast<int>(std::floor(v - reach)) - 1;
   const auto side = static_cast<std::size_t>(std::ceil(2 * reach)) + 4;
   std::vector<bool> seen(side * side, false);

@@ -11,7 +11,8 @@
 namespace touchline::calibrate {
 namespace {
 
-// Distances at which the dendrogram is cut: from the noise of one paint in even light to different shades of it.
+// Distances at which the dendrogram is cut, from the noise of one paint in even light to the differences between its
+// shades in uneven light.
 constexpr double kCuts[] = {8, 11, 15, 20, 26, 33};
 
 // Gives every patch of a cluster with clicks the name of the most similar clicked patch in the cluster. Returns the
@@ -38,7 +39,7 @@ PatchLabels labels_of(const AssignmentInput& input, const std::vector<std::size_
   const std::vector<std::size_t> names = names_of(input, used, cluster);
   PatchLabels out;
   out.label_of.assign(input.patches.size(), kNone);
-  std::map<std::pair<std::size_t, std::size_t>, std::size_t> number;  // (name, 0) or (kNone, cluster)
+  std::map<std::pair<std::size_t, std::size_t>, std::size_t> number;  // key: (name, 0) or (kNone, cluster)
   for (std::size_t i = 0; i < used.size(); ++i) {
     const auto key = names[i] == kNone ? std::pair{kNone, cluster[i]} : std::pair{names[i], std::size_t{0}};
     const auto [entry, is_new] = number.try_emplace(key, out.labels.size());

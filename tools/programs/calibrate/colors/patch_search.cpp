@@ -13,22 +13,23 @@
 namespace touchline::calibrate {
 namespace {
 
-// Least color difference to the background. Pixel noise and shading of the floor stay below; a dark patch on a dark
-// floor exceeds it.
+// Least color difference to the background. Pixel noise and shading of the floor stay below; even a dark patch on a
+// dark floor exceeds it.
 constexpr double kDiffersFromFloor = 16.0;
 // More elongated regions are lines: the longest patches (2 : 1) reach 2.2 with blur.
 constexpr double kMaxElongation = 3.0;
-// Least distance between seeds: next to a patch the colors are mixed, and neighboring seeds give the same region. In
-// large pictures it is a part of the diameter of the smallest object, so that the work for a pixel of the picture is
-// bounded. Small objects keep a seed every third pixel.
+// Least distance between seeds: colors are mixed next to a patch, and neighboring seeds give the same region. In large
+// pictures the distance is a fraction of the diameter of the smallest object, so that the effort per pixel of the
+// picture is bounded. Small objects keep a seed every third pixel.
 constexpr int kRim_px = 1;
 constexpr double kRimOfDiameter = 0.0625;
-// A region with a clearer edge is final; no better one grows inside it.
+// A region with a clearer edge is final, because no better region grows inside it.
 constexpr double kClear = 0.25;
-// A region that is smaller than a patch is a part of a round one with a clear edge and this color difference.
+// A region that is smaller than a patch is replaced by a larger one around it, if this has a clear edge, at most this
+// elongation, and at most this difference of color.
 constexpr double kRound = 1.3, kSameShade = 14.0;
 
-// Largest difference to the eight neighbors; small inside a patch.
+// Returns the largest difference to the eight neighbors, which is small inside a patch.
 int unevenness(const ChannelImage& image, int u, int v) {
   int largest = 0;
   for (int dv = -1; dv <= 1; ++dv) {
@@ -42,7 +43,7 @@ int unevenness(const ChannelImage& image, int u, int v) {
   return largest;
 }
 
-// Body of a robot or shadow: darker than the floor in every channel and not more saturated.
+// Returns whether a color is a robot's body or a shadow: darker than the floor in every channel and not more saturated.
 bool is_shadow(const Rgb& rgb, const Channels& floor) {
   bool darker = true;
   for (std::size_t c = 0; c < 3; ++c) darker &= rgb[c] < floor[c] + kDiffersFromFloor / 2;
@@ -51,7 +52,8 @@ bool is_shadow(const Rgb& rgb, const Channels& floor) {
   return darker && *most - *least < *floor_most - *floor_least + kDiffersFromFloor;
 }
 
-// Keeps the region with the clearest edge of those that overlap, and of `others` those that overlap none of these.
+// Keeps the region with the clearest edge among regions that overlap, and keeps of `others` the regions that overlap
+// none of these.
 std::vector<FoundPatch> clearest(std::vector<FoundPatch> patches, std::vector<FoundPatch> others, std::size_t pixels) {
   const auto is_clearer = [](const FoundPatch& a, const FoundPatch& b) { return a.instability < b.instability; };
   std::sort(patches.begin(), patches.end(), is_clearer);
@@ -69,11 +71,12 @@ std::vector<FoundPatch> clearest(std::vector<FoundPatch> patches, std::vector<Fo
   return out;
 }
 
-// On a textured floor every spot is a patch, and the texture repeats: keeps the patches that differ most from the floor
-// and whose color is rare, if there are more than any two teams can have. The order remains.
+// If there are more patches than any two teams can have, keeps those that differ most from the floor and have a rare
+// color: on a textured floor every spot is a patch, and the texture repeats. The order of the patches stays the same.
 void keep_rarest(std::vector<FoundPatch>& patches, const ChannelImage& image, const LocalBackground& floor) {
   if (patches.size() <= kMaxFoundPatches) return;
-  std::map<std::array<int, 3>, double> count;  // patches by color; a cell and its neighbors are one color
+  // Number of patches by color; a cell and its neighbors count as one color.
+  std::map<std::array<int, 3>, double> count;
   constexpr double kColorCell = 7.0;  // shades of a paint are up to 9 apart (kSame): within a cell or to the next one
   const auto cell_of = [](const Lab& lab) {
     return std::array{static_cast<int>(std::floor(lab.l / 2 / kColorCell)),
@@ -113,7 +116,7 @@ double expected_area_px(PixelPoint at, const CameraModel& camera, const PatchSiz
   return size.area_m2 * scale * scale;
 }
 
-// Smaller regions are no patch of the team file.
+// Returns the area below which a region is no patch of the team file.
 double least_area_px(PixelPoint at, const CameraModel& camera, const std::vector<PatchSize>& sizes) {
   double least = std::numeric_limits<double>::infinity();
   for (const PatchSize& size : sizes) {
@@ -241,7 +244,7 @@ std::vector<FoundPatch> find_patches(const ChannelImage& image, const std::vecto
       Result<GrownPatch> grown = grow_region(image, inside, u, v, limits);
       if (!grown.ok()) continue;
       FoundPatch patch = patch_of(image, at, limits.radius_px, std::move(grown).value());
-      // Grows again from the center, like a click of a person: a region that grew from an edge is the edge and
+      // Grow again from the center, as from a person's click: a region that grew from an edge consists of the edge and
       // everything inside it.
       const PixelPoint middle{std::round(patch.center.u_px), std::round(patch.center.v_px)};
       grown = grow_region(image, inside, static_cast<double>(middle.u_px), static_cast<double>(middle.v_px), limits);

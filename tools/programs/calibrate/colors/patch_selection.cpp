@@ -44,7 +44,8 @@ Result<GrownPatch> select_in_box(const ChannelImage& image, const std::vector<st
     for (int u = left; u <= right; ++u) {
       if (inside[image.index(u, v)] == 0) continue;
       const double x = (2 * u - box[0] - box[2]) / (box[2] - box[0]), y = (2 * v - box[1] - box[3]) / (box[3] - box[1]);
-      samples.push_back({image.index(u, v), std::exp(-2 * (x * x + y * y))});  // sigma is a quarter of the side
+      // Gaussian weight; sigma is a quarter of the side.
+      samples.push_back({image.index(u, v), std::exp(-2 * (x * x + y * y))});
     }
   }
   if (samples.size() < min_area_px) {

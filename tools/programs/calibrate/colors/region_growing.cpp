@@ -35,20 +35,21 @@ class Window {
       : left_(u - radius), top_(v - radius), side_(2 * radius + 1) {
     const Channels seed = seed_color(image, u, v);
     const auto cells = static_cast<std::size_t>(side_) * static_cast<std::size_t>(side_);
-    // Computed on demand, because growth does not reach most of the window.
+    // Distances are computed on demand, because growth does not reach most of the window.
     const auto distance = [&](int x, int y) {
       if (!image.contains(left_ + x, top_ + y) || inside[image.index(left_ + x, top_ + y)] == 0) return kOutside;
       return std::min(kMaxDistance, static_cast<int>(color_distance(image.at(left_ + x, top_ + y), seed, image.space)));
     };
     reached_at_.assign(cells, kOutside);
-    // One queue per tolerance: a pixel is reached at the largest distance along its best path (minimax path).
+    // One queue per tolerance. The tolerance of a pixel is the largest distance along its best path (minimax path).
     std::vector<std::vector<std::size_t>> queue(kMaxDistance + 1);
     const std::size_t start = cell(radius, radius);
     const int at_start = distance(radius, radius);
     if (at_start == kOutside) return;
     reached_at_[start] = at_start;
     queue[static_cast<std::size_t>(at_start)].push_back(start);
-    for (int t = 0; t <= std::min(kMaxDistance, border_at_); ++t) {  // larger regions are not patches
+    // Regions that reach the window's edge are too large for patches.
+    for (int t = 0; t <= std::min(kMaxDistance, border_at_); ++t) {
       auto& ready = queue[static_cast<std::size_t>(t)];
       for (std::size_t i = 0; i < ready.size(); ++i) {  // `ready` grows in this loop
         const int x = static_cast<int>(ready[i]) % side_, y = static_cast<int>(ready[i]) / side_;
@@ -70,10 +71,10 @@ class Window {
     }
   }
 
-  // Tolerance at which growth reaches the edge of the window.
+  // Returns the tolerance at which growth reaches the edge of the window.
   [[nodiscard]] int border_at() const { return border_at_; }
 
-  // Number of pixels reached per tolerance, up to the edge of the window.
+  // Writes the number of pixels reached at each tolerance, up to the edge of the window.
   void areas(std::array<double, kMaxDistance + 1>& area) const {
     area.fill(0);
     for (int y = 0; y < side_; ++y) {
@@ -119,8 +120,8 @@ Result<GrownPatch> grow_region(const ChannelImage& image, const std::vector<std:
   window.areas(area);
   const int border_at = window.border_at();
 
-  // Relative growth of the area around this tolerance. Two levels to either side cover pixel noise. Of two equal
-  // plateaus the one with the lower tolerance wins, because the other may include a neighbor.
+  // Minimizes the relative growth of the area around a tolerance. Two levels to either side cover pixel noise. Of two
+  // equal plateaus the one with the lower tolerance wins, because the other may include a neighboring patch.
   constexpr int kStep = 4;
   constexpr double kPriceOfTolerance = 0.004;
   constexpr double kUnstable = 0.8;

@@ -10,22 +10,22 @@
 namespace touchline::calibrate {
 namespace {
 
-// Greatest mean square of the residuals, and least difference to another robot or color in nats.
+// Largest mean square of the residuals, and least difference to another robot or color in nats.
 constexpr double kMaxMeanSquare = 1.6, kMinMargin = 3.0, kMinColorMargin = 1.0;
-// Share of the pixels that are darker than white.
+// Quantile of the pixels' values that is taken as white.
 constexpr double kBrightest = 0.999;
 // Least share of the pixels of a patch that have its color.
 constexpr double kMinEven = 0.5;
 
-// A robot at one place with its samples, the team patch first.
+// Hypothesis of a robot at one position with its samples, the team patch first.
 struct Standing {
   std::size_t team = 0, robot = 0, patch = 0;
   std::vector<PlaceSample> samples;
   double cost = 0, margin = 0;
   RobotLight light{};
-  std::size_t only_here = kNone;  // the color that no other robot shows
-  bool in_odd_light = false;      // with a color that no other robot shows
-  bool can_undo = false;          // in_odd_light, and the light is known well enough to learn that color
+  std::size_t only_here = kNone;  // color that no other robot shows
+  bool in_odd_light = false;      // the robot is in odd light and has a color that no other robot shows
+  bool can_undo = false;          // in_odd_light, and the light is known well enough to learn this color
 };
 
 class Inference {
@@ -39,7 +39,7 @@ class Inference {
     }
   }
 
-  // Accepts robots; those in odd light only with `undo`. Returns those that are left.
+  // Accepts robots; robots in odd light only if `undo` is set. Returns the robots that remain.
   std::vector<AssignedRobot> run(bool undo) {
     for (;;) {
       std::vector<Standing> found;
@@ -59,7 +59,7 @@ class Inference {
   }
 
  private:
-  // A color without a patch is expected to look like its name in this light.
+  // Learns the appearances; a color without a patch is expected to look like its name in this light.
   void learn_looks() {
     looks_.resize(input_.colors.size());
     const Rgb gain = light_gain(input_, assignment_);
@@ -74,7 +74,7 @@ class Inference {
     }
   }
 
-  // The value at which the camera clips.
+  // Learns the value at which the camera clips.
   void learn_white() {
     std::vector<std::uint8_t> values;
     values.reserve(picture_.picture.image.pixels.size());
@@ -96,7 +96,7 @@ class Inference {
     brightness_.white = std::min(white, 1.0);
   }
 
-  // Adds the best missing robot of the team at each place.
+  // Adds the best missing robot of the team at each position.
   void search(std::size_t team, std::vector<Standing>& found) const {
     const TeamMarking& marking = input_.teams[team];
     if (marking.team_color == kBackground || !looks_[marking.team_color - 1U].is_known()) return;
@@ -124,14 +124,14 @@ class Inference {
     }
   }
 
-  // On a robot that is recognized.
+  // Returns whether the patch is on a recognized robot.
   [[nodiscard]] bool is_taken(const LayoutView& view, std::size_t patch) const {
     const auto at = view.on_field(input_.patches[patch].center);
     return std::any_of(assignment_.named.begin(), assignment_.named.end(),
                        [&](const AssignedRobot& n) { return n.picture == picture_.number && is_at(view, n, at); });
   }
 
-  // Whether a robot's team patch is at a place, which no other robot's can be.
+  // Returns whether a robot's team patch is at a position, where no other robot's can be.
   [[nodiscard]] bool is_at(const LayoutView& view, const AssignedRobot& robot, std::complex<double> at) const {
     return std::abs(view.on_field(input_.patches[robot.team_patch].center) - at) <
            0.6 * static_cast<double>(view.layout.robot_side_m);
@@ -154,7 +154,7 @@ class Inference {
     return linear({static_cast<double>(rgb[0]), static_cast<double>(rgb[1]), static_cast<double>(rgb[2])});
   }
 
-  // Of the robot's patches, in the order of the layout.
+  // Returns the colors of the robot's patches, in the order of the layout.
   [[nodiscard]] std::vector<std::size_t> colors_of(const Standing& standing) const {
     const TeamMarking& marking = input_.teams[standing.team];
     std::vector<std::size_t> colors = {marking.team_color - std::size_t{1}};
@@ -162,7 +162,7 @@ class Inference {
     return colors;
   }
 
-  // Whether a patch of this color was found elsewhere in any picture.
+  // Returns whether a patch of this color was found elsewhere in any picture.
   [[nodiscard]] bool is_known_elsewhere(std::size_t color, const PlaceSample& sample) const {
     if (!looks_[color].was_seen()) return false;
     const std::vector<std::size_t>& patches = assignment_.colors[color].patches;
@@ -174,7 +174,7 @@ class Inference {
     });
   }
 
-  // The robot's patches, without those of the color `except`.
+  // Returns the robot's patches, except those of color `except`.
   [[nodiscard]] std::vector<ShownPatch> shown_by(const Standing& standing, std::size_t except = kNone) const {
     const std::vector<std::size_t> colors = colors_of(standing);
     std::vector<ShownPatch> out;
@@ -184,8 +184,8 @@ class Inference {
     return out;
   }
 
-  // Fits the light of the robot; false if it does not explain the samples, or if another color explains one better. One
-  // of its colors may be known by its name alone, or by this robot.
+  // Fits the light of the robot; returns false if it does not explain the samples, or if another color explains a
+  // sample better. One of the colors may be known only by its name, or only from this robot.
   bool explains(Standing& standing) const {
     const std::vector<std::size_t> colors = colors_of(standing);
     std::set<std::size_t> only_here;
@@ -211,7 +211,7 @@ class Inference {
         const ShownPatch other{looks_[c], patches[k].seen};
         const double margin = explain(other, standing.light, brightness_).cost - own;
         if (margin >= kMinColorMargin) continue;
-        // In odd light only the color that is learned must be certain.
+        // In odd light, only the color that is learned must be certain.
         if (colors[k] == standing.only_here) standing.can_undo = false;
         if (!standing.in_odd_light || margin < -kMinMargin) return false;
       }
@@ -219,7 +219,7 @@ class Inference {
     return true;
   }
 
-  // Keeps the best robot of one place if no other one is nearly as good.
+  // Keeps the best of the robots at one position if no other robot is nearly as good.
   static void keep_certain(std::vector<Standing>& here, std::vector<Standing>& found) {
     if (here.empty()) return;
     std::sort(here.begin(), here.end(), [](const Standing& a, const Standing& b) { return a.cost < b.cost; });
@@ -231,7 +231,7 @@ class Inference {
     if (best.margin >= kMinMargin) found.push_back(std::move(best));
   }
 
-  // Without those that a click names, a color has no patches in odd light.
+  // A color has no patches in odd light, except patches that a click names.
   void leave_unlearned(std::size_t color) {
     AssignedColor& assigned = assignment_.colors[color];
     const auto unnamed = std::stable_partition(assigned.patches.begin(), assigned.patches.end(),
@@ -262,15 +262,15 @@ class Inference {
     }
     assignment_.named.push_back({picture_.number, standing.team, standing.robot, patches[0], patches});
     ++assignment_.robots;
-    // In unusual light, it may have looked like a robot that the team file does not list.
+    // In unusual light, this robot may have looked like a robot that the team file does not list.
     const LayoutView view{input_.teams[standing.team].layout, camera_, picture_.picture};
     const auto at = view.on_field(input_.patches[patches[0]].center);
     const auto is_it = [&](const AssignedRobot& one) { return one.picture == picture_.number && is_at(view, one, at); };
     assignment_.unknown_robots -= std::erase_if(assignment_.unlisted, is_it);
   }
 
-  // Finds what colors the patch would have in the light of other robots: for each pixel some, because the glare on it
-  // is not exactly known.
+  // Finds the colors that the patch would have in the light of other robots: several for each pixel, because the glare
+  // on it is not exactly known.
   void undo_light(const Standing& standing, FoundPatch& patch) const {
     const ChannelImage& image = picture_.picture.image;
     const LightRemoval removal{standing.light, shown_by(standing, standing.only_here), brightness_};
@@ -288,7 +288,7 @@ class Inference {
   const CameraModel& camera_;
   const SearchedPicture& picture_;
   Assignment& assignment_;
-  std::vector<Look> looks_;  // per color
+  std::vector<Look> looks_;  // for each color
   Brightness brightness_;
   std::vector<std::size_t> numbers_;  // patches of the picture that were grown
 };
@@ -313,7 +313,7 @@ Rgb light_gain(const AssignmentInput& input, const Assignment& assignment) {
 
 void infer_robots(AssignmentInput& input, const CameraModel& camera, const std::vector<SearchedPicture>& pictures,
                   Assignment& assignment) {
-  // Without a single robot, nothing is known about the light.
+  // If no robot is recognized, nothing is known about the light.
   if (assignment.robots == 0) return;
   const auto run = [&](bool undo) {
     const std::size_t before = assignment.robots;
@@ -324,7 +324,7 @@ void infer_robots(AssignmentInput& input, const CameraModel& camera, const std::
     }
     return assignment.robots > before;
   };
-  // A color that is seen in usual light anywhere is not learned from odd light.
+  // A color that is seen in usual light anywhere is not learned from odd light, so robots in odd light come last.
   while (run(false)) {
   }
   while (!assignment.in_odd_light.empty() && run(true)) {

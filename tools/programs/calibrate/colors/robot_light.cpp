@@ -11,26 +11,26 @@ namespace {
 // Approximates the sRGB transfer function.
 constexpr double kGamma = 2.2;
 // Standard deviations of the logarithm of a channel, for a color that patches have shown and for a color that is known
-// only by its name, and the limit of one channel's residual in standard deviations.
+// only by its name; limit of a channel's residual in standard deviations.
 constexpr double kSeenSigma = 0.25, kNamedSigma = 0.6, kMaxResiduals = 4.0;
-// Sensor noise and black level in linear light, which hide the ratios of dark channels.
+// Sensor noise and black level in linear light, which mask the ratios of dark channels.
 constexpr double kNoiseFloor = 0.01;
-// Greatest value of a channel at the camera's black.
+// Largest value of a channel at the camera's black.
 constexpr double kBlack = 2.0;
-// Factors and glare that are tried.
+// Light factors and glare that are tried.
 constexpr double kGains[] = {0.25, 0.35, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0, 1.15, 1.35, 1.6, 2.0};
 constexpr double kGlares[] = {0, 0.01, 0.02, 0.04, 0.07, 0.1, 0.14, 0.18, 0.24, 0.3};
 // Standard deviation of the logarithm of a robot's light factor; scale of the glare on a robot and of its difference on
 // one patch.
 constexpr double kGainSigma = 0.6, kGlareScale = 0.1;
-// Greatest change by the light on a robot, as logarithm of its factor and as glare, that is usual.
+// Largest change by the light on a robot that is usual, as the logarithm of its factor and as glare.
 constexpr double kUsualGain = 0.25, kUsualGlare = 0.05;
-// Share of the brightest channel of all colors from which a channel may be clipped.
+// Share of the brightest channel of all colors above which a channel may be clipped.
 constexpr double kClipped = 0.92;
 
 double level_of(double linear) { return 255 * std::pow(std::clamp(linear, 0.0, 1.0), 1 / kGamma); }
 
-// Cost of a color for each of kGlares.
+// Cost of a color with each of kGlares.
 using GlareCosts = std::array<double, std::size(kGlares)>;
 
 GlareCosts costs_of(const ShownPatch& patch, double gain, double white) {
@@ -44,14 +44,14 @@ GlareCosts costs_of(const ShownPatch& patch, double gain, double white) {
       if (look.at_black[c]) residual = std::max(0.0, residual);
       sum += std::min(residual * residual, kMaxResiduals * kMaxResiduals);
     }
-    // The second term normalizes the density: the wider the distribution, the lower it is at its peak, so a wide one
-    // must not win by its small residuals.
+    // The second term normalizes the density. A wide distribution is lower at its peak, so it must not win because of
+    // its small residuals.
     out[g] = sum / 2 + 3 * std::log(look.sigma / kSeenSigma);
   }
   return out;
 }
 
-// One lamp shines on all patches of a robot: their glare differs little.
+// Returns the best glare of a patch; it differs little from the robot's, because one lamp shines on all patches.
 PatchLight best_of(const GlareCosts& costs, double robot_glare) {
   PatchLight best{1e9, 0};
   for (std::size_t g = 0; g < costs.size(); ++g) {
@@ -105,9 +105,9 @@ bool is_odd(const RobotLight& light, const std::vector<ShownPatch>& patches, con
 }
 
 LightRemoval::LightRemoval(const RobotLight& light, const std::vector<ShownPatch>& others, const Brightness& brightness)
-    : gain_(std::min(1.0, light.gain)),  // a greater factor counts as glare
+    : gain_(std::min(1.0, light.gain)),  // A larger factor counts as glare.
       brightness_(brightness) {
-  // Channels show the glare that are neither black without it nor clipped with it.
+  // The glare can be computed from channels that are neither black without it nor clipped with it.
   std::vector<double> glares;
   for (const ShownPatch& patch : others) {
     for (std::size_t c = 0; c < 3; ++c) {
@@ -116,7 +116,7 @@ LightRemoval::LightRemoval(const RobotLight& light, const std::vector<ShownPatch
     }
   }
   if (glares.empty()) {
-    // Black and clipped channels show how much glare there is at least.
+    // Black and clipped channels give only a lower bound of the glare.
     glare_ = {light.glare, light.glare + kGlareScale / 2, light.glare + kGlareScale};
     return;
   }

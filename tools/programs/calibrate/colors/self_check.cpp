@@ -18,8 +18,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Team patches of the pipeline and of the calibration this close, relative to a robot's side, belong to one robot:
-// those of touching robots are farther apart.
+// Largest distance, relative to a robot's side, at which a team patch of the pipeline and one of the calibration belong
+// to the same robot; team patches of touching robots are farther apart.
 constexpr float kSameRobot = 0.5F;
 
 constexpr replay::CanvasColor kRight{0.2, 1.0, 0.3}, kUnknown{1.0, 0.65, 0.1}, kWrong{1.0, 0.15, 0.15};
@@ -34,7 +34,7 @@ std::string joined(const std::vector<std::string>& words) {
   return text;
 }
 
-// Names of robots with the team only where it changes: "own 1, 2, opponent 0".
+// Joins names of robots and repeats the team only where it changes: "own 1, 2, opponent 0".
 std::string joined_robots(const std::vector<std::string>& names) {
   std::string text, before;
   for (const std::string& name : names) {
@@ -46,8 +46,8 @@ std::string joined_robots(const std::vector<std::string>& names) {
   return text;
 }
 
-// True if the pipeline gives an id to a robot that the calibration recognized as another one, or as none of the team
-// file.
+// Returns true if the pipeline gives an id to a robot that the calibration recognized as another one, or as none of the
+// team file.
 bool contradicts(const RobotSighting& sighting, const VisibleRobot* there) {
   if (sighting.id == kUnknownId || there == nullptr) return false;
   return !there->listed || (there->id != kUnknownId && (there->id != sighting.id || there->team != sighting.team));
@@ -57,7 +57,7 @@ class Checker {
  public:
   Checker(const std::string& folder, const config::Configuration& configuration)
       : folder_(folder), configuration_(configuration) {
-    (void)camera_.configure(configuration.pipeline.camera);  // the pipeline has accepted it
+    (void)camera_.configure(configuration.pipeline.camera);  // the pipeline has already accepted this camera model
     for (const std::size_t team : {std::size_t{0}, std::size_t{1}}) {
       if (marker().teams[team].team_color == kBackground) continue;
       for (const RobotMarking& robot : marker().teams[team].robots)
@@ -65,7 +65,7 @@ class Checker {
     }
   }
 
-  /// Names of the team file's robots.
+  /// Returns the names of the team file's robots.
   [[nodiscard]] const std::vector<std::string>& robots() const { return robots_; }
 
   CheckedPicture check(const std::string& image, const Sightings& sightings, const VisibleObjects& visible) const {
@@ -96,7 +96,7 @@ class Checker {
       const std::string name = robot.id == kUnknownId ? "" : name_of(robot.team, robot.id);
       if (out.explained.count(name) > 0) continue;
       if (!name.empty()) out.missing.push_back(name);
-      // A patch of which the calibration found two parts counts once.
+      // If the calibration found a patch in two parts, it counts once.
       const bool is_seen = std::any_of(sightings.robots.begin(), sightings.robots.end(),
                                        [&](const RobotSighting& one) { return distance_of(robot, one) < kSameRobot; });
       if (is_seen) continue;
@@ -128,7 +128,7 @@ class Checker {
                                    ? std::string(sighting.team == Team::kOwn ? "own ?" : "opponent ?")
                                    : name_of(sighting.team, sighting.id);
       constexpr double kBeside_px = 12, kTextSize = 12, kAbove_px = 12;
-      // At the picture's right and upper border the name stays inside.
+      // At the picture's right and upper edge the name is moved inside.
       const double right_px = frame.width_px - replay::text_width(*context, name, kTextSize) - 2;
       replay::draw_text(*context, std::min(static_cast<double>(at.u_px) + kBeside_px, right_px),
                         std::max(static_cast<double>(at.v_px) - kAbove_px, kTextSize), name, color, kTextSize);
@@ -145,7 +145,7 @@ class Checker {
   }
 
  private:
-  // Distance of the team patches, relative to a robot's side.
+  // Returns the distance of the team patches, relative to a robot's side.
   [[nodiscard]] float distance_of(const VisibleRobot& robot, const RobotSighting& sighting) const {
     const MarkerLayout& layout = marker().teams[static_cast<std::size_t>(sighting.team)].layout;
     const FieldPoint there = camera_.to_field(robot.team_patch, layout.height_m);
@@ -162,7 +162,7 @@ class Checker {
     const FieldPoint there = camera_.to_field(place, radius_m);
     return ball.seen && std::hypot(there.x_m - ball.position.x_m, there.y_m - ball.position.y_m) < radius_m;
   }
-  // The robot that the calibration found where the pipeline sees this one; nullptr: none.
+  // Returns the robot that the calibration found where the pipeline sees this one; nullptr if there is none.
   [[nodiscard]] const VisibleRobot* robot_at(const std::vector<VisibleRobot>& robots,
                                              const RobotSighting& sighting) const {
     const auto nearest = std::min_element(robots.begin(), robots.end(), [&](const auto& a, const auto& b) {
@@ -170,7 +170,7 @@ class Checker {
     });
     return nearest != robots.end() && distance_of(*nearest, sighting) < kSameRobot ? &*nearest : nullptr;
   }
-  // Robots of a team of which the team file knows only the color have no id.
+  // Returns whether robots of the team have ids: they have none if the team file knows only the team's color.
   [[nodiscard]] bool has_robots(Team team) const {
     return !marker().teams[static_cast<std::size_t>(team)].robots.empty();
   }
@@ -234,7 +234,7 @@ bool SelfCheck::ball_explained() const {
 }
 
 bool SelfCheck::most_visible_explained() const {
-  // As many robots of other games may stay unknown.
+  // One in ten robots may stay unknown, because robots of other games may be in the pictures.
   constexpr double kMinExplainedShare = 0.9;
   std::size_t visible = 0, explained = 0;
   for (const CheckedPicture& picture : pictures) {
@@ -252,7 +252,7 @@ std::size_t SelfCheck::robots_explained() const {
 }
 
 const OtherLightResult* SelfCheck::fragile_in() const {
-  // One of four may stand at the edge of a lamp; more are boxes without room.
+  // One in four robots may stand at the edge of a lamp's light; if more are lost, the boxes have no tolerance.
   constexpr double kMin = 0.75;
   const auto worst = std::min_element(other_light.begin(), other_light.end(),
                                       [](const auto& a, const auto& b) { return a.robots < b.robots; });
@@ -298,7 +298,7 @@ Result<SelfCheck> self_check(const std::string& venue, const std::string& team,
   if (!folder.empty()) fs::create_directories(folder, error);
   static const VisibleObjects nothing;
   for (const auto& [image, picture] : pictures) {
-    // Configured anew for each picture, so that none profits from the one before.
+    // The pipeline is configured anew for each picture, so that no picture profits from an earlier one.
     if (const Status status = pipeline->configure(configuration->pipeline); !status.ok()) {
       return failure(status.code(), "%s and %s cannot be used together: %s", venue.c_str(), team.c_str(),
                      describe(status.code()));

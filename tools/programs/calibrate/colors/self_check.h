@@ -12,15 +12,15 @@
 
 namespace touchline::calibrate {
 
-/// A team patch that the calibration found in a picture, and whose it is.
+/// A team patch that the calibration found in a picture, and the robot that it belongs to.
 struct VisibleRobot {
   Team team = Team::kOwn;
   RobotId id = kUnknownId;  // kUnknownId: no robot of the team file was recognized there
   PixelPoint team_patch;
-  bool listed = true;  // false: its colors are those of no robot in the team file
+  bool listed = true;  // false: no robot in the team file has its colors
 };
 
-/// What the calibration found in a picture.
+/// Objects that the calibration found in a picture.
 struct VisibleObjects {
   std::vector<VisibleRobot> robots;
   std::optional<PixelPoint> ball;
@@ -28,51 +28,51 @@ struct VisibleObjects {
 
 using VisibleByPicture = std::map<std::string, VisibleObjects>;
 
-/// What the pipeline sees in one of the pictures that the colors were learned from. Robots have names such as
+/// Result of the pipeline for one of the pictures that the colors were learned from. Robots have names such as
 /// "opponent 1".
 struct CheckedPicture {
   std::string image;
   std::size_t visible = 0;           // team patches that the calibration found, or that the pipeline sees
   std::set<std::string> explained;   // robots of the team file with their id
-  std::vector<std::string> missing;  // robots that the calibration recognized here, and the pipeline did not
+  std::vector<std::string> missing;  // robots that the calibration recognized in this picture, but the pipeline did not
   std::vector<std::string> wrong;    // contradictions to the calibration, such as "own 2 where own 1 is"
   std::size_t unknown = 0;           // sightings without id
-  std::size_t unlisted = 0;          // robots that the team file does not list, which have no id; not `visible`
-  std::size_t unseen = 0;            // team patches of the calibration without a sighting
+  std::size_t unlisted = 0;  // robots that the team file does not list and that so have no id; not part of `visible`
+  std::size_t unseen = 0;    // team patches of the calibration without a sighting
   bool ball = false;
-  bool ball_missing = false;  // the calibration recognized a ball here, and the pipeline none or one elsewhere
+  bool ball_missing = false;  // the calibration recognized a ball here; the pipeline saw none, or one elsewhere
 };
 
-/// What is recognized in the same pictures in a little other light.
+/// What is recognized in the same pictures in slightly different light.
 struct OtherLightResult {
   std::string light;       // "5 % brighter"
   std::size_t robots = 0;  // as SelfCheck::robots_explained()
 };
 
 struct SelfCheck {
-  std::vector<std::string> robots;  // of the team file
+  std::vector<std::string> robots;  // robots of the team file
   bool wants_ball = false;
   std::vector<CheckedPicture> pictures;
-  std::vector<OtherLightResult> other_light;  // of check_other_light()
+  std::vector<OtherLightResult> other_light;  // results of check_other_light()
 
-  /// Robots with their ids in all pictures together.
+  /// Returns the number of robots that have their ids, in all pictures together.
   [[nodiscard]] std::size_t robots_explained() const;
-  /// The other light in which the fewest robots are recognized, if these are less than three quarters of those in the
-  /// light of the pictures; nullptr: none.
+  /// Returns the other light in which the fewest robots are recognized, if they are less than three quarters of those
+  /// in the light of the pictures; nullptr otherwise.
   [[nodiscard]] const OtherLightResult* fragile_in() const;
 
-  /// Robots of the team file that were explained in no picture.
+  /// Returns the robots of the team file that have an id in no picture.
   [[nodiscard]] std::vector<std::string> missing() const;
-  /// The missing robots as text if nothing else is missing: they stand in none of the pictures, or cannot be seen
+  /// Returns the missing robots as text if nothing else is missing: they are in none of the pictures, or cannot be seen
   /// there. Otherwise empty.
   [[nodiscard]] std::string absent() const;
-  /// Robots with an id and balls in all pictures, minus contradictions to the calibration.
+  /// Returns the number of robots with an id and of balls in all pictures, minus contradictions to the calibration.
   [[nodiscard]] int recognized() const;
-  /// Whether every robot of the team file was explained in at least one picture, nine in ten of the visible ones were,
-  /// none contradicts the calibration, the ball was seen in a picture and wherever the calibration found it, and
-  /// nothing is fragile_in() other light. A robot in glare may stay unknown.
+  /// Returns whether the check passed. Every robot of the team file must have its id in at least one picture, and nine
+  /// in ten of the visible robots theirs; none may contradict the calibration. The ball must be seen in a picture, and
+  /// wherever the calibration found it. No other light may be fragile_in(). A robot in glare may stay unknown.
   [[nodiscard]] bool passed() const;
-  /// One line per picture and one for all of them.
+  /// Returns one line per picture and one for all of them.
   [[nodiscard]] std::string text() const;
 
  private:
@@ -81,8 +81,8 @@ struct SelfCheck {
   [[nodiscard]] bool ball_explained() const;
 };
 
-/// Runs the pipeline with these files on each picture by itself, and draws what it sees into `folder` (if it is not
-/// empty) as NAME-check.png: robots with id green, robots without orange, contradictions to `visible` red. Errors of
+/// Runs the pipeline with these files on each picture by itself, and draws its results into `folder` (if it is not
+/// empty) as NAME-check.png: robots with id green, robots without id orange, contradictions to `visible` red. Errors of
 /// load_venue_and_team(), resolve(), Pipeline::configure() and write_png().
 Result<SelfCheck> self_check(const std::string& venue, const std::string& team,
                              const std::map<std::string, CameraPicture>& pictures, const VisibleByPicture& visible,

@@ -18,7 +18,7 @@ Result<TeamColors> read_team_colors(const std::string& path) {
   for (const auto* side : {&team.own, &team.opponent}) {
     for (const auto& robot : side->robot) names.insert(names.end(), robot.colors.begin(), robot.colors.end());
   }
-  // With a venue that has all colors, the remaining errors are those of the team file.
+  // A venue that has all colors is used, so that the remaining errors are those of the team file.
   config::VenueFile venue;
   for (const std::string& name : names) {
     if (name.empty() || std::find(out.names.begin(), out.names.end(), name) != out.names.end()) continue;

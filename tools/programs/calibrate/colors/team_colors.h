@@ -11,7 +11,7 @@ namespace touchline::calibrate {
 /// The colors in a team file and their use.
 struct TeamColors {
   std::vector<std::string> names;  // ColorId is the index + 1; team colors, ball, then identification colors
-  MarkerParameters marker;         // with these ColorIds
+  MarkerParameters marker;         // markers with these ColorIds
 };
 
 /// Reads and checks a team file without a venue. Errors of config::read_toml() and resolve_team().

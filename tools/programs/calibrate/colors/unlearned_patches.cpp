@@ -6,17 +6,17 @@
 namespace touchline::calibrate {
 namespace {
 
-// Greatest dissimilarity of a patch to a color in other light.
+// Largest dissimilarity at which a patch may have a color in other light.
 constexpr double kSimilarColor = 25.0;
 
-// Whether a patch may have a color in other light.
+// Returns whether a patch may have a color in other light.
 bool may_have(const DetectedColors& out, std::size_t color, const FoundPatch& patch) {
   const AssignedColor& assigned = out.assignment.colors[color];
   return !assigned.patches.empty() && is_plausible(out.input.colors[color].look, patch.rgb) &&
          dissimilarity(patch.lab, lab_of(assigned.rgb)) < kSimilarColor;
 }
 
-// Whether all robots of a team are recognized in the patch's picture, and the patch is on none of them.
+// Returns whether all robots of a team are recognized in the patch's picture, and the patch is on none of them.
 bool is_apart_from_all_robots(const DetectedColors& out, std::size_t team, std::size_t patch,
                               const CameraModel& camera) {
   const TeamMarking& marking = out.input.teams[team];
@@ -35,7 +35,7 @@ bool is_apart_from_all_robots(const DetectedColors& out, std::size_t team, std::
   const bool is_on_robot =
       std::any_of(named.begin(), named.end(), is_on) || std::any_of(unlisted.begin(), unlisted.end(), is_on);
   if (is_on_robot) return false;
-  // Each is named at most once in a picture.
+  // Each robot is named at most once in a picture.
   const auto recognized = static_cast<std::size_t>(std::count_if(named.begin(), named.end(), is_here));
   return !marking.robots.empty() && recognized == marking.robots.size();
 }

@@ -8,7 +8,8 @@ namespace touchline::calibrate {
 namespace {
 
 constexpr double kMinEnclosed = 0.1;
-// Least share of the picture. Regions between the lines of the field are larger; specks and letters are smaller.
+// Least area of the border's bounding box, as a share of the picture. Regions between the lines of the field are
+// larger; specks and letters are smaller.
 constexpr double kMinArea = 0.001;
 
 std::vector<std::uint8_t> brightness(const hal::Picture& picture) {
@@ -101,8 +102,8 @@ std::size_t box_area(const Grid& grid, const std::vector<std::size_t>& pixels) {
   return static_cast<std::size_t>(right - left + 1) * static_cast<std::size_t>(bottom - top + 1);
 }
 
-// Returns the pixels inside that touch the region, without specks: a floor as noisy and as bright as the border is full
-// of specks.
+// Returns the pixels inside that touch the region, without specks, because a noisy floor as bright as the border is
+// full of specks.
 std::vector<OutlinePixel> outline_of(const Grid& grid, const std::vector<std::uint8_t>& in_piece,
                                      const std::vector<std::uint8_t>& outside) {
   const auto inside = [&](std::size_t k) { return in_piece[k] == 0 && outside[k] == 0; };

@@ -12,7 +12,7 @@
 namespace touchline::calibrate {
 namespace {
 
-// Distances from a straightened side within which its points are collected for each further fit.
+// For each further fit, the distance from a straightened side within which its points are collected.
 constexpr std::array<double, 3> kCollect_px{14.0, 6.0, 3.0};
 constexpr std::array<double, 6> kThresholds{0.7, 1.0, 1.3, 1.7, 2.2, 2.8};
 
@@ -60,7 +60,7 @@ std::optional<Eigen::Vector2d> crossing(const HoughLine& a, const HoughLine& b) 
 // above. Sides in the order of hough_sides().
 constexpr std::array<std::array<std::size_t, 2>, 4> kCornerSides{{{3, 0}, {0, 1}, {1, 2}, {2, 3}}};
 
-// A lens with H of eq. (12), and the scale by which its straightened picture keeps its size.
+// A lens with H of eq. (12), and the scale at which its straightened picture keeps its size.
 struct WideLens {
   double h_px = 0;  // 0: the sides are almost straight in the picture itself
   double scale = 1;
@@ -80,7 +80,8 @@ Eigen::Vector2d bent(const Eigen::Vector2d& point, const Eigen::Vector2d& center
   return distorted(center + (point - center) / lens.scale, center, lens.h_px);
 }
 
-// Area of the quadrilateral in the picture; 0 if sides do not intersect or intersect far outside the picture.
+// Returns the area of the quadrilateral in the picture; 0 if sides do not intersect, or intersect far outside the
+// picture.
 double area_of(const std::array<HoughLine, 4>& sides, const WideLens& lens, int width_px, int height_px) {
   constexpr double kBeyond = 0.1;
   const Eigen::Vector2d center(0.5 * (width_px - 1), 0.5 * (height_px - 1));
@@ -108,7 +109,7 @@ struct SideSearch {
 };
 
 // Finds the sides in the picture, and in pictures straightened for wide lenses: the lens with which most pixels lie on
-// straight sides is the right one (the plumb-line method, Brown 1971). A wide lens has to be clearly better.
+// straight sides is the right one (the plumb-line method, Brown 1971). A wide lens must be clearly better to be chosen.
 SideSearch find_sides(const std::vector<OutlinePixel>& outline, int width_px, int height_px) {
   constexpr std::array<double, 7> kWideH_widths{1.1, 0.9, 0.75, 0.63, 0.53, 0.45, 0.38};
   constexpr double kClearlyBetter = 1.15;
@@ -147,7 +148,7 @@ double fit_sides(const std::array<std::vector<Eigen::Vector2d>, 4>& pixels, cons
     lines[i] = refitted(straight, lines[i], std::numeric_limits<double>::infinity());
     for (const double within : kCollect_px) lines[i] = refitted(straight, lines[i], within);
     for (const Eigen::Vector2d& p : straight) {
-      // Pixels of goals and markings must not bend the side.
+      // The distance is limited, so that pixels of goals and markings do not bend the side.
       const double distance = std::min(kCollect_px.back(), std::abs(off(lines[i], p.x(), p.y())));
       sum += distance * distance;
       count += 1;
@@ -184,7 +185,7 @@ WideLens refine_wide_lens(const std::vector<OutlinePixel>& outline, const SideSe
   const WideLens lens = wide_lens(0.5 * (low + high), width_px, height_px);
   lines = start.sides;
   (void)fit_sides(pixels, lens, center, lines);
-  // The distances from the center without the scale of the straightened picture.
+  // Undo the scale of the straightened picture in the distances from the center.
   for (HoughLine& line : lines) line.distance_px -= off(line, center.x(), center.y()) * (1 / lens.scale - 1);
   return lens;
 }
@@ -195,7 +196,7 @@ double h_of_three_points(const std::vector<OutlinePixel>& outline, const HoughLi
   const Eigen::Vector2d center(0.5 * (width_px - 1), 0.5 * (height_px - 1));
   // Divides the side into ten parts and takes the median offset of the points in each.
   const Eigen::Vector2d along(-std::sin(side.angle_rad), std::cos(side.angle_rad));
-  std::vector<std::pair<double, double>> near;  // position along the side, offset
+  std::vector<std::pair<double, double>> near;  // (position along the side, offset)
   for (const OutlinePixel& p : outline) {
     const double distance = off(side, p.u_px, p.v_px);
     if (std::abs(distance) < kCollect_px[0]) near.emplace_back(along.dot(Eigen::Vector2d(p.u_px, p.v_px)), distance);
@@ -213,7 +214,7 @@ double h_of_three_points(const std::vector<OutlinePixel>& outline, const HoughLi
     const Eigen::Vector2d normal(std::cos(side.angle_rad), std::sin(side.angle_rad));
     return Eigen::Vector2d((side.distance_px + o) * normal + a * along);
   };
-  // Leaves out the ends, where the adjacent sides begin.
+  // Leave out the ends, where the adjacent sides begin.
   const std::array<Eigen::Vector2d, 3> points{place(0.07, 0.17), place(0.45, 0.55), place(0.83, 0.93)};
   const auto bow = [&](double curvature) {
     const double h = 1.0 / curvature;
@@ -234,8 +235,8 @@ double h_of_three_points(const std::vector<OutlinePixel>& outline, const HoughLi
 
 // Finds H from the bend of the sides, and the straightened sides.
 static void straighten_sides(const Eigen::Vector2d& center, int width, int height, BorderSearch& out) {
-  // Klancar uses the longest side only, but a goal or a marking at its ends can spoil it. The curvature of eq. (12) is
-  // proportional to 1 / H^2 to first order; the second largest is used.
+  // Klancar uses only the longest side, but a goal or a marking at its ends can spoil it. The bend of eq. (12) is
+  // proportional to 1 / H^2 to first order; the second largest bend of the four sides is used.
   std::array<double, 4> bend{};
   for (std::size_t i = 0; i < 4; ++i) {
     bend[i] = std::pow(h_of_three_points(out.outline, out.sides[i], width, height), -2);

@@ -26,9 +26,9 @@ struct BorderSearch {
   int threshold = 0;
   std::vector<OutlinePixel> outline;
   std::array<HoughLine, 4> sides;
-  double h_px = 0;  // the second smallest value of the four sides
-  Corners corners;  // of the field in the order of fit_field(), x to the right in the picture
-  // Sides after the picture was straightened with eq. (12), in the order of hough_sides().
+  double h_px = 0;  // second smallest value of the four sides
+  Corners corners;  // corners of the field in the order of fit_field(), x to the right in the picture
+  // Sides after straightening the picture with eq. (12), in the order of hough_sides().
   std::array<HoughLine, 4> straight_sides;
   Corners straight_corners;
 };

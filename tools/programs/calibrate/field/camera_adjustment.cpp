@@ -39,7 +39,7 @@ bool project(const T* lens, const T* rotation, const T* position, const std::arr
   return true;
 }
 
-// Residual: distance perpendicular to the mark.
+// Residual of a mark's point: its distance perpendicular to the mark.
 struct AcrossMark {
   MarkPoint point;
   double sigma_px;
@@ -70,8 +70,8 @@ Eigen::Vector2d seen(const UnknownsVector& x, const std::array<double, 3>& place
   return pixel;
 }
 
-// Returns the standard deviation in mm of the position on the floor at which a fixed pixel looks, while the camera
-// varies.
+// Returns the standard deviation, in mm, of the floor position that a fixed pixel shows, caused by the uncertainty of
+// the camera.
 double place_sigma_mm(const UnknownsVector& x, const Eigen::MatrixXd& covariance, const std::array<double, 3>& place) {
   Eigen::Matrix<double, 2, kUnknowns> by_camera;
   for (Eigen::Index i = 0; i < kUnknowns; ++i) {

@@ -16,7 +16,7 @@ class Problem;
 
 namespace touchline::calibrate {
 
-/// The unknowns of the full model in double precision, as the solver uses them.
+/// Indices of the full model's unknowns, which the solver holds in double precision.
 enum Intrinsic : std::size_t { kFocal, kAspect, kCenterU, kCenterV, kK1, kK2, kK3, kP1, kP2, kIntrinsics };
 struct AdjustedCamera {
   std::array<double, kIntrinsics> intrinsics{};
@@ -30,20 +30,20 @@ struct AdjustedCamera {
 struct CameraUncertainty {
   double height_m = 0, x_m = 0, y_m = 0, tilt_rad = 0;
   double focal_px = 0, center_u_px = 0, center_v_px = 0;
-  double floor_center_mm = 0, floor_corner_mm = 0;  // of the floor position of a pixel; in the worst corner
-  double top_corner_mm = 0;                         // of the position of a robot's top there, at kTop_m
+  double floor_center_mm = 0, floor_corner_mm = 0;  // floor position of a pixel, in the center and in the worst corner
+  double top_corner_mm = 0;                         // position of a robot's top (kTop_m) in the worst corner
   // Chi-square of the lens parameters under their priors: how unusual the lens is. If the size of the field is wrong,
   // tilt, focal length and distortion compensate with unusual values.
   double lens_chi_square = 0;
 };
 inline constexpr double kTop_m = 0.075;
 
-/// What the picture alone says about the camera's height. It follows from perspective and distortion of the marks, for
-/// a lens whose center of distortion is near the middle of the picture. A given height, the rules of a league and the
-/// focal lengths of usual lenses are left out.
+/// Evidence about the camera's height from the picture alone. The height follows from the perspective and distortion of
+/// the marks, if the lens's center of distortion is near the middle of the picture. It uses neither a given height nor
+/// the rules of a league nor the focal lengths of usual lenses.
 struct HeightEvidence {
-  // sigma_m is infinite if the picture does not show the height. Straight above the field, a camera twice as high with
-  // twice the focal length sees nearly the same.
+  // sigma_m is infinite if the picture does not show the height. For a camera straight above the field, twice the
+  // height with twice the focal length gives nearly the same picture.
   double height_m = 0, sigma_m = std::numeric_limits<double>::infinity();
   double chi_square = 0;  // chi-square of the given height under its standard deviation; 0 if none is given
 };
@@ -71,7 +71,7 @@ class Adjustment {
   /// standard deviation is infinite if the equations are singular.
   [[nodiscard]] CameraUncertainty uncertainty(const std::vector<MarkPoint>& points, const AdjustmentWeights& weights,
                                               AdjustedCamera camera, const FieldParameters& field) const;
-  /// Twice the negative log-likelihood of the camera, up to a constant: distances from the marks, and priors.
+  /// Returns twice the negative log-likelihood of the camera, up to a constant: distances from the marks, and priors.
   [[nodiscard]] double chi_square(const std::vector<MarkPoint>& points, const AdjustmentWeights& weights,
                                   AdjustedCamera camera) const;
 

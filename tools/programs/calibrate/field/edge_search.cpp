@@ -16,12 +16,12 @@ constexpr double kMinContrast = 0.04;
 constexpr double kFlatRise = 0.35;
 // Distance over which lens and interpolation blur an edge. Beyond it each side has its own level.
 constexpr double kBlur_px = 2.0;
-// Greatest width of a line.
+// Largest width of a line.
 constexpr double kWidestLine_px = 14.0;
-// Length of the stretch on each side that gives the side's level, and the greatest variation of the level as a fraction
-// of the edge's step. If another object is near, there is no level.
+// Length of the piece on each side that gives the side's level, and largest variation of the level as a fraction of the
+// edge's step. If another object is near, the level is undefined.
 constexpr double kLevel_px = 1.5, kLevelVariation = 0.2;
-// Greatest distance of a refined edge from the crossing.
+// Largest distance of a refined edge from the crossing.
 constexpr double kLargestCorrection_px = 0.5;
 
 constexpr int kBlurSamples = static_cast<int>(kBlur_px / kSampleStep_px),
@@ -36,7 +36,7 @@ class Profile {
     for (int i = -half; i <= half; ++i) {
       const double s = i * kSampleStep_px;
       double sum = 0;
-      // Averages along the mark, because the pattern of a Bayer filter repeats after two pixels.
+      // Average along the mark, because the pattern of a Bayer filter repeats after two pixels.
       for (const double t : {-1.5, -0.5, 0.5, 1.5}) {
         sum += picture.at(u + s * across_u - t * across_v, v + s * across_v + t * across_u);
       }
@@ -58,9 +58,10 @@ class Profile {
     for (int i = std::max(first, 0); i <= std::min(last, size() - 1); ++i) value = std::min(value, (*this)[i]);
     return value;
   }
-  // Returns the position of the edge near `crossing`, between a dark level before it and a bright level behind it: a
-  // sharp edge there has the same sum of light (Lyvers et al. 1989, moments of an edge). The crossing of an
-  // interpolated level is wrong by up to a tenth of a pixel, depending on where the edge lies between the pixels.
+  // Returns the position of the edge near `crossing`, between a dark level before it and a bright level behind it. A
+  // sharp edge at this position has the same sum of light (Lyvers et al. 1989, moments of an edge). By contrast, the
+  // crossing of an interpolated level is wrong by up to a tenth of a pixel, depending on where the edge lies between
+  // the pixels.
   [[nodiscard]] double edge_at(double crossing) const {
     const int middle = nearest(crossing), first = middle - kBlurSamples, last = middle + kBlurSamples;
     const std::optional<double> dark = level(first - kLevelSamples, first), bright = level(last, last + kLevelSamples);
@@ -125,7 +126,7 @@ std::optional<double> border_in(const Profile& profile, bool innermost) {
   int steepest = -1;
   for (int i = 2; i + 2 < profile.size(); ++i) {
     if (rise_at(i) < flattest * steepest_rise) continue;
-    // Continues to the top of this rise.
+    // Continue to the top of this rise.
     while (i + 3 < profile.size() && rise_at(i + 1) > rise_at(i)) ++i;
     steepest = i;
     break;
@@ -220,13 +221,13 @@ std::vector<MarkPoint> find_marks(const LightPicture& picture, const CameraModel
     const MarkPlace middle = place_on(mark, length / 2);
     const double scale = static_cast<double>(
         camera.scale_px_per_m({static_cast<float>(middle.x_m), static_cast<float>(middle.y_m)}, 0.0f));
-    // During the search the camera can project a mark anywhere.
+    // Limit the count, because during the search the camera can project a mark anywhere.
     const int count = std::clamp(static_cast<int>(std::min((to - from) * scale / step_px, 4000.0)), 2, 4000);
     for (int i = 0; i <= count; ++i) {
       if (tried_points != nullptr) ++(*tried_points)[m];
       const MarkPlace place = place_on(mark, from + (to - from) * i / count);
       const PixelPoint at = seen(camera, place.x_m, place.y_m);
-      // A point one centimeter to the right of the mark.
+      // Project a second point, one centimeter to the right of the mark.
       const PixelPoint aside = seen(camera, place.x_m + 0.01 * place.along_y, place.y_m - 0.01 * place.along_x);
       const double u = static_cast<double>(at.u_px), v = static_cast<double>(at.v_px);
       double across_u = static_cast<double>(aside.u_px) - u, across_v = static_cast<double>(aside.v_px) - v;

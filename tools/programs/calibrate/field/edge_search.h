@@ -8,8 +8,8 @@
 
 namespace touchline::calibrate {
 
-/// A picture in linear light, one value per pixel. In linear light the middle of a blurred edge has half the step; the
-/// tone curve of the camera would move it towards the dark side.
+/// A picture in linear light, one value per pixel. In linear light, the middle of a blurred edge is at half the step;
+/// the tone curve of the camera would move it towards the dark side.
 class LightPicture {
  public:
   /// Averages `pictures`, which must have the same size, and removes the standard tone curve (exponent 2.2).
@@ -17,7 +17,7 @@ class LightPicture {
 
   [[nodiscard]] int width_px() const { return width_; }
   [[nodiscard]] int height_px() const { return height_; }
-  /// Interpolates bilinearly; positions outside the picture have the value of its edge. 0 to 1.
+  /// Returns the light from 0 to 1, interpolated bilinearly; positions outside the picture have the value of its edge.
   [[nodiscard]] double at(double u_px, double v_px) const;
 
  private:
@@ -39,7 +39,7 @@ struct Mark {
   bool early = false;      // long enough to be found while the camera model is a few dozen pixels off
 };
 
-// Length that is left out at each end of a mark, because other marks meet there.
+// Length that is skipped at each end of a mark, because other marks meet there.
 inline constexpr double kMarkEnd_m = 0.03;
 
 double length_of(const Mark& mark);
@@ -51,18 +51,18 @@ MarkPlace place_on(const Mark& mark, double way_m);
 
 /// A point of a mark that was found in the picture.
 struct MarkPoint {
-  std::size_t mark = 0;       // index
-  double x_m = 0, y_m = 0;    // on the floor
+  std::size_t mark = 0;       // index of the mark
+  double x_m = 0, y_m = 0;    // position on the floor
   double u_px = 0, v_px = 0;  // position found in the picture
   double across_u = 0,
          across_v = 0;  // unit vector perpendicular to the mark in the picture; only this direction is measured
 };
 
-/// Samples each mark every `step_px` along its projection with `camera`, and searches up to `reach_px` to both sides
-/// for the edge. The edge lies where a sharp edge between the levels of both sides has the same sum of light; a line
-/// lies at the center of its light. If another object is too near, the edge lies where the light is halfway between the
-/// levels. Points with little contrast or at the limit of the reach are left out. `tried_points`: number of points
-/// tried per mark, including points outside the picture.
+/// Samples each mark every `step_px` along its projection with `camera`, and searches for the edge up to `reach_px` on
+/// both sides. An edge is placed where a sharp edge between the levels of both sides would have the same sum of light;
+/// a line is placed at the center of its light. If another object is too near, the edge is placed where the light is
+/// halfway between the levels. Points with little contrast or at the limit of the reach are left out. `tried_points`:
+/// number of points tried per mark, including points outside the picture.
 std::vector<MarkPoint> find_marks(const LightPicture& picture, const CameraModel& camera,
                                   const std::vector<Mark>& marks, double step_px, double reach_px,
                                   std::vector<std::size_t>* tried_points = nullptr);

@@ -16,7 +16,7 @@
 namespace touchline::calibrate {
 namespace {
 
-// Copies the measures that are only published to other programs.
+// Copies the measures that Touchline only publishes to other programs.
 void copy_markings(const FieldParameters& from, FieldParameters& to) {
   to.line_width_m = from.line_width_m;
   to.center_circle_m = from.center_circle_m;
@@ -26,7 +26,7 @@ void copy_markings(const FieldParameters& from, FieldParameters& to) {
 
 Corners turned(const Corners& c) { return {c[1], c[2], c[3], c[0]}; }
 
-// Returns every tenth point, so that the photograph remains visible.
+// Returns every tenth point, so that the marks do not hide the photograph.
 std::vector<FloorPoint> points_of(const RefinementReport& refinement) {
   std::vector<FloorPoint> points;
   for (std::size_t i = 0; i < refinement.found.size(); i += 10) {
@@ -89,7 +89,7 @@ Result<void> fit_border(const LightPicture& picture, const ChosenField& chosen, 
       }
     }
     progress.step();
-    // Of both orientations, the error is reported in which the longer sides of field and picture are parallel.
+    // Of the errors of both orientations, report the one for which the longer sides of field and picture are parallel.
     const auto distance = [&](std::size_t a, std::size_t b) {
       return std::hypot(static_cast<double>(corners[a].u_px - corners[b].u_px),
                         static_cast<double>(corners[a].v_px - corners[b].v_px));
@@ -100,7 +100,8 @@ Result<void> fit_border(const LightPicture& picture, const ChosenField& chosen, 
   if (good.empty()) return *first_error;
   std::sort(good.begin(), good.end(),
             [](const Attempt& a, const Attempt& b) { return a.refinement.points > b.refinement.points; });
-  // The markings inside the border distinguish both orientations: a center line has at least a tenth of the points.
+  // Ratio of the numbers of points found above which both orientations fit equally well. A center line, which has at
+  // least a tenth of the points, fits only one of them.
   constexpr double kAlike = 0.92;
   if (good.size() > 1 &&
       static_cast<double>(good[1].refinement.points) > kAlike * static_cast<double>(good[0].refinement.points)) {
@@ -126,7 +127,7 @@ Result<void> fit_points_once(const FieldPictures& input, const LightPicture& lig
   }
   found.unrefined = refined.text();
   if (refined.code() == ErrorCode::kInconsistent) return std::move(refined).error();
-  // Without refinement, the camera model follows from the given points alone.
+  // Without refinement, the camera model is computed from the given points only.
   if (!refined.ok() || !input.refine) {
     found.refinement = {};
     if (found.height == HeightSource::kRules) found.height = HeightSource::kSeen;
@@ -141,7 +142,7 @@ Result<void> fit_points_once(const FieldPictures& input, const LightPicture& lig
 }
 
 // Some drivers stretch pictures of another aspect ratio to the requested size. The smallest usual stretch, from 5 : 4
-// to 4 : 3, is a factor of 1.07. If a fit finds less, the cause is a wrong length or width of the field.
+// to 4 : 3, is a factor of 1.07. A smaller stretch comes from a wrong length or width of the field.
 constexpr double kMinStretch = 0.05;
 
 double stretch_of(const FieldFit& fit) {
@@ -164,7 +165,7 @@ Result<void> fit_points(const FieldPictures& input, const LightPicture& light, c
   return {};
 }
 
-// Fits the border or the points, without comparing the person's choices with the picture.
+// Fits the border or the points, without comparing the person's entries with the picture.
 Result<FieldReport> fit_pictures(const FieldPictures& input, const LightPicture& light, const ChosenField& field,
                                  double camera_height_m) {
   const hal::Picture& picture = input.pictures.front();
@@ -195,8 +196,8 @@ Result<FieldReport> fit_pictures(const FieldPictures& input, const LightPicture&
   return found;
 }
 
-// Refuses a given height that the picture contradicts: a fit without the height is good and far from it. kOutOfRange:
-// the picture contradicts the height; the message says what was tried.
+// Rejects a given height that the picture contradicts: a fit without it is good, and its height is far off.
+// kOutOfRange: the picture contradicts the height; the message says what was tried.
 Result<void> check_height_given(const FieldPictures& input, const LightPicture& light, const ChosenField& field,
                                 double camera_height_m, const Result<FieldReport>& with_height) {
   ChosenField unmeasured = field;
@@ -248,16 +249,16 @@ Result<ChosenField> choose_field(const VenueDraft& venue, const FieldChoice& cho
   if (choice.width_m > 0) field.width_m = static_cast<float>(choice.width_m);
   const bool resized = choice.length_m > 0 || choice.width_m > 0;
   if (resized || (!is_drawn && choice.preset.empty())) {
-    // The markings are known only for the size of a league.
+    // The markings are known only if the field has the size of a league.
     const FieldPreset* league = find_preset(field.length_m, field.width_m);
     out.drawing = league != nullptr ? league->drawing : bare_drawing(field);
     out.height = league != nullptr ? league->height : std::nullopt;
-    // A venue file without a preset keeps the values that somebody wrote into it.
+    // A venue file without a preset keeps the values that a person has written into it.
     if (!choice.preset.empty() || !venue.exists) {
       copy_markings(league != nullptr ? league->drawing.field : FieldParameters{}, field);
     }
   }
-  // The preset's goals are wider than a small field on a desk.
+  // Limit the goal's width, because the preset's goals are wider than a small field on a desk.
   if (resized && field.goal_width_m >= field.width_m) field.goal_width_m = field.goal_depth_m = 0.0f;
   out.drawing.field = field;
   if (ignores_markings) {
@@ -302,13 +303,13 @@ Result<FieldReport> calibrate_field(const FieldPictures& input, const ChosenFiel
   }
   if (!fitted.ok()) return fitted;
   FieldReport& report = fitted.value();
-  // Tolerance in the middle of the field, for the unknown distortion and for errors of the clicks. Points that were
-  // clicked on markings also show how exactly this field is painted.
+  // Tolerance in the middle of the field, for unknown distortion and for errors of the clicks. Points clicked on
+  // markings also show how accurately this field is painted.
   const double tolerance_m = (report.fit.has_distortion ? 0.0 : distortion_effect_m(report.fit.camera, report.points)) +
                              report.fit.residual_mm.rms / 1e3;
   TOUCHLINE_TRY(check_center_markings(light, report, tolerance_m));
   report.doubts = height_doubts(report, field.rules, light.width_px());
-  bool is_round = false;  // a circle tells stretched pixels from a wrong length or width
+  bool is_round = false;  // A circle distinguishes stretched pixels from a wrong length or width.
   for (std::size_t m = 0; m < report.refinement.marks.size(); ++m) {
     is_round |= report.marks[m].radius_m > 0 && report.refinement.marks[m].used;
   }
@@ -332,7 +333,7 @@ std::vector<Section> field_sections(const VenueDraft& venue, const hal::Picture&
 
 std::string region_warning(const Polygon& region, const hal::Picture& picture, const FieldParameters& field,
                            const CameraParameters& camera) {
-  constexpr int kSteps = 50;  // along each side of the field
+  constexpr int kSteps = 50;  // samples along each side of the field
   CameraModel model;
   if (!model.configure(camera).ok()) return "";
   const int width = static_cast<int>(picture.width_px), height = static_cast<int>(picture.height_px);
@@ -344,7 +345,7 @@ std::string region_warning(const Polygon& region, const hal::Picture& picture, c
                              field.width_m * (static_cast<float>(j) / kSteps - 0.5f)};
       const PixelPoint pixel = model.to_pixel(place, 0.0f);
       const long u = std::lround(pixel.u_px), v = std::lround(pixel.v_px);
-      // Parts of the field outside the picture are not the region's fault.
+      // Skip parts of the field outside the picture, which no region could contain.
       if (u < 0 || v < 0 || u >= width || v >= height) continue;
       ++seen;
       left_out += inside[static_cast<std::size_t>(v * width + u)] == 0 ? 1 : 0;

@@ -28,8 +28,8 @@ bool parse_numbers(const std::string& text, std::array<double, N>& out) {
 
 }  // namespace
 
-// CLI11 finds these functions by the type of an option's variable, so they are in the namespaces of the types. Parses
-// "u,v".
+// These functions are in the namespaces of their types, where CLI11 finds them by the type of an option's variable.
+// Parses "u,v".
 static bool lexical_cast(const std::string& text, PixelPoint& out) {
   std::array<double, 2> n{};
   if (!parse_numbers(text, n)) return false;
@@ -150,7 +150,7 @@ Result<void> FieldCommand::run() const {
 
   Result<FieldReport> calibrated = calibrate_field(input, chosen, camera_height_m);
   if (!calibrated.ok()) {
-    // Another search for the border cannot help if the picture contradicts the given values.
+    // If the picture contradicts the given values, another search for the border cannot help.
     const bool contradicted = calibrated.code() == ErrorCode::kOutOfRange;
     const bool skippable = refine && calibrated.code() == ErrorCode::kInconsistent;
     const char* const advice = contradicted ? ""

@@ -13,17 +13,17 @@ namespace touchline::calibrate {
 namespace {
 
 constexpr double kCircle_rad = 2 * std::numbers::pi;
-// Upper limit that bounds the work and catches typing errors.
+// Limit that bounds the effort and catches typing errors.
 constexpr std::size_t kMaxMarkings = 200;
 // Markings may extend into the goals and around them.
 constexpr double kBeyondField_m = 1.0;
 // A shorter line is too short for its direction to be measured.
 constexpr double kShortestLine_m = 0.05;
-// Share of the field that a line must cross to be found before the camera is known well.
+// A line that crosses this share of the field is long enough to be found before the camera is known well.
 constexpr double kLongLine = 0.8;
 
-// Adds the markings inside the border. If `inset_m` is zero, the measures of the field run between the centers of the
-// lines; otherwise the centers lie this far inside.
+// Adds the markings inside the border. If `inset_m` is zero, the field is measured between the centers of the lines;
+// otherwise the centers lie this far inside.
 void add_middle(FieldDrawing& drawing, double inset_m) {
   const FieldParameters& field = drawing.field;
   const double y = static_cast<double>(field.width_m) / 2, line = static_cast<double>(field.line_width_m);
@@ -165,7 +165,7 @@ Result<FieldDrawing> read_drawing(const std::string& path) {
 }
 
 const std::vector<FieldPreset>& field_presets() {
-  // The rules require two meters or more; halls and tripods limit the height.
+  // Prior of the height: the rules require two meters or more, and halls and tripods limit it.
   constexpr HeightPrior kTwoMeters{2.2, 0.4};
   static const std::vector<FieldPreset> presets = [&] {
     std::vector<FieldPreset> made;

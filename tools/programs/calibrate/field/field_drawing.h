@@ -16,7 +16,7 @@
 
 namespace touchline::calibrate {
 
-/// [[line]]: a bright line on the floor; its ends are on its center line.
+/// [[line]]: a bright line on the floor; its end points are on its center line.
 struct DrawnLine {
   double x1_m = 0, y1_m = 0, x2_m = 0, y2_m = 0, width_m = 0.003;
 

@@ -59,8 +59,8 @@ class Solver {
  public:
   Solver(const FieldFitInput& input, Center center) : input_(input), center_(center) {}
 
-  // Half the sum of squares, or infinity if the start is unusable. Distortion is freed last, because it diverges from a
-  // wrong focal length.
+  // Returns half the sum of squares, or infinity if the start is unusable. Distortion is freed last, because it
+  // diverges if the focal length is still wrong.
   double refine(CameraUnknowns& x) const {
     const double straight = minimize(x, false);
     if (!has_distortion() || !std::isfinite(straight)) return straight;
@@ -72,12 +72,13 @@ class Solver {
 
   [[nodiscard]] bool has_distortion() const { return input_.points.size() >= kPointsForDistortion; }
 
-  // Whether the aspect ratio is estimated: four points and a height are nine equations for eight unknowns.
+  // Returns whether the aspect ratio is estimated: four points and a height give nine equations for eight unknowns.
   [[nodiscard]] bool has_free_aspect() const {
     return (has_distortion() || input_.free_aspect) && input_.camera_height_m.has_value();
   }
 
-  // Standard deviation of the camera height for clicks with kClickSigma_px; infinity if the height is not determined.
+  // Returns the standard deviation of the camera height for clicks with kClickSigma_px; infinity if the height is not
+  // determined.
   double height_sigma_m(CameraUnknowns& x) const {
     ceres::Problem problem;
     build(problem, x, has_distortion());
@@ -88,8 +89,8 @@ class Solver {
   }
 
   // Returns the factor by which the errors of the points exceed kClickSigma_px without a given height; at least 1. The
-  // prior on the accuracy of clicks counts like kPrior further equations, because four points give only one more
-  // equation than there are unknowns. `misfit_px`: root mean square distance.
+  // prior on the accuracy of clicks counts as kPrior additional equations, because four points give only one equation
+  // more than there are unknowns. `misfit_px`: root mean square distance.
   [[nodiscard]] double deviation_scale(double misfit_px) const {
     constexpr double kPrior = 4;
     const auto points = static_cast<double>(input_.points.size());
@@ -126,7 +127,7 @@ class Solver {
           new ceres::AutoDiffCostFunction<LogPrior, 1, 1>(new LogPrior{0, kFocalWidths * input_.width_px, kFocalSigma}),
           nullptr, &x.focal_px);
     }
-    // While the height is free, a tilt has the same effect as non-square pixels.
+    // While the height is free, non-square pixels have the same effect as a tilt.
     if (!has_free_aspect()) {
       problem.SetParameterBlockConstant(&x.aspect);
     } else {
@@ -184,10 +185,10 @@ double cross(PixelPoint a, PixelPoint b, PixelPoint c) {
 }
 
 // Checks that the height is known, and that an estimated focal length is usual above fields. If one of four corners is
-// wrong, the fit looks like a camera that is tilted and far away.
+// wrong, the fit looks like a tilted, distant camera.
 Result<void> check_height(const FieldFitInput& input, double misfit_px, double focal_px, const FieldFit& fit) {
-  // Objects are up to a tenth of the camera height tall: an error of 15 % of the height moves them by millimeters at
-  // the border.
+  // Largest relative uncertainty of the height. Objects are up to a tenth of the camera height tall, so an error of 15
+  // % moves them by millimeters at the border.
   constexpr double kHeightDoubt = 0.15;
   // Limit in standard deviations of the focal length's logarithm.
   constexpr double kFocalSigmas = 3;
@@ -233,7 +234,7 @@ Result<void> check_corners(const Corners& corners) {
   for (std::size_t i = 0; i < 4; ++i) {
     const PixelPoint a = corners[i], b = corners[(i + 1) % 4], c = corners[(i + 2) % 4];
     const double turn = cross(a, b, c);
-    // Sine of the least angle at a corner, 2 degrees.
+    // Sine of the smallest allowed angle at a corner, 2 degrees.
     constexpr double kStraight = 0.035;
     if (std::abs(turn) < std::max(1.0, kStraight * distance(a, b) * distance(b, c))) {
       return failure(ErrorCode::kInconsistent, "corners %zu, %zu and %zu lie on one line", i + 1, (i + 1) % 4 + 1,
@@ -289,7 +290,7 @@ Result<void> fit_field(const FieldFitInput& input, FieldFit& out) {
   if (const double w = inverse_focal_squared(*homography); w > 0) focal_starts.push_back(1.0 / std::sqrt(w));
   for (const double widths : {0.4, 0.6, 0.9, 1.35, 2.0, 3.0, 4.5}) focal_starts.push_back(widths * input.width_px);
   if (input.camera_height_m) {
-    // The height is almost proportional to the focal length.
+    // The height is almost proportional to the focal length, so each focal length has its own start.
     const double unit = input.width_px;
     focal_starts.push_back(unit * *input.camera_height_m / pose_from(*homography, unit).position.z());
   }
@@ -312,8 +313,8 @@ Result<void> fit_field(const FieldFitInput& input, FieldFit& out) {
   if (!std::isfinite(best_cost)) {
     return Error{ErrorCode::kInconsistent, "no camera above the floor fits the points"};
   }
-  // A wrong order of the corners, or swapped length and width, leaves residuals of tens of pixels; lens distortion that
-  // four corners cannot show leaves a few.
+  // Largest tolerated residual. A wrong order of the corners, or swapped length and width, leaves residuals of tens of
+  // pixels; lens distortion that four corners cannot show leaves a few.
   const double tolerance_px = 0.015 * std::hypot(input.width_px, input.height_px);
   const double misfit_px = kClickSigma_px * std::sqrt(2.0 * best_cost / static_cast<double>(input.points.size()));
   if (misfit_px > tolerance_px) {
@@ -325,8 +326,8 @@ Result<void> fit_field(const FieldFitInput& input, FieldFit& out) {
   const Eigen::Vector3d turn(best.rotation.data());
   const Eigen::Matrix3d rotation = Eigen::AngleAxisd(turn.norm(), turn.normalized()).toRotationMatrix();
   out.tilt_rad = std::acos(std::clamp(-rotation(2, 2), -1.0, 1.0));
-  // Overhead cameras of the leagues are tilted by less than 20 degrees; the wrong order that is consistent with a
-  // camera needs 50.
+  // Overhead cameras of the leagues are tilted by less than 20 degrees; corners in a wrong order fit a camera only with
+  // a tilt of 50 degrees.
   constexpr double kMaxTilt_rad = 0.7;
   if (out.tilt_rad > kMaxTilt_rad) {
     return failure(

@@ -34,10 +34,10 @@ struct HeightPrior {
 
 struct FieldFitInput {
   int width_px = 0, height_px = 0;
-  std::vector<FloorPoint> points;         // at least four, no three of four on one line
-  std::optional<double> camera_height_m;  // measured by a person, with standard deviation kHeightSigma_m
+  std::vector<FloorPoint> points;         // at least four, of which no three lie on one line
+  std::optional<double> camera_height_m;  // height measured by a person, with standard deviation kHeightSigma_m
   bool start_only = false;                // a refinement follows: accept an uncertain height
-  bool free_aspect = false;               // with a given height: pixels need not be square, even with few points
+  bool free_aspect = false;               // free the pixel aspect ratio even with few points, if the height is given
 };
 
 // Standard deviation of a height measured with a tape from the floor to the lens.
@@ -48,8 +48,8 @@ constexpr double kClickSigma_px = 0.7;
 // picture widths, and standard deviation of its logarithm. This prior alone determines the height of a vertical camera
 // to a third.
 constexpr double kFocalWidths = 0.8, kFocalSigma = 0.35;
-// From this number of points on, k1 is estimated too, and if the height is given, the pixel aspect ratio (fy / fx):
-// twelve equations for nine unknowns.
+// With at least this number of points, k1 is estimated too, and if the height is given, the pixel aspect ratio (fy /
+// fx): twelve equations for nine unknowns.
 constexpr std::size_t kPointsForDistortion = 6;
 
 struct ResidualSummary {
@@ -58,18 +58,18 @@ struct ResidualSummary {
 
 struct FieldFit {
   CameraParameters camera;                   // both models are set; kind: full
-  ResidualSummary residual_px, residual_mm;  // of the full model at the points
-  ResidualSummary paper_residual_mm;         // of Klancar's model, eq. (12)-(15) and the affine part
+  ResidualSummary residual_px, residual_mm;  // residuals of the full model at the points
+  ResidualSummary paper_residual_mm;         // residual of Klancar's model, eq. (12)-(15) and the affine part
   // Height of the camera above the floor. Its standard deviation follows from kClickSigma_px, or from the misfit if
   // that is larger.
   double height_m = 0, height_sigma_m = 0;
-  double tilt_rad = 0;  // of the optical axis against the vertical
+  double tilt_rad = 0;  // angle between the optical axis and the vertical
   bool has_distortion = false;
 };
 
-/// kOutOfRange: picture size, or too few points. kInconsistent, with the reason: the points lie on a line, are
-/// mirrored, or fit no camera; or, if no height is given, focal length and height cannot be separated (a nearly
-/// vertical camera) or are unusual above a field.
+/// kOutOfRange: wrong picture size, or too few points. kInconsistent, with the reason: the points lie on a line, are
+/// mirrored, or fit no camera. If no height is given, also: focal length and height cannot be separated (a nearly
+/// vertical camera), or are unusual above a field.
 Result<void> fit_field(const FieldFitInput& input, FieldFit& out);
 
 }  // namespace touchline::calibrate

@@ -9,7 +9,7 @@ namespace touchline::calibrate {
 void draw_field(const CameraModel& camera, const FieldParameters& field, const std::vector<Mark>& marks,
                 const std::vector<FloorPoint>& points, hal::Picture& picture) {
   const auto draw = [&](const Mark& mark) {
-    constexpr int kSteps = 1500;  // closer than a pixel on any supported picture of a field
+    constexpr int kSteps = 1500;  // steps along a mark, less than a pixel apart on any supported picture of a field
     const double length = length_of(mark);
     for (int i = 0; i <= kSteps; ++i) {
       const MarkPlace at = place_on(mark, length * i / kSteps);

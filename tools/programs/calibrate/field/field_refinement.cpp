@@ -15,11 +15,11 @@ namespace {
 // Spacing of the points along a mark; closer points would share the same pixels.
 constexpr double kStep_px = 3.0;
 // Rounds of the search: reach, and scale of the loss. After a fit to four corners without distortion, the middles of
-// the sides are two dozen pixels off with a wide-angle lens; the last rounds converge. Values are for a picture of
-// width kReferenceWidth_px; wider pictures have more pixels for the same lens.
+// the sides are two dozen pixels off with a wide-angle lens; the last rounds only let the fit converge. Values are for
+// a picture of width kReferenceWidth_px; wider pictures have more pixels for the same lens.
 struct Round {
   double reach_px, loss_px;
-  int lens;  // see AdjustmentWeights
+  int lens;  // as in AdjustmentWeights
   bool all;  // use markings too, and weigh points by their measured scatter
 };
 constexpr double kReferenceWidth_px = 640;
@@ -46,9 +46,9 @@ double off_px(const CameraModel& camera, const MarkPoint& p) {
   return (static_cast<double>(at.u_px) - p.u_px) * p.across_u + (static_cast<double>(at.v_px) - p.v_px) * p.across_v;
 }
 
-// Returns the standard deviation to give each point so that the normal equations account for correlation. Residuals of
-// neighbors along a mark are correlated (lens model, bent walls, Bayer pattern): n of them carry the information of n /
-// c independent ones, where c is 1 plus twice the sum of the autocorrelations.
+// Returns the standard deviation that each point must get so that the normal equations account for correlation.
+// Residuals of neighbors along a mark are correlated (lens model, bent walls, Bayer pattern): n of them carry the
+// information of n / c independent ones, where c is 1 plus twice the sum of the autocorrelations.
 double independent_sigma(const CameraModel& camera, const std::vector<MarkPoint>& points) {
   std::vector<double> residuals;
   std::vector<std::size_t> mark;
@@ -78,8 +78,8 @@ double independent_sigma(const CameraModel& camera, const std::vector<MarkPoint>
   return std::clamp(std::sqrt(square * correlation), kMinSigma_px, kMaxSigma_px);
 }
 
-// Selects the points to use: points of the border and of long lines, and points of other markings that agree with the
-// drawing.
+// Selects the points to use: points of the border and of long lines, and points of other markings whose positions agree
+// with the drawing.
 std::vector<MarkPoint> agreeing(const CameraModel& camera, const std::vector<Mark>& marks,
                                 const std::vector<MarkPoint>& points, RefinementReport& report) {
   std::vector<double> sum(marks.size());
@@ -131,8 +131,8 @@ void add_residuals(const CameraModel& camera, RefinementReport& report) {
   report.max_mm = mm.max;
 }
 
-// Fits the points with the height free, and compares the result with the given height. The scatter about the free fit
-// sets the weights, because a wrong height bends the marks and this looks like scatter.
+// Fits the points with the height free, and compares the result with the given height. The weights come from the
+// scatter about this free fit, because a wrong height bends the marks, which would look like scatter.
 HeightEvidence height_evidence(const Adjustment& adjustment, const std::vector<MarkPoint>& points,
                                AdjustmentWeights weights, const AdjustedCamera& start, const FieldParameters& field,
                                const std::optional<HeightPrior>& given) {
@@ -243,7 +243,7 @@ Result<void> refine_field(const LightPicture& picture, const FieldParameters& fi
   const FieldFit start = fit;
   Result<void> result = refine(picture, field, marks, height, fit, report);
   if (result.ok() && misfit(report) < kClean_px * kClean_px) return {};
-  // A wall has a side and a top; tries which of their edges is visible all around.
+  // A wall has a side and a top; find out which of their edges is visible all around.
   std::vector<Mark> inner = marks;
   for (Mark& mark : inner) mark.innermost = mark.kind == MarkKind::kBorder;
   FieldFit other = start;

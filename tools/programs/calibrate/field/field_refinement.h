@@ -13,21 +13,21 @@ namespace touchline::calibrate {
 
 /// Result for one mark of the drawing.
 struct MarkReport {
-  std::size_t tried_points = 0, found = 0;  // number of points along it
+  std::size_t tried_points = 0, found = 0;  // number of points along the mark
   double offset_px = 0;                     // mean distance from the position that the border alone predicts
   bool used = false;
 };
 
-/// How well the drawing of the field and the camera model agree.
+/// Agreement between the drawing of the field and the camera model.
 struct RefinementReport {
   std::size_t points = 0, outliers = 0;
   double rms_px = 0, p95_px = 0, max_px = 0;  // residuals perpendicular to the marks, without outliers
   double rms_mm = 0, p95_mm = 0, max_mm = 0;
-  double edge_sigma_px = 0;  // standard deviation per point that accounts for correlated neighbors
+  double edge_sigma_px = 0;  // standard deviation per point, increased to account for correlated neighbors
   CameraUncertainty sigma;
   HeightEvidence height;
   std::vector<MarkReport> marks;  // one per mark
-  std::vector<MarkPoint> found;   // without the outliers
+  std::vector<MarkPoint> found;   // points found, without outliers
 };
 
 /// Refines a camera model that is a few dozen pixels off to a tenth of a pixel. Finds the border and the long lines
@@ -41,8 +41,8 @@ struct RefinementReport {
 Result<void> refine_field(const LightPicture& picture, const FieldParameters& field, const std::vector<Mark>& marks,
                           const std::optional<HeightPrior>& height, FieldFit& fit, RefinementReport& report);
 
-// Greatest mean offset of a marking that agrees with its drawing. The border alone determines the position of a mark to
-// a tenth of a pixel.
+// Largest mean offset of a marking that agrees with its drawing. It is larger than the error of a mark's position that
+// follows from the border alone, a tenth of a pixel.
 inline constexpr double kMarkingTolerance_px = 0.35;
 
 }  // namespace touchline::calibrate

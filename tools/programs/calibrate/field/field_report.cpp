@@ -139,7 +139,7 @@ std::string residual_text(const FieldReport& report) {
 
 namespace {
 
-// Names the parameters that a few points do not determine, and says how to measure them.
+// Names the parameters that so few points do not determine, and says how to measure them.
 std::string describe_unknowns(const FieldReport& report) {
   const FieldFit& fit = report.fit;
   if (report.refinement.points > 0 || fit.has_distortion) return "";
@@ -173,7 +173,7 @@ double distortion_effect_m(const CameraParameters& camera, const std::vector<Flo
   const auto radius = [&](double u_px, double v_px) {
     return std::hypot(u_px - static_cast<double>(full.cx_px), v_px - static_cast<double>(full.cy_px)) / focal;
   };
-  // The fit keeps the points at their places on average; between them, the third order of Brown's model remains.
+  // On average the fit keeps the points in place; between them, the third-order term of Brown's model remains.
   double square = 0, mid_u = 0, mid_v = 0;
   for (const FloorPoint& p : points) {
     square += std::pow(radius(p.u_px, p.v_px), 2) / static_cast<double>(points.size());

@@ -14,29 +14,29 @@ namespace touchline::calibrate {
 
 enum class HeightSource : std::uint8_t { kSeen, kMeasured, kRules };
 
-/// Everything that `touchline-calibrate field` found.
+/// Results of `touchline-calibrate field`.
 struct FieldReport {
   std::optional<BorderSearch> border;  // empty if corners or points were given
   std::optional<VanishingPointModel> steps;
-  ResidualSummary steps_mm;  // of the paper's model without refinement, at the points found
+  ResidualSummary steps_mm;  // residual of the paper's model without refinement, at the points found
   FieldFit fit;
   std::vector<FloorPoint> points;  // given points, corners included
   RefinementReport refinement;     // points is 0 if the fit was not refined
-  std::string unrefined;           // why there was no refinement
+  std::string unrefined;           // reason why there was no refinement
   std::vector<Mark> marks;
   HeightSource height = HeightSource::kSeen;
-  std::vector<std::string> doubts;  // arguments against the result that do not refute it
+  std::vector<std::string> doubts;  // reasons to doubt the result that do not refute it
   double seconds = 0;
 };
 
-/// k1 of a wide lens, to estimate the effect of an unknown distortion.
+/// k1 of a wide-angle lens, used to estimate the effect of an unknown distortion.
 inline constexpr double kWideLensK1 = -0.2;
 
-/// Returns the distance in meters by which floor points between these points are wrong if the camera model has no
-/// distortion but the lens has kWideLensK1.
+/// Returns the error, in meters, of floor points between these points if the camera model has no distortion but the
+/// lens has kWideLensK1.
 double distortion_effect_m(const CameraParameters& camera, const std::vector<FloorPoint>& points);
 
-/// Formats the residual of the model in use: one line.
+/// Formats the residual of the model in use as one line.
 std::string residual_text(const FieldReport& report);
 /// Formats the report for a terminal; each line ends with a newline.
 std::string text_of(const FieldReport& report);

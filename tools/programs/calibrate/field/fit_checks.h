@@ -15,12 +15,12 @@ namespace touchline::calibrate {
 /// Checks that enough of each side of the border was found. `tried_points`: points tried per mark.
 Result<void> check_sides(const std::vector<Mark>& marks, const std::vector<std::size_t>& tried_points,
                          const std::vector<MarkPoint>& found);
-// Least share of each side that must be found: where a side is invisible, the lens model would be extrapolated.
+// Least share of each side that must be found, because the lens model is extrapolated where a side is invisible.
 inline constexpr double kMinSideShare = 0.4;
 
 struct PictureSize {
   int width_px = 0, height_px = 0;
-  double zoom = 1;  // picture width relative to that of a usual camera
+  double zoom = 1;  // picture width relative to a usual camera's
 };
 
 /// Checks that the border lies in the picture, that the drawing fits to a fraction of a pixel, that the camera model is
@@ -28,10 +28,10 @@ struct PictureSize {
 /// kInconsistent: the picture contradicts the size of the field or any plausible camera, or the height is uncertain.
 Result<void> check_camera(const PictureSize& picture, const FieldParameters& field, const CameraModel& model,
                           const FieldFit& fit, const RefinementReport& report);
-inline constexpr double kMaxOutsideShare = 0.05;   // share of the border
-inline constexpr double kMaxOutlierShare = 0.35;   // share of the points
+inline constexpr double kMaxOutsideShare = 0.05;   // share of the border that may lie outside the picture
+inline constexpr double kMaxOutlierShare = 0.35;   // share of the points that may be outliers
 inline constexpr double kMaxRms_px = 0.45;         // multiplied by zoom
-inline constexpr double kMaxLensChiSquare = 12.0;  // see CameraUncertainty
+inline constexpr double kMaxLensChiSquare = 12.0;  // as in CameraUncertainty
 inline constexpr double kMaxTopSigma_mm = 14.0;    // standard deviation in the worst corner
 inline constexpr double kMaxFloorSigma_mm = 5.0;   // standard deviation in the worst corner, on the floor
 

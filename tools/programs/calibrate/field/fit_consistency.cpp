@@ -10,25 +10,25 @@
 namespace touchline::calibrate {
 namespace {
 
-// Deviation from a prior that counts as unusual, in standard deviations.
+// Number of standard deviations from a prior beyond which a value is unusual.
 constexpr double kUnusual = 2.0;
 
-// A marking is searched up to this distance from its drawing: a border on a plinth twice as wide as MiroSot's walls
-// moves the center circle that far. The distance is smaller on small fields and around small circles, where other marks
-// are near.
+// Largest distance from its drawing at which a marking is searched for: if the border is a plinth twice as wide as
+// MiroSot's walls, the center circle is off by this distance. The distance is smaller on small fields and around small
+// circles, where other marks are near.
 constexpr double kBeside_m = 0.06, kBesideOfField = 0.15, kBesideOfRadius = 0.3;
 // Spacing of the points along a marking, as in the refinement.
 constexpr double kSpacing_px = 3.0;
-// A marking is seen if this share of its points lies on a smooth curve, to one pixel.
+// A marking counts as seen if this share of its points lies within one pixel of a smooth curve.
 constexpr double kSeenShare = 0.6, kOnCurve_px = 1.0;
 
-// A marking that the picture shows, and its distance from the drawing.
+// A marking seen in the picture, and its distance from the drawing.
 struct SeenMarking {
   double rms_m = 0, max_m = 0, share = 0;
 };
 
-// Fits a line that is displaced and turned, or a circle with another center, radius and aspect ratio. `part`: position
-// along the mark, 0 to 1.
+// Basis functions of a line that is displaced and turned, or of a circle with another center, radius and aspect ratio.
+// `part`: position along the mark, 0 to 1.
 constexpr Eigen::Index kMaxTerms = 5;
 using Terms = Eigen::Matrix<double, kMaxTerms, 1>;
 Terms curve_terms(bool is_arc, double part) {
@@ -43,8 +43,8 @@ Terms curve_terms(bool is_arc, double part) {
   return terms;
 }
 
-// Returns the bright curve along this mark, at most kBeside_m away. Fits by iteratively reweighted least squares with a
-// loss that narrows from the whole reach to a pixel.
+// Returns the bright curve along this mark, if one is at most kBeside_m away. Fits by iteratively reweighted least
+// squares with a loss that narrows from the whole reach to a pixel.
 std::optional<SeenMarking> seen_near(const LightPicture& picture, const CameraModel& camera, const Mark& mark,
                                      double smaller_side_m) {
   double reach_m = std::min(kBeside_m, kBesideOfField * smaller_side_m);
@@ -98,7 +98,7 @@ std::optional<SeenMarking> seen_near(const LightPicture& picture, const CameraMo
   return seen;
 }
 
-// Whether the mark is a line through the center of the field from side to side, or a circle around the center.
+// Returns whether the mark is a line through the center of the field from side to side, or a circle around the center.
 bool is_central(const Mark& mark) {
   constexpr double kAtCenter_m = 1e-3;
   if (mark.side >= 0 || mark.kind != MarkKind::kLine) return false;
@@ -128,7 +128,7 @@ std::string describe(const HeightEvidence& evidence) {
 std::string assumption_of(const FieldReport& report) {
   const HeightEvidence& evidence = report.refinement.height;
   if (report.height == HeightSource::kMeasured) return " if the height is right";
-  // What the priors add to the picture.
+  // The priors have contributed if the result's standard deviation is below this share of the picture's own.
   constexpr double kAlone = 0.9;
   if (report.refinement.points == 0 || report.fit.height_sigma_m > kAlone * evidence.sigma_m) return "";
   return report.height == HeightSource::kRules ? " if lens and height are as usual in this league"
@@ -189,7 +189,7 @@ Result<void> check_center_markings(const LightPicture& picture, const FieldRepor
                      name, 1e3 * seen->rms_m, 1e3 * seen->max_m);
     }
     if (mark.radius_m > 0) continue;
-    // Tries the other direction too, from border to border.
+    // Try the other direction too, from border to border.
     Mark turned = mark;
     const bool across = std::abs(mark.end_y_m - mark.begin_y_m) > std::abs(mark.end_x_m - mark.begin_x_m);
     turned.begin_x_m = across ? -half_x : 0;

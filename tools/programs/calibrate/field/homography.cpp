@@ -8,7 +8,8 @@
 namespace touchline::calibrate {
 namespace {
 
-// Normalization: moves the mean of the points to the origin and scales their mean distance to sqrt(2) (Hartley 1997).
+// Returns the normalization that moves the mean of the points to the origin and scales their mean distance to sqrt(2)
+// (Hartley 1997).
 Eigen::Matrix3d normalization(const std::vector<Eigen::Vector2d>& points) {
   Eigen::Vector2d mean = Eigen::Vector2d::Zero();
   for (const auto& p : points) mean += p;
@@ -26,11 +27,11 @@ Eigen::Matrix3d normalization(const std::vector<Eigen::Vector2d>& points) {
 using Equation = std::array<double, 9>;
 
 // Returns the unit vector with the smallest residual in all equations: the right singular vector of the smallest
-// singular value, by one-sided Jacobi rotations (Hestenes 1958). Eigen's decompositions are as exact but take ten
+// singular value, by one-sided Jacobi rotations (Hestenes 1958). Eigen's decompositions are equally exact, but take ten
 // seconds to compile. Empty if the second smallest singular value is almost zero: three of four points lie on a line,
 // or points coincide.
 std::optional<Equation> null_vector(std::vector<Equation> equations) {
-  std::array<Equation, 9> vectors{};  // the accumulated rotations; element k is a row
+  std::array<Equation, 9> vectors{};  // accumulated rotations; element k is a row
   for (std::size_t k = 0; k < 9; ++k) vectors[k][k] = 1.0;
   const auto rotate = [](auto& rows, std::size_t p, std::size_t q, double c, double s) {
     for (Equation& row : rows) {
@@ -60,7 +61,7 @@ std::optional<Equation> null_vector(std::vector<Equation> equations) {
       }
     }
   }
-  std::array<std::pair<double, std::size_t>, 9> values{};  // singular values and their columns
+  std::array<std::pair<double, std::size_t>, 9> values{};  // (singular value, its column)
   for (std::size_t k = 0; k < 9; ++k) {
     double square = 0;
     for (const Equation& row : equations) square += row[k] * row[k];
@@ -121,8 +122,8 @@ CameraPose pose_from(const Eigen::Matrix3d& homography, double focal_px) {
   columns *= scale;
   Eigen::Matrix3d rotation;
   rotation << columns.col(0), columns.col(1), columns.col(0).cross(columns.col(1));
-  // Computes the nearest rotation matrix by Newton's iteration for the polar decomposition (Higham 1986). Each step
-  // doubles the number of correct digits. Unlike an SVD it compiles quickly.
+  // Compute the nearest rotation matrix by Newton's iteration for the polar decomposition (Higham 1986). Each step
+  // doubles the number of correct digits. Unlike an SVD, it compiles quickly.
   for (int i = 0; i < 10; ++i) rotation = (0.5 * (rotation + rotation.inverse().transpose())).eval();
   const Eigen::AngleAxisd turn(rotation);
   return {turn.angle() * turn.axis(), -rotation.transpose() * columns.col(2)};

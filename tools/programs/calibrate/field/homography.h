@@ -8,19 +8,20 @@
 
 namespace touchline::calibrate {
 
-/// Homography from the floor (x, y, 1) to the picture (u, v, 1) relative to the given center, scaled so that points in
-/// front of the camera have a positive third coordinate. Empty if the points do not determine it.
+/// Returns the homography from the floor (x, y, 1) to the picture (u, v, 1) relative to the given center, scaled so
+/// that points in front of the camera have a positive third coordinate. Returns nullopt if the points do not determine
+/// a homography.
 std::optional<Eigen::Matrix3d> floor_to_picture(const std::vector<FloorPoint>& points, double center_u_px,
                                                 double center_v_px);
 
-/// Returns 1 / f^2 by least squares from the two conditions that the columns of a rotation matrix put on a homography
-/// relative to the principal point (their vanishing points are perpendicular, their lengths equal). Not positive if the
-/// picture does not determine it (a vertical camera).
+/// Returns 1 / f^2 by least squares. The columns of a rotation matrix give two conditions on a homography relative to
+/// the principal point: their vanishing points are perpendicular, and their lengths equal. The result is not positive
+/// if the picture does not determine it (a vertical camera).
 double inverse_focal_squared(const Eigen::Matrix3d& homography);
 
 struct CameraPose {
   Eigen::Vector3d rotation;  // rotation vector, field frame to camera frame
-  Eigen::Vector3d position;  // of the camera in the field frame
+  Eigen::Vector3d position;  // camera in the field frame
 };
 /// Decomposes a homography relative to the principal point into the camera pose at this focal length (px).
 CameraPose pose_from(const Eigen::Matrix3d& homography, double focal_px);

@@ -9,20 +9,20 @@
 namespace touchline::calibrate {
 namespace {
 
-constexpr int kAngles = 360;  // steps of half a degree
-// Tolerance of the line fit in a picture of width kUsualWidth_px, because lens distortion bends the sides. It grows in
-// proportion to the width.
+constexpr int kAngles = 360;  // half a degree apart
+// Tolerance of the line fit in a picture of width kUsualWidth_px; it is needed because lens distortion bends the sides.
+// It grows in proportion to the width.
 constexpr int kUsualBend_px = 3, kUsualWidth_px = 640;
 // Tolerance of right angles: perspective turns the rectangle into a general quadrilateral.
 constexpr double kSkew_rad = 0.45;
 // Least distance of a side from the center, in standard deviations of the outline. The sides of a rectangle are at 1 to
-// 1.7; the markings inside are closer.
+// 1.7; the markings inside are nearer.
 constexpr double kMinDeviations = 0.8;
 
 double angle_of(int a) { return std::numbers::pi * a / kAngles; }
 
-/// Counts the votes of the outline's pixels for an angle when it is first needed: about half of the angles never are.
-/// Distances are at most the picture's diagonal.
+/// Votes of the outline's pixels by angle. They are counted when an angle is first needed, because about half of the
+/// angles never are. Distances are at most the picture's diagonal.
 class Votes {
  public:
   Votes(const std::vector<OutlinePixel>& outline, int width_px, int height_px)
@@ -43,7 +43,7 @@ class Votes {
     std::vector<std::uint32_t> votes(2 * static_cast<std::size_t>(diagonal_px_) + 1);
     // Uses pointers, because builds with sanitizers call a function for each element of a vector.
     std::uint32_t* const to = votes.data();
-    const double c = std::cos(angle_rad), s = std::sin(angle_rad), to_index = diagonal_px_ + 0.5;  // 0.5: rounds
+    const double c = std::cos(angle_rad), s = std::sin(angle_rad), to_index = diagonal_px_ + 0.5;  // adding 0.5 rounds
     for (const OutlinePixel& p : outline_) ++to[static_cast<std::size_t>(p.u_px * c + p.v_px * s + to_index)];
 
     const std::size_t width = 2 * static_cast<std::size_t>(bend_px_) + 1;
@@ -75,8 +75,8 @@ bool hough_sides(const std::vector<OutlinePixel>& outline, int width_px, int hei
     const Eigen::Vector2d away = Eigen::Vector2d(p.u_px, p.v_px) - middle;
     spread += away * away.transpose() / static_cast<double>(outline.size());
   }
-  // Finds the best line whose normal is within kSkew_rad of `direction`. It must lie on that side of the center and far
-  // enough from it, because a center line is as long as a side.
+  // Finds the best line whose normal is within kSkew_rad of `direction`. The line must lie on this side of the center
+  // and far enough from it, because a center line is as long as a side.
   const auto best = [&](double direction) {
     constexpr double kPi = std::numbers::pi;
     HoughLine line;

@@ -16,8 +16,8 @@ struct HoughLine {
 /// Least number of votes for a side.
 inline constexpr std::size_t kMinVotes = 60;
 
-/// Step 2 of find_border(): Hough transform (Duda and Hart 1972). Finds the four sides of the border: the line with
-/// most votes, the opposite line and the two lines across, in the order bottom, right, top, left. Returns false if
+/// Step 2 of find_border(): Hough transform (Duda and Hart 1972). Finds the four sides of the border in the order
+/// bottom, right, top, left: the line with most votes, the opposite line, and the two lines across. Returns false if
 /// there are no four such lines.
 bool hough_sides(const std::vector<OutlinePixel>& outline, int width_px, int height_px,
                  std::array<HoughLine, 4>& sides);

@@ -35,7 +35,7 @@ std::optional<Eigen::MatrixXd> covariance_of(ceres::Problem& problem) {
     if (norms(i) == 0.0) squares(i, i) = 1.0;
   }
   const Eigen::LDLT<Eigen::MatrixXd> normal(squares);
-  // The residuals do not determine some parameter. LDLT itself would treat it as exact.
+  // Then the residuals do not determine some parameter, which LDLT would treat as exact.
   if (normal.info() != Eigen::Success || !(normal.vectorD().minCoeff() > 0.0)) return std::nullopt;
   const Eigen::MatrixXd inverse = normal.solve(Eigen::MatrixXd::Identity(sparse.num_cols, sparse.num_cols));
   return scale.asDiagonal() * inverse * scale.asDiagonal();

@@ -11,7 +11,7 @@ namespace touchline::calibrate {
 
 /// Ceres cost function: Gaussian prior of one parameter with expected value and standard deviation.
 struct Prior {
-  std::size_t index;  // in the parameter block
+  std::size_t index;  // index in the parameter block
   double value, sigma;
   template <class T>
   bool operator()(const T* parameters, T* residual) const {
@@ -38,8 +38,8 @@ struct LogPrior {
 /// `function_tolerance` or the relative change of the parameters below `parameter_tolerance`.
 ceres::Solver::Summary minimize(ceres::Problem& problem, double function_tolerance, double parameter_tolerance = 1e-8);
 
-/// Covariance of the parameters in the order of their blocks: inverse of J^T J at the current values. Constant
-/// parameters have zeros. Empty if the residuals cannot be evaluated or do not determine the parameters.
+/// Returns the covariance of the parameters in the order of their blocks: the inverse of J^T J at the current values.
+/// Constant parameters have zeros. Empty if the residuals cannot be evaluated or do not determine the parameters.
 std::optional<Eigen::MatrixXd> covariance_of(ceres::Problem& problem);
 
 }  // namespace touchline::calibrate

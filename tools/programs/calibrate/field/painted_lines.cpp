@@ -9,7 +9,7 @@ namespace {
 // cm wide (SSL).
 constexpr double kLine_m = 0.03;
 
-// Whether the mark is the line in front of a goal that ends a penalty area.
+// Returns whether the mark is the line of a penalty area in front of the goal.
 bool bounds_penalty_area(const Mark& mark, const FieldParameters& field) {
   const auto front = static_cast<double>(field.length_m / 2 - field.penalty_area_depth_m);
   const auto is_there = [front](double x_m) { return std::abs(std::abs(x_m) - front) < kLine_m; };
@@ -22,7 +22,7 @@ bool is_center_circle(const Mark& mark, const FieldParameters& field) {
          std::abs(mark.radius_m - static_cast<double>(field.center_circle_m)) < kLine_m;
 }
 
-// Whether the pictures show the places of these marks, but none of the marks.
+// Returns whether the pictures show the places of these marks, but none of the marks.
 bool is_missing(const FieldReport& report, const FieldParameters& field,
                 bool (*belongs)(const Mark&, const FieldParameters&)) {
   bool is_tried = false;

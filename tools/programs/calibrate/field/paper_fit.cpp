@@ -10,7 +10,8 @@
 namespace touchline::calibrate {
 namespace {
 
-// H that stands for a lens without distortion: eq. (12) then moves no pixel of any frame by a thousandth of a pixel.
+// Value of H for a lens without distortion: eq. (12) then moves no pixel of any frame by more than a thousandth of a
+// pixel.
 constexpr double kStraightLens_px = 1e5;
 
 // Computes eq. (12) with the curvature c = 1 / H^2: R / r = sinh(r / H) / (r / H) as a series, which is smooth at c =
@@ -24,13 +25,13 @@ T stretch(const T& curvature, double r2) {
 struct PaperResidual {
   FloorPoint point;
   double center_u_px, center_v_px;
-  // pixels per meter, so that residuals have the same weights as clicks
+  // pixels per meter, so that residuals have the same weights as clicks in pixels
   double scale;
   template <class T>
   bool operator()(const T* curvature, const T* tilt, const T* affine, T* residual) const {
     const double u = point.u_px - center_u_px, v = point.v_px - center_v_px;
     const T k = stretch(curvature[0], u * u + v * v);
-    const T radial_x = k * u, radial_y = k * v;  // X, Y of the paper
+    const T radial_x = k * u, radial_y = k * v;  // X, Y in the paper
     const T d = T(1) - tilt[0] * radial_x - tilt[1] * radial_y;
     const T x = radial_x / d, y = radial_y / d;
     residual[0] = scale * (affine[0] * x + affine[1] * y + affine[2] - point.x_m);
@@ -45,8 +46,8 @@ Result<void> fit_paper_model(const FieldFitInput& input, FieldFit& fit) {
   const FullModelParameters& full = fit.camera.full;
   const double cu = static_cast<double>(full.cx_px), cv = static_cast<double>(full.cy_px);
   const double focal = static_cast<double>(full.fx_px), k1 = static_cast<double>(full.k1);
-  // Matches the third order of eq. (12) to that of Brown's model: k1 / f^2 = -1 / (6 H^2). The model cannot represent
-  // pincushion distortion.
+  // Start with the H at which the third order of eq. (12) equals that of Brown's model: k1 / f^2 = -1 / (6 H^2). The
+  // model cannot represent pincushion distortion.
   double curvature = std::max(-6.0 * k1 / (focal * focal), 1.0 / (kStraightLens_px * kStraightLens_px));
 
   std::vector<FloorPoint> straight = input.points;

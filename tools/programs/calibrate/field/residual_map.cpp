@@ -13,7 +13,7 @@ namespace {
 
 using replay::CanvasColor;
 
-// Length at which the 95th percentile is drawn.
+// Length of the line that shows the 95th percentile.
 constexpr double kStroke_px = 16;
 constexpr int kLegend_px = 78;
 constexpr double kMargin_px = 10, kBarWidth_px = 160, kBarHeight_px = 10;
@@ -33,7 +33,7 @@ CanvasColor color_of(double share) {
   return replay::color_on_scale(kStops, share);
 }
 
-// Returns the darkened photograph with room for the legend below.
+// Returns the darkened photograph with space for the legend below it.
 replay::SurfacePtr darkened(const hal::Picture& photograph) {
   const Frame frame = frame_of(photograph);
   const replay::SurfacePtr shown = replay::to_surface(frame);
@@ -87,7 +87,7 @@ hal::Picture draw_residuals(const hal::Picture& photograph, const CameraModel& c
     const double off =
         (p.u_px - static_cast<double>(at.u_px)) * p.across_u + (p.v_px - static_cast<double>(at.v_px)) * p.across_v;
     const double mm = 1e3 * std::abs(off) / static_cast<double>(camera.scale_px_per_m(place, 0.0f));
-    // The origin of Cairo is the corner of the first pixel.
+    // Cairo's origin is the corner of the first pixel, not its center.
     const double u = static_cast<double>(at.u_px) + 0.5, v = static_cast<double>(at.v_px) + 0.5;
     replay::set_color(*context, color_of(mm / full_scale_mm));
     cairo_move_to(context.get(), u, v);

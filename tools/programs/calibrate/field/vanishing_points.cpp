@@ -11,7 +11,7 @@ Eigen::Vector3d line_of(const HoughLine& line, const Eigen::Vector2d& center) {
   return {normal.x(), normal.y(), normal.dot(center) - line.distance_px};
 }
 
-// Scales the point so that a direction is a unit vector and w the inverse of its distance.
+// Returns the intersection, scaled so that a direction is a unit vector and w is the inverse of the distance.
 VanishingPoint meeting(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
   Eigen::Vector3d point = a.cross(b);
   point /= point.head<2>().norm();
@@ -23,7 +23,7 @@ VanishingPoint meeting(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
 std::optional<VanishingPointModel> vanishing_point_model(const BorderSearch& border, bool quarter_turned, int width_px,
                                                          int height_px, const FieldParameters& field) {
   const Eigen::Vector2d center(0.5 * (width_px - 1), 0.5 * (height_px - 1));
-  // Bottom, right, top, left in the picture.
+  // Order in the picture: bottom, right, top, left.
   const std::array<Eigen::Vector3d, 4> sides{
       line_of(border.straight_sides[0], center), line_of(border.straight_sides[1], center),
       line_of(border.straight_sides[2], center), line_of(border.straight_sides[3], center)};
@@ -35,7 +35,7 @@ std::optional<VanishingPointModel> vanishing_point_model(const BorderSearch& bor
   // The x axis points to the right, or upwards.
   const double sign = quarter_turned ? (steps.along_x.y < 0 ? 1.0 : -1.0) : (steps.along_x.x > 0 ? 1.0 : -1.0);
   steps.rotation_rad = std::atan2(sign * steps.along_x.y, sign * steps.along_x.x);
-  // Solves p x + q y = w at both points. For points on the axes this is 1 / d of eq. (15).
+  // Solve p x + q y = w at both points. For points on the axes this is 1 / d of eq. (15).
   Eigen::Matrix2d points;
   points << steps.along_x.x, steps.along_x.y, steps.along_y.x, steps.along_y.y;
   if (std::abs(points.determinant()) < 0.1) return std::nullopt;
@@ -70,7 +70,7 @@ std::optional<VanishingPointModel> vanishing_point_model(const BorderSearch& bor
       steps.model.affine[static_cast<std::size_t>(3 * axis + i)] = static_cast<float>(affine(i, axis));
     }
   }
-  // Any height above the floor will do: the mapping of the floor does not depend on it.
+  // Any height above the floor works, because the mapping of the floor does not depend on it.
   steps.model.position_m = {0, 0, 1};
   return steps;
 }

@@ -74,7 +74,7 @@ Frame frame_of(const hal::Picture& picture) {
 }
 
 void set_pixel(hal::Picture& picture, double u_px, double v_px, const std::array<std::uint8_t, 3>& rgb) {
-  // Before rounding, because positions far outside do not fit into an integer.
+  // Check before rounding, because positions far outside do not fit into an integer.
   if (!(u_px > -0.5 && v_px > -0.5 && u_px < picture.width_px - 0.5 && v_px < picture.height_px - 0.5)) return;
   const auto column = static_cast<std::size_t>(std::lround(u_px)), row = static_cast<std::size_t>(std::lround(v_px));
   std::copy(rgb.begin(), rgb.end(),

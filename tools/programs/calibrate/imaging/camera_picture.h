@@ -29,7 +29,7 @@ class CameraPicture {
  private:
   Frame shape_;
   std::vector<std::uint8_t> bytes_;
-  std::array<std::size_t, kMaxPlanes> begin_{};  // of each plane, in bytes_
+  std::array<std::size_t, kMaxPlanes> begin_{};  // begin of each plane in bytes_
 };
 
 /// Loads the first frame of a picture or video file as 8-bit RGB.
@@ -40,13 +40,14 @@ hal::Picture picture_of(cairo_surface_t& surface);
 /// Converts a frame to 8-bit RGB (YUV: ITU-R BT.601, in the range of its format, as load() reads it).
 hal::Picture picture_of(const Frame& frame);
 
-/// A view of an 8-bit RGB picture, which must outlive it.
+/// Returns a view of an 8-bit RGB picture; the picture must outlive the view.
 Frame frame_of(const hal::Picture& picture);
 
 /// Colors the pixel at this position of an 8-bit picture. Positions outside of the picture are ignored.
 void set_pixel(hal::Picture& picture, double u_px, double v_px, const std::array<std::uint8_t, 3>& rgb);
 
-/// The format of the frames for its name in the board file, e.g. "yuyv" or "mjpg". Unknown names give none.
+/// Returns the format of the frames for its name in the board file, for example "yuyv" or "mjpg". Returns nothing for
+/// an unknown name.
 std::optional<PixelFormat> format_of(std::string_view word);
 
 }  // namespace touchline::calibrate

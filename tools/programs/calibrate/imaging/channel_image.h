@@ -30,11 +30,11 @@ struct ChannelImage {
 /// gain of its tile (Klancar eq. 17).
 ChannelImage corrected_channels(const Frame& frame, const Shading& shading);
 
-/// The channels of R, G, B from 0 to 255, rounded and limited.
+/// Converts R, G, B from 0 to 255 to channels, rounded and limited.
 Channels channels_of(const std::array<double, 3>& rgb, ColorSpace space);
 
-/// Distance of two colors in levels of the camera's color space. In YUV, luma counts half and chroma twice: chroma
-/// spans half the range of luma and carries most of the difference between a patch and its neighbor.
+/// Distance of two colors in levels of the camera's color space. In YUV, luma has half the weight and chroma twice,
+/// because chroma spans half the range of luma and carries most of the difference between a patch and its surroundings.
 double color_distance(const Channels& a, const Channels& b, ColorSpace space);
 
 /// Marks the pixels whose center lies in the polygon: one byte per pixel, 1 inside. With fewer than three corners, all

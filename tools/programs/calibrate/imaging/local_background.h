@@ -7,7 +7,7 @@
 namespace touchline::calibrate {
 
 /// Estimates the background color around each pixel: the median of each block of 16 x 16 pixels, then the median of 5 x
-/// 5 blocks, which is more than a robot, a line or a logo covers. Blocks with fewer than 16 pixels inside the mask are
+/// 5 blocks, which cover more area than a robot, a line or a logo. Blocks with fewer than 16 pixels inside the mask are
 /// ignored; the color is black where no block is left.
 class LocalBackground {
  public:

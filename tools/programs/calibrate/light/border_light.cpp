@@ -8,7 +8,7 @@ namespace touchline::calibrate {
 namespace {
 
 constexpr double kAlong_m = 0.02;
-// The border is 2 to 5 cm wide and its edges are blurred.
+// Range across the border's edge in which samples are taken; the border is 2 to 5 cm wide and its edges are blurred.
 constexpr double kNearest_m = 0.008, kOutwards_m = 0.003;
 constexpr int kStepsOutwards = 15;
 constexpr double kFarthest_m = kNearest_m + kStepsOutwards * kOutwards_m;
@@ -17,7 +17,7 @@ constexpr double kCorner_m = 0.15;
 constexpr std::size_t kBrightest = 3;
 constexpr std::size_t kMinPlaces = 40;
 constexpr int kRounds = 40;
-// Deviations of the logarithm: below this limit they count as squares, above as absolute values.
+// Limit of a deviation of the logarithm: below it the square counts, above it the absolute value.
 constexpr double kFine = 0.01;
 // Weight of the regularization of the quadratic terms, per sample.
 constexpr double kStiffness = 1e-3;
@@ -25,7 +25,7 @@ constexpr double kStiffness = 1e-3;
 constexpr int kTerms = 6;
 using Terms = Eigen::Matrix<double, kTerms, 1>;
 
-// Polynomial terms at a position in the picture; x and y from -1 to 1.
+// Returns the polynomial terms at a position in the picture; x and y from -1 to 1.
 Terms terms_at(double x, double y) { return (Terms() << 1, x, y, x * x, x * y, y * y).finished(); }
 
 struct Sample {

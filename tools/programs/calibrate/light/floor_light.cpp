@@ -11,8 +11,8 @@ namespace touchline::calibrate {
 namespace {
 
 constexpr int kRim_px = 2;
-// Half of the window of LocalBackground is 40 pixels. A steeper change of the light over that distance is a reflection
-// of a lamp.
+// Largest change of the light over 40 pixels, half the window of LocalBackground. A steeper change is the reflection of
+// a lamp.
 constexpr double kSteepestLight = 0.15;
 // Median absolute deviation of a normal distribution, as a fraction of sigma.
 constexpr double kMadOfSigma = 0.6745;
@@ -60,7 +60,7 @@ std::vector<std::uint8_t> plain_floor(const std::array<Plane, 3>& background, co
 }
 
 void mend_floor(const LightGrid& grid, std::array<Plane, 3>& cells) {
-  constexpr double kUnlike = 0.05;  // of the value; the noise of a cell's median is smaller
+  constexpr double kUnlike = 0.05;  // relative to the value; the noise of a cell's median is smaller
   constexpr double kNeighborhood = 2.5;
   constexpr int kMendingRounds = 4;
   for (int round = 0; round < kMendingRounds; ++round) {

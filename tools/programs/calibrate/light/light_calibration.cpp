@@ -20,7 +20,7 @@ constexpr std::array<Choice<LightSurface>, 4> kSurfaces{{{"grey", LightSurface::
                                                          {"moving", LightSurface::kMoving},
                                                          {"border", LightSurface::kBorder}}};
 
-// The mask ends this far inside the border, which is 2 to 5 cm wide and has a blurred edge.
+// Distance inside the border at which the mask ends; the border is 2 to 5 cm wide and has a blurred edge.
 constexpr float kInsideBorder_m = 0.03f;
 
 // Returns false if the venue has no camera model yet.
@@ -44,14 +44,14 @@ std::vector<std::uint8_t> floor_mask(const VenueDraft& draft, const CameraModel&
   return mask;
 }
 
-// Reads C of the map that the venue's colors were learned with.
+// Reads C of the map with which the venue's colors were learned.
 Result<void> read_normal(const std::string& venue, const config::LightEntry& entry, const std::string& measured_on,
                          std::optional<std::array<double, 3>>& normal) {
   if (entry.normal.size() != 3) {
     return Error{ErrorCode::kNotFound,
                  venue + ": light.normal is missing: measure the light without --keep-normal, then learn the colors"};
   }
-  // Pictures of a game show the same floor as pictures of the empty field.
+  // Treat both alike, because pictures of a game show the same floor as pictures of the empty field.
   const auto surface_of = [](const std::string& surface) { return surface == "moving" ? "field" : surface; };
   if (surface_of(entry.surface) != surface_of(measured_on)) {
     return Error{ErrorCode::kInconsistent,
@@ -63,14 +63,16 @@ Result<void> read_normal(const std::string& venue, const config::LightEntry& ent
   return {};
 }
 
-// kOutOfRange: the field is not covered with paper. Advises the surface that can be measured in these pictures.
+// Checks that the field is covered with paper; kOutOfRange otherwise. The message advises the surface that can be
+// measured in these pictures.
 Result<void> require_paper(const LightFitInput& input, std::vector<std::uint8_t> floor) {
   const hal::Picture& first = input.pictures.front();
   const std::vector<std::uint8_t> inside =
       inside_mask(input.region_of_interest, static_cast<int>(first.width_px), static_cast<int>(first.height_px));
   for (std::size_t i = 0; i < floor.size(); ++i) floor[i] = inside[i] != 0 ? floor[i] : std::uint8_t{0};
   for (const hal::Picture& picture : input.pictures) {
-    if (picture.width_px != first.width_px || picture.height_px != first.height_px) return {};  // fit_light() says so
+    // Fit_light() reports the difference.
+    if (picture.width_px != first.width_px || picture.height_px != first.height_px) return {};
   }
   const PaperCheck paper = check_paper(input.pictures, floor);
   if (paper.other_share <= kMaxOtherShare) return {};

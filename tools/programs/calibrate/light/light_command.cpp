@@ -12,7 +12,7 @@ namespace touchline::calibrate {
 
 namespace {
 
-// From this number on, pictures are assumed to show a game unless --surface is given.
+// At this number of pictures or more, they are assumed to show a game unless --surface is given.
 constexpr std::size_t kManyPictures = 12;
 }  // namespace
 

@@ -14,10 +14,10 @@ namespace {
 
 // Least share of plain floor in a cell.
 constexpr double kMinFloorShare = 0.3;
-// core/light limits the gain to 4; the file format ends at 65535 / 32768 = 1.99997.
+// Range of the map: core/light limits the gain to 4, and the file format ends at 65535 / 32768 = 1.99997.
 constexpr float kMinIllumination = 0.25f, kMaxIllumination = 65535.0f / 32768.0f;
 
-// The median of each pixel over all pictures: what is visible in most of them.
+// Returns the median of each pixel over all pictures, which is what most of them show.
 Plane usual_value(const std::vector<hal::Picture>& pictures, std::size_t channel) {
   Plane out(std::size_t{pictures[0].width_px} * pictures[0].height_px);
   std::vector<double> values(pictures.size());
@@ -135,7 +135,7 @@ Result<void> fit_light(const LightFitInput& input, LightMap& out, LightReport& r
 
   if (floor) mend_floor(grid, planes);
   std::array<Plane, 3> smooth;
-  // All channels have the same factor, so that a grey surface stays grey.
+  // All channels have the same factor, so that a gray surface stays gray.
   double factor = 1.0;
   for (std::size_t channel = 0; channel < 3; ++channel) {
     grid.fill(planes[channel]);

@@ -11,7 +11,7 @@ namespace touchline::calibrate {
 namespace {
 
 constexpr std::size_t kMaxColumns = 64, kMaxRows = 48;
-// The median of fewer pixels is not robust.
+// In smaller cells, the median has too few pixels to be robust.
 constexpr std::size_t kMinCellSide_px = 4;
 
 }  // namespace

@@ -16,7 +16,7 @@ namespace {
 
 constexpr double kMillimeter = 1e3, kDegree = 180.0 / std::numbers::pi;
 
-// Adds all pictures.
+// Adds all pictures of the input.
 Result<void> record(const std::string& input, NoiseRecorder& recorder) {
   hal::ReplayCamera camera({input, hal::replay_format(recorder.color_space()), 0.0});
   TOUCHLINE_TRY(camera.open());

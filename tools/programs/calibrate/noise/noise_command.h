@@ -10,7 +10,7 @@ class App;
 
 namespace touchline::calibrate {
 
-/// touchline-calibrate noise: measures the noise of standing robots and writes it to the venue file.
+/// touchline-calibrate noise: measures the noise of robots at rest and writes it to the venue file.
 struct NoiseCommand {
   std::string input, venue, team;
   bool yes = false;

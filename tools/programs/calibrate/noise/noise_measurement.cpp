@@ -14,12 +14,13 @@ namespace {
 
 using statistics::mean;
 
-// A standard deviation of this many samples is known to 13 %.
+// From this many samples, a standard deviation is known to 13 %.
 constexpr std::size_t kMinSightings = 30;
-// A sighting farther from the median belongs to something else. If many do, the object was moved.
+// Sightings farther from the median belong to another object. If more than the remaining share do, the object was
+// moved.
 constexpr double kSameObject_m = 0.01, kSameObjectShare = 0.9;
-// The means of the two halves of a standing object's sightings differ by less than this many standard deviations. Slow
-// changes of the light and a floor that gives way cost the additional distance.
+// Limits of the difference between the means of the first and the second half of a resting object's sightings: this
+// many standard deviations, plus a distance for slow changes of the light and a soft floor.
 constexpr double kMoved = 5.0, kSettles_m = 0.0002, kSettles_rad = 0.004;
 
 double median(std::vector<double> values) {
@@ -28,7 +29,7 @@ double median(std::vector<double> values) {
   return *middle;
 }
 
-// Unbiased variance.
+// Returns the unbiased variance.
 double variance(const std::vector<double>& values) {
   const double center = mean(values);
   const double sum = std::accumulate(values.begin(), values.end(), 0.0, [center](double total, double value) {
@@ -37,7 +38,7 @@ double variance(const std::vector<double>& values) {
   return sum / static_cast<double>(values.size() - 1);
 }
 
-// Difference between the means of the first and the second half.
+// Returns the difference between the means of the first and the second half.
 double drift(const std::vector<double>& values) {
   const auto half = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   return std::abs(mean({values.begin(), half}) - mean({half, values.end()}));
@@ -47,7 +48,7 @@ bool has_moved(const std::vector<double>& values, double settles) {
   return drift(values) > settles + kMoved * 2.0 * std::sqrt(variance(values) / static_cast<double>(values.size()));
 }
 
-// What of a measured variance the pictures do not show.
+// Returns the standard deviation of the part of a measured variance that the pictures do not show.
 double hidden_sigma(double measured_var, double shown_var) {
   return std::sqrt(std::max(0.0, measured_var - shown_var));
 }
@@ -60,10 +61,10 @@ void NoiseMeasurement::add(const Sightings& sightings) {
     Observations& seen = robots_[{robot.team, robot.id}];
     seen.x.push_back(static_cast<double>(robot.pose.position.x_m));
     seen.y.push_back(static_cast<double>(robot.pose.position.y_m));
-    // Relative to the first one, so that no angle wraps.
+    // Angles are relative to the first one, so that none wraps.
     const double theta = static_cast<double>(robot.pose.theta_rad);
     seen.theta.push_back(seen.theta.empty() ? theta : seen.theta.front() + wrap_angle(theta - seen.theta.front()));
-    // Errors that last while a robot stands do not scatter.
+    // Errors that persist while a robot stands do not scatter.
     const float scatters = 1.0f - robot.lasting_share;
     seen.position_var.push_back(0.5 * static_cast<double>(scatters * (robot.noise.xx + robot.noise.yy)));
     seen.heading_var.push_back(static_cast<double>(scatters * robot.noise.tt));

@@ -13,14 +13,14 @@
 namespace touchline::calibrate {
 namespace {
 
-// A camera without a good frame for this time has failed.
+// If a camera delivers no good frame for this time, it has failed.
 constexpr Duration kPatience = std::chrono::seconds(5);
 
 bool is_temporary(ErrorCode code) {
   return code == ErrorCode::kTimeout || code == ErrorCode::kShortFrame || code == ErrorCode::kCorruptFrame;
 }
 
-// "empty.png", or "empty-1.png" if there are several pictures.
+// Returns "empty.png", or "empty-1.png" if there are several pictures.
 std::string name_of(const std::string& out, unsigned number, unsigned count) {
   if (count == 1) return out;
   const std::filesystem::path path(out);

@@ -4,7 +4,7 @@
 
 namespace touchline::calibrate {
 
-/// Asks a yes-or-no question at the terminal. False if standard input is not a terminal.
+/// Asks a yes-or-no question at the terminal. Returns false if standard input is not a terminal.
 bool confirmed(const std::string& question);
 
 }  // namespace touchline::calibrate

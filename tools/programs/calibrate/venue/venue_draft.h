@@ -19,7 +19,7 @@ struct VenueDraft {
   bool exists = false;
 };
 
-/// Whether the field was calibrated.
+/// Returns whether the field was calibrated.
 bool has_camera_model(const VenueDraft& draft);
 
 /// Reads a venue file. A file that does not exist gives an empty draft. kInconsistent and the errors of the light map:
@@ -69,8 +69,8 @@ Section section_of(const std::string& name, const std::vector<Struct>& values) {
   return section;
 }
 
-/// Replaces these sections, all of them or none, and leaves the rest of the file as it is. The former version is kept
-/// as PATH.bak. Errors as of config::write_section().
+/// Replaces these sections, either all or none, and leaves the rest of the file as it is. The former version is kept as
+/// PATH.bak. Errors: as config::write_section().
 Result<void> write_sections(const std::string& path, const std::vector<Section>& sections);
 
 }  // namespace touchline::calibrate

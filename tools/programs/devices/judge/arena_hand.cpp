@@ -19,21 +19,24 @@ void ArenaHand::put_lid(hal::mock::ArenaParameters& arena) {
   lid.theta_rad = std::atan2(width_m, length_m);
   arena.robot.assign(1, lid);
   arena.robot_side_m = std::min(0.4, 0.22 * std::min(length_m, width_m));
-  // The lid pushes the ball, which must not be seen: a dot before the lid changes its shape with the direction.
+  // The lid pushes the ball, which must not be seen: a dot in front of the lid would change the lid's shape with the
+  // direction.
   arena.ball_radius_m = 0.005;
   arena.ball_color = "floor";
   arena.paint.push_back({"floor", arena.field.floor_rgb});
   arena.robot_height_m = 0.01;
   arena.physics.wheel_error = arena.physics.wheel_slip = 0.0;
-  // Between floor and lines, so that it differs from both; its patch is too small to be seen.
+  // The lid's brightness is between those of floor and lines, so that it differs from both; its patch is too small to
+  // be seen.
   arena.body_rgb = {150, 150, 150};
   arena.patch.assign(1, {hal::mock::PatchShape::kSquare, 0.0, 0.0, 0.001, 0.001});
 }
 
 void ArenaHand::move() {
   if (!begin_) begin_ = clock_.now();
-  // First to the middle of the field, then back and forth about twice in three seconds, as a hand does. No two strokes
-  // take the same time: with strokes in step with the frames, the camera would see the same few places again and again.
+  // The lid drives to the middle of the field, then back and forth about twice in three seconds, as a hand does. No two
+  // strokes take the same time: if they were in step with the frames, the camera would see the same few positions again
+  // and again.
   constexpr float kSpeed_mps = 1.2f;
   const double moved_s = seconds(clock_.now() - *begin_) - way_to_middle_m_ / static_cast<double>(kSpeed_mps);
   while (moved_s > next_turn_s_) {

@@ -9,17 +9,17 @@
 
 namespace touchline::devices {
 
-/// Moves the only robot of the arena back and forth, as a hand moves a lid before a camera.
+/// Moves the only robot of the arena back and forth, as a hand moves a lid in front of a camera.
 class ArenaHand {
  public:
-  /// `radio` is open.
+  /// `radio` must be open.
   ArenaHand(hal::Radio& radio, const hal::Clock& clock, const hal::mock::ArenaField& field);
 
-  /// Replaces the teams by one large square robot in a corner, which looks along the diagonal of the field. It moves
-  /// sideways and up and down at once.
+  /// Replaces the teams by one large square robot (the lid) in a corner, which faces along the diagonal of the field.
+  /// It therefore moves horizontally and vertically at once.
   static void put_lid(hal::mock::ArenaParameters& arena);
 
-  /// Sends the speeds of this moment. Begins when it is called first.
+  /// Sends the wheel speeds for the present time. The motion begins with the first call.
   void move();
 
  private:

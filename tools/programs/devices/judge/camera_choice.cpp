@@ -12,7 +12,8 @@ namespace touchline::devices {
 namespace {
 
 constexpr double kGameRate_hz = 60.0;
-// The Raspberry Pi's modules with global shutter deliver this at 60 Hz, and its ISP scales every sensor to it.
+// The Raspberry Pi's modules with global shutter deliver this size at 60 Hz, and its ISP scales the pictures of every
+// sensor to it.
 constexpr std::uint16_t kLibcameraWidth_px = 1280, kLibcameraHeight_px = 960;
 
 std::string real_path(const std::string& path) {
@@ -105,7 +106,8 @@ Result<hal::CameraSettings> choose_camera(const std::string& device, const std::
   if (!device.empty() && device[0] != '/') return choose_libcamera(device, mode);
   const std::vector<hal::CameraNode> nodes = hal::list_cameras();
   if (!device.empty()) return choose_v4l2(device, mode, nodes);
-  // Where a sensor is on a ribbon cable, some of the kernel's devices belong to its ISP and deliver nothing alone.
+  // If a sensor is on a ribbon cable, some of the kernel's devices belong to its ISP and deliver nothing on their own,
+  // so libcamera is preferred.
   const std::vector<hal::LibcameraName> cameras = hal::libcamera_cameras();
   const bool has_ribbon = std::any_of(cameras.begin(), cameras.end(), [](const auto& here) { return !here.external; });
   if (has_ribbon) return choose_libcamera("auto", mode);

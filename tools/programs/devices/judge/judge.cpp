@@ -16,22 +16,22 @@
 namespace touchline::devices {
 namespace {
 
-// faults.camera_timeout_s is shorter, but a first frame may take longer.
+// A first frame may take longer than faults.camera_timeout_s.
 constexpr Duration kPatience = std::chrono::seconds(5);
 // A camera's automatic control of brightness settles in about a second.
 constexpr double kSettle_s = 1.0;
 constexpr double kBackground_s = 1.0;
 constexpr double kExposureStep_s = 0.7;
-// From the shortest that global shutters offer to the period of 60 Hz.
+// These span the shortest time that global shutters offer to more than half the period of 60 Hz.
 constexpr std::array kExposures_us{100, 1000, 2000, 5000, 10000};
 // The measurement ends early when the uncertainty (two standard deviations) is below this.
 constexpr double kGoodReadout_s = 0.0008, kGoodShare = 0.05;
-// Standard deviation of systematic errors, such as those by lines behind the object. Before the arena, readouts of 0 to
-// 15 ms were found up to 0.5 ms too long (tests/tools/camera_judge_test.cpp).
+// Standard deviation of systematic errors, for example from lines behind the object. In the simulated arena, readouts
+// of 0 to 15 ms were measured up to 0.5 ms too long (tests/tools/camera_judge_test.cpp).
 constexpr double kSystematic_s = 0.0003;
 // The readout is reported only if its uncertainty is small enough to tell a rolling from a global shutter.
 constexpr double kUsefulReadout_s = 0.003, kUsefulShare = 0.15;
-// More than enough for its statistics, and short of a real hand's patience.
+// This is more than enough for the statistics, and a person can move an object for so long.
 constexpr double kMinMotion_s = 10.0;
 
 using Lease = hal::FrameLease;
@@ -56,7 +56,7 @@ class Judge {
   }
 
  private:
-  /// Calls `use` with each frame for this time. Lost frames (short, corrupt) are only left out.
+  /// Calls `use` with each frame that arrives within this time. Damaged frames (short, corrupt) are skipped.
   template <class Use>
   Result<void> watch(double for_s, Use use, bool shown = false, const std::function<void()>& before = {}) {
     const Instant begin = clock_.now(), end = begin + from_seconds(for_s);
@@ -114,7 +114,7 @@ class Judge {
       ExposureStep step{kExposures_us[i], 0.0, 0.0, differs.value()};
       std::vector<double> brightness;
       std::vector<FrameTime> times;
-      // The first half passes before all frames have the new exposure.
+      // The first half of the time passes before all frames have the new exposure.
       TOUCHLINE_TRY(watch(kExposureStep_s / 2.0, [](const Frame&) {}));
       TOUCHLINE_TRY(watch(kExposureStep_s / 2.0, [&](const Frame& frame) {
         StillMeasurement one;
@@ -157,7 +157,8 @@ class Judge {
     Instant next_estimate = begin + from_seconds(kMinMotion_s);
     bool is_good = false;
     while (!is_good && seconds(clock_.now() - begin) < options_.motion_s) {
-      // In pieces of a second, between which the estimate is made; it takes longer than a frame.
+      // Frames are watched in pieces of a second; the estimate, which takes longer than a frame, is made between two
+      // pieces.
       TOUCHLINE_TRY(watch(
           1.0,
           [&](const Frame& frame) {

@@ -13,12 +13,12 @@
 
 namespace touchline::devices {
 
-/// What the camera does at one exposure time.
+/// Behavior of the camera at one exposure time.
 struct ExposureStep {
   int exposure_us = 0;
-  double brightness = 0.0;  // median, 0 to 255
+  double brightness = 0.0;  // median brightness, 0 to 255
   double rate_hz = 0.0;
-  std::string differs;  // what the driver did instead; "": nothing
+  std::string differs;  // what the driver did instead of setting the time; "": the time was set
 };
 
 /// Time from the exposure of the first row to that of the last row.
@@ -32,26 +32,26 @@ struct JudgeReport {
   hal::CameraInfo info;
   TimingReport timing;
   StillReport still;
-  std::vector<ExposureStep> exposures;  // shortest first; empty: it cannot be changed while streaming
-  std::string exposure_refusal;         // why; "": it can
+  std::vector<ExposureStep> exposures;  // shortest first; empty: the exposure cannot be changed while streaming
+  std::string exposure_refusal;         // why the exposure cannot be changed; "": it can be changed
   ShutterReport shutter;
   bool motion_wanted = true;
 };
 
 struct JudgeOptions {
   double still_s = 10.0;
-  double motion_s = 60.0;  // at most; 0: no measurement of the rolling shutter
+  double motion_s = 60.0;  // longest measurement of the rolling shutter; 0: skip it
 };
 
-/// Called while the camera is judged. `step`: the work has come to this step; then `done` from 0 to 1 and a remark.
+/// Called while the camera is judged. `step`: the step that has begun; afterwards `done` from 0 to 1 and a remark.
 struct JudgeProgress {
   std::function<void(int step, const std::string& what)> begin = [](int, const std::string&) {};
   std::function<void(double done, const std::string& remark)> update = [](double, const std::string&) {};
 };
 inline constexpr int kJudgeSteps = 3;
 
-/// Measures a camera that is closed, and closes it again. `move`: called before each frame of the last step; moves an
-/// object in a simulation. The exposure is that of `settings` at the end. Errors are those of the camera.
+/// Opens a camera, measures it, and closes it again. `move` is called before each frame of the last step, so that a
+/// simulation can move an object. At the end the camera has the exposure of `settings`. Errors: those of the camera.
 Result<JudgeReport> judge(hal::Camera& camera, hal::Clock& clock, const hal::CameraSettings& settings,
                           const JudgeOptions& options, const JudgeProgress& progress,
                           const std::function<void()>& move = {});

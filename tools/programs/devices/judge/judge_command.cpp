@@ -20,7 +20,7 @@ namespace {
 
 constexpr const char* kProgram = "touchline-devices";
 
-/// Name of the board and of the operating system, each as the system tells it.
+/// Returns the name of the board and of the operating system, each as the system reports it.
 std::string system_text() {
   std::string text;
   std::string line;
@@ -71,7 +71,7 @@ Result<void> configure(const JudgeRequest& request, config::Configuration& confi
 }  // namespace
 
 int judge_command(const JudgeRequest& request) {
-  const auto configuration = std::make_unique<config::Configuration>();  // large
+  const auto configuration = std::make_unique<config::Configuration>();  // too large for the stack
   if (const Result<void> configured = configure(request, *configuration); !configured.ok()) {
     return fail(kProgram, configured.text(), request.board.empty() ? kExitDeviceFailure : kExitBadFile);
   }
@@ -80,7 +80,7 @@ int judge_command(const JudgeRequest& request) {
   if (board.camera.backend == hal::CameraBackend::kReplay) {
     return fail(kProgram, request.board + ": camera.backend = \"replay\" is a recording; judge a camera");
   }
-  // No robot moves and no pin changes while a real camera is judged.
+  // While a real camera is judged, no robot moves and no pin changes.
   board.radio.backend = simulated ? hal::RadioBackend::kMock : hal::RadioBackend::kNone;
   board.gpio.backend = hal::GpioBackend::kNone;
   if (simulated) ArenaHand::put_lid(board.arena);

@@ -7,10 +7,10 @@
 namespace touchline::devices {
 
 struct JudgeRequest {
-  std::string device;                  // "": the camera of the board file, or the first one
-  std::string mode;                    // "mjpg,1280x720,60"; "": of the board file, or chosen
-  std::string board;                   // "": none
-  std::vector<std::string> overrides;  // of the board file
+  std::string device;                  // "": the camera of the board file, or the first camera found
+  std::string mode;                    // "mjpg,1280x720,60"; "": the mode of the board file, or chosen
+  std::string board;                   // board file; "": none
+  std::vector<std::string> overrides;  // "key=value" for keys of the board file
   bool motion = true;
 };
 

@@ -8,24 +8,29 @@
 namespace touchline::devices {
 namespace {
 
-// All limits are places of a robot that drives at 1 m/s, the speed of docs/hardware.md: a millisecond is a millimeter.
+// All limits are derived from the displacement of a robot at 1 m/s, the speed assumed in docs/hardware.md: a
+// millisecond is a millimeter.
 constexpr double kRobot_mps = 1.0;
-// Between two frames: at 50 Hz 20 mm, less than the ball's radius; beyond a robot's side (75 mm) tracks are ambiguous.
+// Displacement between two frames. 20 mm (50 Hz) is less than the ball's radius; beyond a robot's side (75 mm), tracks
+// are ambiguous.
 constexpr double kGoodStep_m = 0.0201, kUsableStep_m = 0.075;
-// The camera may be slower than requested by this share.
+// The delivered rate may be lower than requested by this factor.
 constexpr double kSlower = 0.95;
-// A lost frame is a gap of two steps; one in a hundred is seldom seen, one in five is a camera of lower rate.
+// A lost frame leaves a gap of two frame periods. One lost frame in a hundred is rarely noticed; one in five amounts to
+// a camera of a lower rate.
 constexpr double kGoodLost = 0.01, kUsableLost = 0.2;
-// Jitter of the stamps displaces a robot in the picture's time: 2 mm are below the noise of a robot's place on a field
-// of 2 m at 640 px (4 mm a pixel); 20 mm are a frame.
+// Jitter of the time stamps displaces a robot. 2 mm are below the noise of a robot's position on a field of 2 m at 640
+// px (4 mm per pixel); 20 mm are a whole frame.
 constexpr double kGoodJitter_m = 0.002, kUsableJitter_m = 0.02;
-// Displacement between first and last row, and blur: docs/hardware.md asks for 5 mm at most.
+// Displacement by motion blur, and between first and last row: docs/hardware.md asks for 5 mm at most.
 constexpr double kGoodSmear_m = 0.005;
-// Color boxes are a few dozen levels wide: noise of 4 levels keeps three deviations inside of half of that.
+// Color boxes are a few dozen levels wide. Three standard deviations of a noise of 4 levels stay within half of that
+// width.
 constexpr double kGoodNoise = 4.0, kUsableNoise = 12.0;
-// The adaptation to the light follows slow changes; a fast one of 2 % is about one level of noise at medium brightness.
+// The adaptation to the light follows slow changes only. A fast change of 2 % is like a noise of one level at medium
+// brightness.
 constexpr double kGoodFlicker = 0.02, kUsableFlicker = 0.15;
-// Below this nothing can be told apart.
+// Median brightness below which, or above which, a picture is too dark or too bright to judge.
 constexpr double kDark = 24.0, kWhite = 250.0;
 constexpr int kGameExposure_us = 5000;
 
@@ -38,12 +43,12 @@ const ExposureStep* step_at(const JudgeReport& report, int exposure_us) {
   return nullptr;
 }
 
-/// Whether the camera measures exposure in steps of its own instead of microseconds (docs/cameras.md).
+/// Returns whether the camera measures exposure in steps of its own instead of microseconds (docs/cameras.md).
 bool has_own_steps(const JudgeReport& report) {
   return !report.exposures.empty() && report.exposures[0].differs.find("set exposure_steps") != std::string::npos;
 }
 
-/// Whether longer exposures make the picture brighter; a picture that is white or black at all of them does not tell.
+/// Whether longer exposures make the picture brighter. kUnknown: the picture is black or white at all exposures.
 enum class Response : std::uint8_t { kFollows, kIgnores, kUnknown };
 Response exposure_response(const JudgeReport& report) {
   if (report.exposures.size() < 2 || has_own_steps(report)) return Response::kUnknown;

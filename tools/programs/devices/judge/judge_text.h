@@ -15,17 +15,17 @@ struct Finding {
   std::string reason;  // "it delivers 12.5 frames a second"
 };
 
-/// What is not good about the camera, worst first. Empty: all that was measured is good.
+/// Returns the camera's weaknesses, worst first. Empty if everything that was measured is good.
 std::vector<Finding> judge_findings(const JudgeReport& report);
 
-/// One sentence: good; usable, because ...; or not usable, because ....
+/// Returns one sentence: good; usable, because ...; or not usable, because ....
 std::string verdict(const JudgeReport& report);
 
-/// The figures, a line each, for a person.
+/// Returns the figures for a person, one per line.
 std::string figures(const JudgeReport& report);
 
-/// The form of docs/hardware.md with these figures; the rest is left for the user. `system`: board and operating
-/// system; `version`: of Touchline.
+/// Returns the form of docs/hardware.md, filled with these figures; the user completes the rest. `system`: board and
+/// operating system; `version`: version of Touchline.
 std::string hardware_report(const JudgeReport& report, const std::string& system, const std::string& version);
 
 }  // namespace touchline::devices

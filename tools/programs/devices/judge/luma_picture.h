@@ -21,10 +21,11 @@ inline constexpr std::size_t kMaxLumaWidth = 640;
 /// most kMaxLumaWidth columns.
 constexpr std::size_t luma_square(std::size_t width_px) { return (width_px + kMaxLumaWidth - 1) / kMaxLumaWidth; }
 
-/// Columns and rows that do not fill a square are left out. `square`: at least 1.
+/// Averages the brightness of a frame in squares; columns and rows that do not fill a square are left out. `square`: at
+/// least 1.
 void read_luma(const Frame& frame, std::size_t square, LumaPicture& out);
 
-/// Brightness of one pixel.
+/// Reads the brightness of single pixels.
 class LumaReader {
  public:
   explicit LumaReader(const Frame& frame);

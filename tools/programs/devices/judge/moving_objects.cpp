@@ -11,7 +11,7 @@ namespace {
 constexpr double kThresholdInNoise = 5.0;
 // JPEG and lamps change still pixels by a few levels.
 constexpr double kMinThreshold = 6.0;
-// The lean of smaller objects is too uncertain: the error of an edge is a part of a pixel.
+// Smaller objects are skipped. The error of an edge is a fraction of a pixel, so their lean would be too uncertain.
 constexpr double kMinArea = 150.0;
 
 }  // namespace
@@ -25,7 +25,7 @@ const std::vector<MovingObject>& MovingObjectFinder::find(const LumaPicture& pic
   found_.clear();
   for (std::size_t i = 0; i < weight_.size(); ++i) {
     const float difference = std::abs(picture.value[i] - background_.value[i]);
-    // An edge pixel that is partly covered counts in part, so that moments do not move in steps of a pixel.
+    // Edge pixels that are partly covered get a fractional weight, so that moments do not change in steps of a pixel.
     weight_[i] = std::clamp((difference - threshold_) / threshold_, 0.0f, 1.0f);
   }
   for (std::size_t i = 0; i < weight_.size(); ++i) {
@@ -41,7 +41,7 @@ MovingObject MovingObjectFinder::measure(std::size_t seed) {
   const std::size_t width = background_.width, height = background_.height;
   MovingObject object;
   double sum = 0.0, sum_x = 0.0, sum_y = 0.0, sum_xy = 0.0, sum_yy = 0.0;
-  // About the seed, because squares of large coordinates lose digits.
+  // Coordinates are relative to the seed, because squares of large coordinates lose digits.
   const std::size_t seed_row = seed / width;
   const auto origin_x = static_cast<double>(seed % width), origin_y = static_cast<double>(seed_row);
   open_.assign(1, seed);

@@ -11,22 +11,22 @@
 namespace touchline::devices {
 namespace {
 
-// Velocities come from this many frames before and after: the formula of five points is exact up to the fourth power
-// of time, so that a hand that turns at 2 Hz before a camera of 30 Hz is off by 0.1 %.
+// Number of frames before and after from which a velocity is computed. The five-point formula is exact up to the fourth
+// power of time, so for a hand that oscillates at 2 Hz in front of a camera of 30 Hz the error is 0.1 %.
 constexpr std::size_t kReach = 2;
-// A slow computer gets every second or third frame.
+// A slow computer processes only every second or third frame.
 constexpr std::uint32_t kLargestStep = 3;
-// A track with fewer samples says little beside its eight unknowns.
+// A track with fewer samples adds little information, because each track has eight unknowns of its own.
 constexpr std::size_t kMinSamples = 40;
-// Blocks whose errors are independent. Fewer give no uncertainty.
+// Number of blocks with independent errors. Fewer blocks give no estimate of the uncertainty.
 constexpr std::size_t kMinBlocks = 6;
-// Residuals beyond this many standard deviations are collisions, or two objects that touch.
+// Residuals beyond this many standard deviations come from collisions, or from two objects that touch.
 constexpr double kOutlier = 4.0;
 
-// Side of a cell in squares of the luma picture: a line behind the object that is a few squares wide changes its shape
-// within a few squares.
+// Side of a cell in squares of the luma picture. A line behind the object, a few squares wide, changes the object's
+// shape within a few squares.
 constexpr double kCell = 4.0;
-// Mean number of equations in a cell, below which most of them would be lost.
+// Mean number of equations per cell below which comparing within cells would lose most of them.
 constexpr std::size_t kMinVisits = 3;
 
 /// One equation: `shape` = `other` unknowns + t * `velocity`.
@@ -34,12 +34,12 @@ struct Equation {
   double shape = 0.0, velocity = 0.0;
   std::vector<double> other;
   std::size_t block = 0;
-  std::uint64_t cell = 0;  // of the picture
+  std::uint64_t cell = 0;  // cell of the picture
 };
 
-/// Subtracts from each equation the mean of all that were taken in its cell of the picture, so that whatever depends on
-/// the place alone cancels: lines on the floor behind the object, perspective, light. Equations that are alone in their
-/// cell say nothing any more, so nothing is done if the object seldom came to the same place again.
+/// Subtracts from each equation the mean of all equations in its cell of the picture. Effects that depend only on the
+/// position cancel: lines on the floor behind the object, perspective, light. An equation that is alone in its cell is
+/// lost, so nothing is done if the object rarely came to the same position again.
 void compare_within_cells(std::vector<Equation>& equations) {
   std::map<std::uint64_t, std::vector<Equation*>> cells;
   for (Equation& equation : equations) cells[equation.cell].push_back(&equation);
@@ -61,9 +61,9 @@ void compare_within_cells(std::vector<Equation>& equations) {
   }
 }
 
-/// Sums of a regression after the other unknowns were removed; weighted by the inverse variance of its residuals.
+/// Sums of a regression after the other unknowns were removed, weighted by the inverse variance of the residuals.
 struct Slope {
-  double weight = 0.0, moment = 0.0;  // their ratio is the slope
+  double weight = 0.0, moment = 0.0;  // the slope is moment / weight
   double score_squares = 0.0;
   std::size_t used = 0, blocks = 0;
 };
@@ -73,7 +73,7 @@ std::optional<Slope> regress(const std::vector<Equation>& equations, const std::
   if (rows < static_cast<Eigen::Index>(kMinSamples)) return std::nullopt;
   const auto unknowns = static_cast<Eigen::Index>(equations[0].other.size());
   Eigen::MatrixXd other(rows, unknowns);
-  Eigen::MatrixXd both(rows, 2);  // shape and velocity
+  Eigen::MatrixXd both(rows, 2);  // columns: shape and velocity
   std::vector<std::size_t> blocks;
   for (std::size_t i = 0; i < equations.size(); ++i) {
     if (!used[i]) continue;
@@ -110,7 +110,7 @@ std::optional<Slope> robust_slope(std::vector<Equation> equations) {
   std::vector<bool> used(equations.size(), true);
   std::optional<Slope> slope = regress(equations, used);
   if (!slope) return slope;
-  // Residuals about all unknowns, for the choice of outliers only.
+  // These residuals, about all unknowns, only serve to find outliers.
   const auto rows = static_cast<Eigen::Index>(equations.size());
   const auto unknowns = static_cast<Eigen::Index>(equations[0].other.size());
   Eigen::MatrixXd all(rows, unknowns + 1);
@@ -124,7 +124,8 @@ std::optional<Slope> robust_slope(std::vector<Equation> equations) {
   const Eigen::VectorXd residual = shape - all * all.colPivHouseholderQr().solve(shape);
   std::vector<double> magnitudes;
   for (Eigen::Index i = 0; i < rows; ++i) magnitudes.push_back(std::abs(residual(i)));
-  const double limit = kOutlier * 1.4826 * statistics::median(magnitudes);  // of a normal distribution
+  // 1.4826 times the median is the standard deviation of a normal distribution.
+  const double limit = kOutlier * 1.4826 * statistics::median(magnitudes);
   for (Eigen::Index i = 0; i < rows; ++i) used[static_cast<std::size_t>(i)] = std::abs(residual(i)) <= limit;
   std::optional<Slope> without = regress(equations, used);
   return without ? without : slope;
@@ -152,7 +153,7 @@ bool ReadoutMeasurement::belongs(const Track& track, const Sample& sample) const
     y += factor * (last.object.y - before.object.y);
   }
   const double side = std::sqrt(last.object.area), ratio = sample.object.area / last.object.area;
-  // After a pause of the program, a hand may have moved the object by twice its size.
+  // After a pause of the program, the object may be up to twice its size away.
   const double reach = (is_near_in_time ? 0.5 : 2.0) * side;
   return std::hypot(sample.object.x - x, sample.object.y - y) < reach && ratio > 0.7 && ratio < 1.4;
 }
@@ -174,7 +175,7 @@ void ReadoutMeasurement::add(std::uint32_t number, const std::vector<MovingObjec
     if (nearest == nullptr) nearest = &tracks_.emplace_back();
     nearest->push_back(sample);
   }
-  // Tracks that ended and are too short never count.
+  // Tracks that have ended and are too short are never used.
   std::erase_if(tracks_, [&](const Track& track) {
     return track.size() < kMinSamples && number - track.back().number > 2 * block_frames_;
   });
@@ -184,7 +185,7 @@ ReadoutEstimate ReadoutMeasurement::estimate() const {
   const auto rows = static_cast<double>(rows_);
   double t = 0.0;  // time between two rows
   Slope sum;
-  // The second and third time, motion during the readout is known.
+  // The first pass assumes no motion during the readout; the second and third know it.
   for (int pass = 0; pass < 3; ++pass) {
     sum = {};
     for (const Track& track : tracks_) {
@@ -202,7 +203,7 @@ ReadoutEstimate ReadoutMeasurement::estimate() const {
         const MovingObject& object = at(0);
         Motion motion{speed(&MovingObject::x), speed(&MovingObject::y), acceleration(&MovingObject::x),
                       acceleration(&MovingObject::y)};
-        // The centroid is seen at the time of its row: the apparent speed is too high by this factor.
+        // The centroid is seen at the time of its row, so the apparent speed is too high by this factor.
         const double stretch = 1.0 + t * motion.vy;
         motion.vx /= stretch;
         const double x = object.x / rows - 0.5, y = object.y / rows - 0.5;
@@ -213,15 +214,16 @@ ReadoutEstimate ReadoutMeasurement::estimate() const {
         if (!object.cut_at_side) {
           Equation lean{object.lean, motion.vx, place, block, cell};
           lean.other.push_back(motion.ax);
-          lean.other.push_back(motion.vx * motion.vy);  // motion blur
+          lean.other.push_back(motion.vx * motion.vy);  // effect of motion blur
           leans.push_back(std::move(lean));
         }
         if (!object.cut_at_side && !object.cut_at_end) {
-          // log(1 + t v) with the apparent speed v; the part beyond t v is known from the pass before.
+          // The height changes by log(1 + t v), where v is the apparent speed; its nonlinear part is known from the
+          // previous pass.
           Equation height{object.log_height - (std::log(std::max(stretch, 0.1)) - t * motion.vy), motion.vy, place,
                           block, cell};
           height.other.push_back(motion.ay);
-          height.other.push_back(motion.vy * motion.vy);  // motion blur
+          height.other.push_back(motion.vy * motion.vy);  // effect of motion blur
           heights.push_back(std::move(height));
         }
       }
@@ -243,7 +245,7 @@ ReadoutEstimate ReadoutMeasurement::estimate() const {
   estimate.known = true;
   estimate.readout = t * (rows - 1.0);
   const auto blocks = static_cast<double>(sum.blocks);
-  // Few blocks underestimate: the usual factor for a small number of clusters.
+  // With few blocks the variance is underestimated; the usual factor for a small number of clusters corrects it.
   const double variance = sum.score_squares / (sum.weight * sum.weight) * blocks / (blocks - 1.0);
   estimate.sigma = std::sqrt(variance) * (rows - 1.0);
   estimate.motion_frames = static_cast<double>(sum.used);

@@ -12,23 +12,23 @@ namespace touchline::devices {
 struct ReadoutEstimate {
   bool known = false;
   double readout = 0.0, sigma = 0.0;
-  double motion_frames = 0.0;  // frames of all objects that were used
+  double motion_frames = 0.0;  // frames used, summed over all objects
 };
 
-/// Measures the rolling shutter of a camera that stands from objects that are moved back and forth before it.
+/// Measures the rolling shutter of a camera at rest from objects that are moved back and forth in front of it.
 ///
-/// A row that is exposed later shows the object where it is later. An object that moves sideways with u pixels per
-/// frame therefore leans by u t pixels per row, and one that moves down with v is longer by the factor 1 / (1 - v t),
-/// with the time t between two rows in frame periods. Both change sign with the direction. What depends on the place of
-/// the object (perspective, a light slope, an arm that turns at the elbow) or on its acceleration (a hand that lags)
-/// does not: it is removed by regression for each object, t is the remaining slope over velocity (partial regression,
-/// Frisch and Waugh 1933), and its uncertainty comes from blocks of half a second, whose errors may depend on each
-/// other (cluster-robust covariance, Liang and Zeger 1986).
+/// A row that is exposed later shows the object at a later position. Let t be the time between two rows in frame
+/// periods. An object that moves horizontally by u pixels per frame leans by u t pixels per row, and an object that
+/// moves down by v is longer by the factor 1 / (1 - v t). Both effects change sign with the direction. Effects of the
+/// object's position (perspective, a light slope, an arm that turns at the elbow) and of its acceleration (a hand that
+/// lags) do not change sign. Regression removes them for each object; t is the remaining slope over velocity (partial
+/// regression, Frisch and Waugh 1933). The uncertainty of t comes from blocks of half a second, within which errors may
+/// be correlated (cluster-robust covariance, Liang and Zeger 1986).
 class ReadoutMeasurement {
  public:
-  /// `rows`: of the luma picture; `period_s`: of the frames.
+  /// `rows`: of the luma picture; `period_s`: of the camera's frames.
   ReadoutMeasurement(std::size_t rows, double period_s);
-  /// `number`: of the frame; it increases, and gaps are lost frames.
+  /// `number`: frame number, which increases; gaps are lost frames.
   void add(std::uint32_t number, const std::vector<MovingObject>& objects);
   [[nodiscard]] ReadoutEstimate estimate() const;
 

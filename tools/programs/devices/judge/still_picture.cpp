@@ -9,7 +9,7 @@
 namespace touchline::devices {
 namespace {
 
-// Darker and brighter pixels are cut off, which hides their noise.
+// Darker or brighter pixels are not used, because clipping hides their noise.
 constexpr float kMinUsableLuma = 24.0f, kMaxUsableLuma = 248.0f;
 
 double deviation(const std::vector<double>& values) {
@@ -58,7 +58,7 @@ StillReport StillMeasurement::report() const {
   for (std::size_t i = 0; i < sum_.size(); ++i) {
     const float mean = sum_[i] / frames;
     means.push_back(mean);
-    // Differences of consecutive frames have twice the variance; slow changes of the light do not count.
+    // A difference of consecutive frames has twice the variance of a pixel, and is free of slow changes of the light.
     const float variance = squared_steps_[i] / (2.0f * (frames - 1.0f));
     variances.push_back(variance);
     if (mean > kMinUsableLuma && mean < kMaxUsableLuma) usable.push_back(variance);

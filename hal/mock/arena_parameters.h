@@ -60,6 +60,9 @@ struct PhysicsParameters {
   double wheel_lag_s = 0.08;
   double wheel_error = 0.02;
   double wheel_slip = 0.03;
+  double wheel_dead_zone_mps = 0.0;
+  double wheel_lag_error = 0.0;
+  bool wheels_exchanged = false, left_reversed = false, right_reversed = false;
   double tire_friction = 0.8;
   double contact_friction = 0.2;
   double robot_restitution = 0.1, ball_restitution = 0.6;
@@ -86,6 +89,25 @@ struct PhysicsParameters {
         {.name = "wheel_error", .range = {0.0, 0.2}, .help = "Standard deviation of the wheels' constant gain error"});
     visit.number(self.wheel_slip,
                  {.name = "wheel_slip", .range = {0.0, 0.5}, .help = "Standard deviation of the wheels' random slip"});
+    visit.number(
+        self.wheel_dead_zone_mps,
+        {.name = "wheel_dead_zone_mps",
+         .range = {0.0, 0.5},
+         .unit = "m/s",
+         .help = "Part of a commanded wheel speed that moves nothing, as friction without speed control does"});
+    visit.number(self.wheel_lag_error,
+                 {.name = "wheel_lag_error",
+                  .range = {0.0, 0.5},
+                  .help = "Standard deviation of the wheels' constant relative error of the lag"});
+    visit.flag(self.wheels_exchanged,
+               {.name = "wheels_exchanged",
+                .help = "The own robots' commands for the left wheel drive the right one, and vice versa"});
+    visit.flag(self.left_reversed, {.name = "left_reversed",
+                                    .help = "The motor that gets the own robots' commands for the left wheel turns "
+                                            "backward"});
+    visit.flag(self.right_reversed, {.name = "right_reversed",
+                                     .help = "The motor that gets the own robots' commands for the right wheel turns "
+                                             "backward"});
     visit.number(self.tire_friction,
                  {.name = "tire_friction", .range = {0.05, 3.0}, .help = "Coefficient of friction of the tires"});
     visit.number(self.contact_friction, {.name = "contact_friction",

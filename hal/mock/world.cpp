@@ -4,6 +4,7 @@
 #include <bit>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "core/geometry/angle.h"
 
@@ -73,6 +74,10 @@ World::World(const ArenaParameters& parameters, std::uint64_t seed)
     // The moment of inertia of a homogeneous square is m a^2 / 6.
     robot.body.inverse_inertia = 6.0 / (physics.robot_mass_kg * parameters_.robot_side_m * parameters_.robot_side_m);
     for (double& gain : robot.gain) gain = 1.0 + physics.wheel_error * random_.normal();
+    robot.lag_s.fill(physics.wheel_lag_s);
+    if (physics.wheel_lag_error > 0.0) {
+      for (double& lag : robot.lag_s) lag *= std::max(0.0, 1.0 + physics.wheel_lag_error * random_.normal());
+    }
     if (!robots_.push_back(robot)) break;
     place(robots_.size() - 1, {entry.x_m, entry.y_m, entry.theta_rad});
   }
@@ -99,8 +104,12 @@ void World::place_ball(const Placement& placement, Vector2 velocity_mps) {
 }
 
 void World::drive(int id, double left_mps, double right_mps) {
+  const PhysicsParameters& physics = parameters_.physics;
   for (Robot& robot : robots_) {
-    if (robot.team == Side::kOwn && robot.id == id) robot.commanded_mps = {left_mps, right_mps};
+    if (robot.team != Side::kOwn || robot.id != id) continue;
+    robot.commanded_mps = {physics.left_reversed ? -left_mps : left_mps,
+                           physics.right_reversed ? -right_mps : right_mps};
+    if (physics.wheels_exchanged) std::swap(robot.commanded_mps[0], robot.commanded_mps[1]);
   }
 }
 
@@ -124,12 +133,14 @@ void World::step() {
 void World::apply_tires(Robot& robot) {
   const PhysicsParameters& physics = parameters_.physics;
   Body& body = robot.body;
-  // Response of a first-order lag to a constant input after one step.
-  const double follow = physics.wheel_lag_s > 0.0 ? 1.0 - std::exp(-kStepS / physics.wheel_lag_s) : 1.0;
   const double slip_kick = physics.wheel_slip * std::sqrt(2.0 * kStepS / kSlipTimeS);
   std::array<double, 2> rim{};
   for (std::size_t i = 0; i < rim.size(); ++i) {
-    robot.wheel_mps[i] += follow * (robot.commanded_mps[i] - robot.wheel_mps[i]);
+    // Response of a first-order lag to a constant input after one step.
+    const double follow = robot.lag_s[i] > 0.0 ? 1.0 - std::exp(-kStepS / robot.lag_s[i]) : 1.0;
+    const double commanded = robot.commanded_mps[i], dead = physics.wheel_dead_zone_mps;
+    const double driven = commanded - std::clamp(commanded, -dead, dead);
+    robot.wheel_mps[i] += follow * (driven - robot.wheel_mps[i]);
     robot.slip[i] += -robot.slip[i] * kStepS / kSlipTimeS + slip_kick * random_.normal();
     rim[i] = robot.wheel_mps[i] * (robot.gain[i] + robot.slip[i]);
   }

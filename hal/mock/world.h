@@ -29,9 +29,9 @@ struct GameStatistics {
   std::uint32_t free_balls = 0;
 };
 
-/// Simulates robots, ball and walls as rigid bodies in the plane, in steps of one millisecond. Wheels have a lag, a
-/// constant gain error and random slip; tires slide when their friction is exceeded; bodies in contact exchange
-/// impulses. Nothing is allocated after construction. The same seed and commands give bit-identical states.
+/// Simulates robots, ball and walls as rigid bodies in the plane, in steps of one millisecond. Wheels have a dead zone,
+/// a lag, a constant gain error and random slip; tires slide when their friction is exceeded; bodies in contact
+/// exchange impulses. Nothing is allocated after construction. The same seed and commands give bit-identical states.
 class World {
  public:
   static constexpr double kStepS = 0.001;
@@ -53,7 +53,14 @@ class World {
   /// Kinetic energy of robots and ball in J.
   [[nodiscard]] double energy() const;
 
-  /// Moves an object, for scenes and tests. A placed robot does not move until drive() is called for it.
+  /// What the simulated motors of a robot are, for measurements that are compared with the truth; for left and right.
+  struct Motors {
+    std::array<double, 2> gain{1.0, 1.0}, lag_s{};
+  };
+  /// Robots are numbered as in ArenaParameters::robot.
+  [[nodiscard]] Motors motors(std::size_t robot) const { return {robots_[robot].gain, robots_[robot].lag_s}; }
+
+  /// For scenes and tests. A placed robot does not move until drive() is called for it.
   void place(std::size_t robot, const Placement& placement);
   void place_ball(const Placement& placement, Vector2 velocity_mps = {});
 
@@ -62,8 +69,8 @@ class World {
     Body body;
     Side team = Side::kOwn;
     int id = 0;
-    std::array<double, 2> commanded_mps{}, wheel_mps{}, gain{1.0, 1.0}, slip{};
-    Vector2 target;  // point to which an opponent drives
+    std::array<double, 2> commanded_mps{}, wheel_mps{}, gain{1.0, 1.0}, lag_s{}, slip{};
+    Vector2 target;  // opponents: the point to which it drives
     double decide_in_s = 0.0;
     bool touches_ball = false;
   };

@@ -38,6 +38,7 @@ const std::vector<FolderRule>& stage_rules() {
       {"subpixel", {"geometry", "color", "marker"}},
       {"track", {"geometry"}},
       {"control", {"geometry"}},
+      {"identification", {"geometry"}},
       {"radio", {}},
       {"supervision", {}},
   };

@@ -1,0 +1,73 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "core/geometry/field_area.h"
+#include "core/identification/drive_estimator.h"
+#include "core/identification/drive_excitation.h"
+#include "firmware/loop.h"
+#include "hal/mailbox.h"
+
+namespace touchline::radio {
+
+struct MeasurementSettings {
+  RobotId robot = 0;
+  double duration_s = 23.0;  // from the first motion
+  std::uint64_t seed = 1;
+  ExcitationLimits limits;
+  DriveExpectation expected;
+  FieldParameters field;
+  double robot_radius_m = 0.0375;
+  Duration radio_byte_time{};  // duration of a byte on the radio's line
+};
+
+/// Drives one robot within a small area of the field, and measures its drive. on_step() is called on the loop's thread;
+/// its commands reach the loop by a mailbox, as those of another program do, so that all limits and stops apply.
+class DriveMeasurement {
+ public:
+  enum class End : std::uint8_t { kNone, kDone, kNotSeen, kNoRoom, kLeftArea, kHalted, kStands };
+
+  explicit DriveMeasurement(const MeasurementSettings& settings);
+
+  void on_step(const StepTrace& trace, const StepTiming& timing);
+
+  [[nodiscard]] Mailbox<ExternalCommands>& commands() { return mailbox_; }
+  /// Set when the measurement has ended; the loop may end then.
+  [[nodiscard]] const std::atomic<bool>& has_ended() const { return has_ended_; }
+  /// After the loop's end.
+  [[nodiscard]] End end() const { return end_; }
+  [[nodiscard]] DriveEstimator& estimator() { return estimator_; }
+  [[nodiscard]] double driven_s() const { return driven_s_; }
+  /// Distance that the robot's center needs from walls.
+  [[nodiscard]] double wall_distance_m() const;
+
+ private:
+  void record(const StepTrace& trace, const StepTiming& timing);
+  [[nodiscard]] const RobotTrack* track_of(const Tracks& tracks) const;
+  [[nodiscard]] bool has_room(const Tracks& tracks, const RobotTrack& robot) const;
+  [[nodiscard]] End check(const StepTrace& trace);
+  void command(const WheelSpeeds& wheels);
+
+  const MeasurementSettings settings_;
+  DriveEstimator estimator_;
+  DriveExcitation excitation_;
+  Mailbox<ExternalCommands> mailbox_;
+  std::atomic<bool> has_ended_{false};
+  End end_ = End::kNone;
+  Vector2 center_;
+  Instant first_frame_{}, begin_{}, seen_{}, obeyed_{};
+  bool has_frame_ = false, drives_ = false;
+  double driven_s_ = 0.0;
+};
+
+/// Values of the files while a robot is measured, as for --set: the other robots stand, and the wheels get the steps
+/// that show delay and lag.
+std::vector<std::string> measuring_overrides();
+
+/// What ended the measurement, and what to do next.
+const char* describe(DriveMeasurement::End end);
+
+}  // namespace touchline::radio

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/identification/drive_estimator.h"
+#include "firmware/config/configuration.h"
+#include "hal/result.h"
+
+namespace touchline::radio {
+
+/// A value of a file that was measured.
+struct MeasuredKey {
+  std::string path;        // of the file
+  std::string table, key;  // "tracking.robot", "wheel_lag_s"
+  double now = 0.0;        // in the files
+  double measured = 0.0, sigma = 0.0;
+  std::string unit;
+
+  [[nodiscard]] std::string name() const { return table + "." + key; }
+  /// The difference is larger than what chance and rounding explain.
+  [[nodiscard]] bool differs() const;
+};
+
+/// Returns the keys whose values are known.
+std::vector<MeasuredKey> measured_keys(const DriveEstimate& estimate, const config::Configuration& configuration);
+
+/// Writes the value into its file, and keeps the former content as PATH.bak. Errors of config::replace_value() and
+/// config::replace_file().
+Result<void> write_key(const MeasuredKey& key);
+
+/// Returns what was measured, for a person; several lines.
+std::string measured_text(const DriveEstimate& estimate, int robot, double duration_s,
+                          const std::vector<MeasuredKey>& keys);
+/// The same as one JSON object.
+std::string measured_json(const DriveEstimate& estimate, int robot);
+
+}  // namespace touchline::radio

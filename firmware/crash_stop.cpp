@@ -136,6 +136,16 @@ void prepare(const StopTargets& targets) {
   newest.store(other);
 }
 
+void prepare(const hal::Radio& radio, const OutgoingPackets& stops) {
+  StopTargets targets;
+  for (const OutgoingPacket& outgoing : stops) {
+    hal::RadioRoutes routes;
+    radio.add_routes(outgoing.receiver, routes);
+    for (const hal::RadioRoute& route : routes) targets.push_back({route, outgoing.packet});
+  }
+  prepare(targets);
+}
+
 bool is_stopping() { return state.load() != State::kIdle; }
 
 void send_stop_packets() noexcept {

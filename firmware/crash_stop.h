@@ -32,6 +32,9 @@ using StopTargets = FixedVector<StopTarget, kMaxRobotsPerTeam + hal::RadioRoutes
 /// the loop's thread: wait-free, without allocation. Has no effect after send_stop_packets() has started.
 void prepare(const StopTargets& targets);
 
+/// The same for packets of Pipeline::prepare_stop(), by the routes of an open radio.
+void prepare(const hal::Radio& radio, const OutgoingPackets& stops);
+
 /// Writes all prepared packets five times, 20 ms apart, and waits until they have left the ports, half a second at
 /// most. Only the first call sends packets; a call on another thread meanwhile waits for the first one.
 /// Async-signal-safe.

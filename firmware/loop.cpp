@@ -335,16 +335,9 @@ void Loop::note_times_on_line(const OutgoingPackets& packets) {
 }
 
 void Loop::prepare_crash_stop(Instant now) {
-  stop_targets_.clear();
-  if (devices_.is_open(Device::kRadio)) {
-    pipeline_.prepare_stop(now, stop_packets_);
-    for (const OutgoingPacket& outgoing : stop_packets_) {
-      hal::RadioRoutes routes;
-      devices_.radio().add_routes(outgoing.receiver, routes);
-      for (const hal::RadioRoute& route : routes) stop_targets_.push_back({route, outgoing.packet});
-    }
-  }
-  crash_stop::prepare(stop_targets_);
+  if (!devices_.is_open(Device::kRadio)) return crash_stop::prepare({});
+  pipeline_.prepare_stop(now, stop_packets_);
+  crash_stop::prepare(devices_.radio(), stop_packets_);
 }
 
 void Loop::serve_radio(Instant now) {

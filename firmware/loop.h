@@ -203,7 +203,6 @@ class Loop {
   DeviceFlags was_open_{};          // since open()
   bool needs_final_stops_ = false;  // packets were sent since the last final stop packets
   OutgoingPackets stop_packets_;
-  crash_stop::StopTargets stop_targets_;
   FrameGaps frame_gaps_;
   LatencyEstimate latency_;
   AdaptationRequestReader adaptation_requests_;

@@ -75,6 +75,24 @@ std::string packet_text(const PacketLayout& layout, std::span<const std::byte> b
   return text;
 }
 
+std::string received_text(const PacketLayout& layout, std::span<const std::byte> bytes) {
+  std::string text;
+  std::size_t unknown = 0;  // where bytes begin that are no packet
+  for (std::size_t at = 0; at < bytes.size();) {
+    FieldReadings readings;
+    const std::size_t length = parse_packet(layout, bytes.subspan(at), readings);
+    if (length == kNoPacket || length == kMoreBytes || layout.fields.empty()) {
+      ++at;
+      continue;
+    }
+    if (unknown < at) text += "  unknown: " + hexadecimal(bytes.subspan(unknown, at - unknown)) + "\n";
+    text += packet_text(layout, bytes.subspan(at, length));
+    unknown = at += length;
+  }
+  if (unknown < bytes.size()) text += "  unknown: " + hexadecimal(bytes.subspan(unknown)) + "\n";
+  return text;
+}
+
 std::string sample_packet_text(const PipelineParameters& parameters) {
   const PacketLayout& layout = parameters.radio;
   Commands commands;

@@ -12,6 +12,9 @@ namespace touchline::config {
 /// the layout are printed with the word "unknown". `bytes` are without framing.
 std::string packet_text(const PacketLayout& layout, std::span<const std::byte> bytes);
 
+/// The same for bytes from a line, which may contain several packets and parts of packets.
+std::string received_text(const PacketLayout& layout, std::span<const std::byte> bytes);
+
 /// A sample of the packets that the team's robots would get: all drive at 0.5 m/s and turn at 1 rad/s. With framing,
 /// its bytes on the line stand before the fields.
 std::string sample_packet_text(const PipelineParameters& parameters);

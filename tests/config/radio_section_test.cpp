@@ -192,6 +192,20 @@ TEST_F(RadioSection, ASampleShowsEachField) {
   }
 }
 
+TEST_F(RadioSection, ReceivedBytesAreShownAsPacketsAndUnknownBytes) {
+  ASSERT_OK(load());
+  const PacketLayout& layout = configuration_->pipeline.radio;
+  OutgoingPackets packets;
+  ASSERT_TRUE(encode(layout, {}, {true, false, 9, {}}, packets).ok());
+  std::vector<std::byte> bytes{std::byte{0x17}};
+  bytes.insert(bytes.end(), packets[0].packet.begin(), packets[0].packet.end());
+  bytes.push_back(std::byte{0x54});
+  const std::string text = received_text(layout, bytes);
+  EXPECT_EQ(text.find("  unknown: 17\n"), 0U) << text;
+  EXPECT_NE(text.find("sequence: 9"), std::string::npos) << text;
+  EXPECT_NE(text.find("  unknown: 54\n"), std::string::npos) << text;
+}
+
 TEST_F(RadioSection, WarnsOfLongPacketsAndOfRobotsThatDriveOn) {
   append("[radio]\nformat = \"sysmic\"\nfirst_id = 0\n");
   ASSERT_OK(load({"radio.backend=serial", "radio.baud=9600", "camera.rate_hz=60"}));

@@ -53,7 +53,9 @@ void DriveMeasurement::record(const StepTrace& trace, const StepTiming& timing) 
   for (const RobotCommand& command : trace.commands.robots) {
     if (command.id == settings_.robot && !trace.commands.stop) wheels = command.wheels;
   }
-  const auto on_line = static_cast<Duration::rep>(trace.packet.size()) * settings_.radio_byte_time;
+  std::size_t bytes = 0;
+  for (const OutgoingPacket& outgoing : trace.packets) bytes += outgoing.packet.size();
+  const auto on_line = static_cast<Duration::rep>(bytes) * settings_.radio_byte_time;
   estimator_.add_command(timing.sent + on_line, wheels);
   for (const RobotSighting& sighting : trace.sightings.robots) {
     if (sighting.team != Team::kOwn || sighting.id != settings_.robot || !sighting.has_heading) continue;

@@ -7,11 +7,11 @@
 #include <string>
 
 #include "core/radio/packet.h"
+#include "firmware/config/packet_text.h"
 #include "firmware/crash_stop.h"
 #include "firmware/devices.h"
 #include "firmware/signals.h"
 #include "tools/programs/command_line/command_line.h"
-#include "tools/programs/radio/packet_text.h"
 #include "tools/programs/radio/radio_commands.h"
 
 namespace touchline::radio {
@@ -20,7 +20,7 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr Duration kPacketPause = 20ms;
-constexpr int kFinalStops = 5;  // as the loop of touchline
+constexpr int kFinalStops = 5, kStarts = 3;  // as touchline
 constexpr double kPatternDuration_s = 3.0, kPatternSpeed_mps = 0.2;
 
 int fail_radio(const std::string& message, int exit_code) { return fail("touchline-radio", message, exit_code); }
@@ -28,9 +28,8 @@ int fail_radio(const std::string& message, int exit_code) { return fail("touchli
 // The open radio. However this object ends, the robots get stop packets before.
 class RobotLink {
  public:
-  RobotLink(hal::Radio& radio, hal::Clock& clock, TeamNumber team) : radio_(radio), clock_(clock), team_(team) {
-    crash_stop::set_radio(radio_.descriptor());
-  }
+  RobotLink(hal::Radio& radio, hal::Clock& clock, const PacketLayout& layout)
+      : radio_(radio), clock_(clock), layout_(layout) {}
   RobotLink(const RobotLink&) = delete;
   RobotLink& operator=(const RobotLink&) = delete;
   ~RobotLink() {
@@ -40,17 +39,25 @@ class RobotLink {
       pause(kPacketPause);
     }
     static_cast<void>(radio_.drain(clock_.now() + 1s));
-    crash_stop::set_radio(-1);
+    crash_stop::prepare({});
     radio_.close();
   }
 
   Result<void> send(const Commands& commands) {
     if (crash_stop::is_stopping()) return {};
-    if (!encode(commands, sequence_++, packet_, team_).ok()) return {};
-    const Result<void> sent = radio_.send(packet_);
-    crash_stop::record_sent(packet_);
-    if (sent.ok() || sent.code() == ErrorCode::kBusy) return {};
-    return sent.error();
+    const Instant now = clock_.now();
+    // The bytes for the start come before the first packets, as in the pipeline.
+    const PacketValues values{commands.stop, sequence_ < kStarts, sequence_, now};
+    ++sequence_;
+    Commands stop;
+    if (!encode(layout_, stop, {true, false, sequence_, now}, packets_).ok()) return {};
+    crash_stop::prepare(radio_, packets_);
+    if (!encode(layout_, commands, values, packets_).ok()) return {};
+    for (const OutgoingPacket& outgoing : packets_) {
+      const Result<void> sent = radio_.send(outgoing.packet, outgoing.receiver);
+      if (!sent.ok() && sent.code() != ErrorCode::kBusy) return sent.error();
+    }
+    return {};
   }
   /// Waits, and sends a packet that waits for the line.
   void pause(Duration duration) {
@@ -61,13 +68,22 @@ class RobotLink {
           std::min(end, clock_.now() + (due.ok() ? std::min<Duration>(due.value(), duration) : duration)));
     }
   }
-  [[nodiscard]] std::span<const std::byte> last_packet() const { return {packet_.data(), packet_.size()}; }
+  /// The last packet for the robot `id`, or for all robots.
+  [[nodiscard]] std::span<const std::byte> last_packet(RobotId id) const {
+    for (const OutgoingPacket& outgoing : packets_) {
+      const bool is_for_all = outgoing.receiver == kAllRobots;
+      if (is_for_all || layout_.receivers[outgoing.receiver].id == id) {
+        return {outgoing.packet.data(), outgoing.packet.size()};
+      }
+    }
+    return {};
+  }
 
  private:
   hal::Radio& radio_;
   hal::Clock& clock_;
-  TeamNumber team_;
-  Packet packet_;
+  const PacketLayout& layout_;
+  OutgoingPackets packets_;
   std::uint8_t sequence_ = 0;
 };
 
@@ -118,7 +134,8 @@ int send_pattern(const RadioOptions& options, Pattern pattern) {
     return fail_radio(opened.text(), kExitDeviceFailure);
   }
   if (!hal.radio.description().empty()) std::printf("%s\n", hal.radio.description().c_str());
-  RobotLink link(hal.radio, hal.clock, static_cast<TeamNumber>(configuration.team.team_number));
+  const PacketLayout& layout = configuration.pipeline.radio;
+  RobotLink link(hal.radio, hal.clock, layout);
   const Instant begin = hal.clock.now();
   std::array<std::byte, 512> received{};
   WheelSpeeds shown;
@@ -143,14 +160,18 @@ int send_pattern(const RadioOptions& options, Pattern pattern) {
     ++packets;
     const bool is_new =
         !has_shown || shown.left_mps != command.wheels.left_mps || shown.right_mps != command.wheels.right_mps;
-    if (is_new || options.all) show(time_s, "sent", link.last_packet().size(), packet_text(link.last_packet()));
+    if (is_new || options.all) {
+      const std::span<const std::byte> packet = link.last_packet(command.id);
+      show(time_s, "sent", packet.size(), config::received_text(layout, packet));
+    }
     shown = command.wheels;
     has_shown = true;
     const Result<std::size_t> count = hal.radio.receive(received);
     if (!count.ok()) return fail_radio(count.text(), kExitDeviceFailure);
     bytes += count.value();
     if (count.value() > 0) {
-      show(time_s, "received", count.value(), telemetry_text(std::span(received).first(count.value())));
+      show(time_s, "received", count.value(),
+           config::received_text(configuration.pipeline.telemetry, std::span(received).first(count.value())));
     }
     link.pause(kPacketPause);
   }

@@ -135,7 +135,7 @@ class Pipeline {
   StageClock clock_ = nullptr;
   Duration action_delay_{};
   bool halted_ = false, observing_ = false;
-  std::uint8_t packet_sequence_ = 0;
+  std::uint32_t packet_sequence_ = 0;
   PacketLayout radio_;
   int starts_left_ = kStarts;  // packets that get the bytes for the start
   Instant last_start_{};

@@ -88,7 +88,7 @@ TEST_F(RadioSection, APresetCountsBeforeTheFile) {
   EXPECT_EQ(configuration_->pipeline.radio.slots, 5);
   ASSERT_OK(load({"team.radio.robots=3"}));
   EXPECT_EQ(configuration_->pipeline.radio.slots, 3);
-  ASSERT_OK(load({"radio.robots=4"}));  // only the team file has radio.robots
+  ASSERT_OK(load({"team.radio.robots=4"}));  // the board file has radio.robots too
   EXPECT_EQ(configuration_->pipeline.radio.slots, 4);
 }
 
@@ -149,8 +149,8 @@ TEST_F(RadioSection, RobotsNeedAPlaceOrAnId) {
       "[[radio.field]]\nblock = 1\nvalue = \"right\"\ntype = \"i8\"\nunit = \"cm/s\"\n";
   append("[radio]\nformat = \"own\"\n" + speeds);
   EXPECT_NE(refusal().find("radio.robots: is missing: without ids, each robot needs a place"), std::string::npos);
-  ASSERT_OK(load({"radio.robots=2"}));
-  EXPECT_NE(refusal({"radio.robots=1"}).find("own.robot[1].id: has no place in the packets"), std::string::npos);
+  ASSERT_OK(load({"team.radio.robots=2"}));
+  EXPECT_NE(refusal({"team.radio.robots=1"}).find("own.robot[1].id: has no place in the packets"), std::string::npos);
 }
 
 // The first block of TOML on the page.

@@ -12,8 +12,8 @@ inline TeamFile team_of(const std::string& format) {
   TeamFile team;
   read_radio_preset(format, team.radio);
   team.radio.format = format;
-  const bool has_places = team.radio.robots > 0 && team.radio.packet_for == PacketFor::kAll;
-  const int robots = has_places ? team.radio.robots : static_cast<int>(kMaxRobotsPerTeam);
+  const bool has_places = team.radio.places > 0 && team.radio.packet_for == PacketFor::kAll;
+  const int robots = has_places ? team.radio.places : static_cast<int>(kMaxRobotsPerTeam);
   for (int i = 0; i < robots; ++i) {
     RobotEntry robot;
     robot.id = team.radio.first_id + i;

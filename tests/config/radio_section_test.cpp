@@ -187,7 +187,7 @@ TEST_F(RadioSection, AddressesAreNumbersBytesOrNetworkAddresses) {
 TEST_F(RadioSection, ASampleShowsEachField) {
   ASSERT_OK(load());
   const std::string text = sample_packet_text(configuration_->pipeline);
-  for (const char* expected : {"18 bytes", "54 4C 01", "left of robot 1: ", "check: "}) {
+  for (const char* expected : {"18 bytes", "54 4C 01", "left of robot 1: 465 = 0.465 m/s", "check: "}) {
     EXPECT_NE(text.find(expected), std::string::npos) << expected << "\n" << text;
   }
 }

@@ -41,7 +41,8 @@ Result<void> RadioGroup::do_open() {
     port.reconnector =
         std::make_unique<DeviceReconnector>(reopen_port, port.member.radio.get(), first_pause_, wait_for_driver_);
     if (!results[i].ok()) mark_lost(port, results[i].error());
-    description_ += (i > 0 ? "; " : "") + port.member.radio->description();
+    const std::string& described = port.member.radio->description();
+    description_ += (description_.empty() || described.empty() ? "" : "; ") + described;
   }
   return {};
 }

@@ -330,7 +330,7 @@ class Search {
   NeighborSet used_ = 0;
   std::int8_t robot_ = -1;
   std::size_t missing_ = 0, missing_left_ = 0;  // number of empty slots: in the whole set, and from the next slot on
-  // For each slot, sum of squared errors of the distances between the patches of the slots before it.
+  // The patches of earlier slots have wrong distances from each other: sum of the squared errors, for each slot.
   std::array<float, kMaxPatches> spread_m2_{};
   float most_spread_m2_ = 0;
   int work_left_ = 0;

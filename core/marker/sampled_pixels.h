@@ -80,7 +80,8 @@ class TopOutline {
   [[nodiscard]] std::uint64_t covers(const SampledPixels& pixels, int row) const {
     const float dv = static_cast<float>(pixels.v_px(row)) - center_.v_px;
     if (std::abs(dv) > reach_v_px_) return 0;
-    // Between two opposite sides, u lies within a distance of the middle; at a side, one coordinate is -1 or 1.
+    // In this row, the top reaches from u = middle - distance to middle + distance, where its own coordinate along one
+    // axis is -1 and 1. Both axes limit it.
     float first = -1e6f, last = 1e6f;
     for (const auto& [per_u, per_v] : inverse_) {
       if (std::abs(per_u) < 1e-6f) {

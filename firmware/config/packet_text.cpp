@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <optional>
 
 #include "core/radio/field_type.h"
 #include "core/radio/packet.h"
@@ -47,6 +48,16 @@ std::string unit_text(const PacketLayout& layout, const FieldReading& reading) {
   }
 }
 
+// Id of the robot to which a reading belongs; nothing if the packet does not tell.
+std::optional<int> robot_of(const PacketLayout& layout, const FieldReadings& readings, const FieldReading& reading) {
+  if (layout.is_by_place()) return layout.first_id + static_cast<int>(reading.robot);
+  for (const FieldReading& other : readings) {
+    if (other.robot != reading.robot || layout.fields[other.field].value != FieldValue::kId) continue;
+    return static_cast<int>(std::lround(value_of(layout, other)));
+  }
+  return std::nullopt;
+}
+
 std::string number_on_wire(double number) {
   std::array<char, 32> text{};
   std::snprintf(text.data(), text.size(), "%.10g", number);
@@ -68,7 +79,8 @@ std::string packet_text(const PacketLayout& layout, std::span<const std::byte> b
                   static_cast<int>(config::word_of(field.value, kFieldValues).size()),
                   config::word_of(field.value, kFieldValues).data());
     text += line.data();
-    if (field.block > 0) text += " of robot " + std::to_string(reading.robot + 1);
+    const std::optional<int> robot = field.block > 0 ? robot_of(layout, readings, reading) : std::nullopt;
+    if (robot && field.value != FieldValue::kId) text += " of robot " + std::to_string(*robot);
     if (field.type != FieldType::kBytes) text += ": " + number_on_wire(reading.number) + unit_text(layout, reading);
     text += "\n";
   }

@@ -111,7 +111,7 @@ struct RadioEntry {
   double time_out_s = 0.0;
   double pause_s = 0.0;
   PacketFor packet_for = PacketFor::kAll;
-  int robots = 0, first_id = 0;
+  int places = 0, first_id = 0;
   ByteOrder byte_order = ByteOrder::kLittle;
   Framing framing = Framing::kNone;
   std::string start_text, start_hex;
@@ -144,10 +144,11 @@ struct RadioEntry {
                                         "packets"});
     visit.choice(self.packet_for, kPacketFor,
                  {.name = "packet_for", .help = "One packet for all robots, or one for each robot"});
-    visit.number(self.robots, {.name = "robots",
-                               .range = {0, kMaxRobotsPerTeam},
-                               .help = "Robots in each packet, whose places stand for ids if no field carries an id; "
-                                       "0: as many as the team has"});
+    visit.number(self.places,
+                 {.name = "places",
+                  .range = {0, kMaxRobotsPerTeam},
+                  .help = "Places for robots in each packet, which stand for ids if no field carries an id; "
+                          "0: as many as the team has"});
     visit.number(self.first_id, {.name = "first_id", .range = {0, 127}, .help = "Id of the first place"});
     visit.choice(self.byte_order, kByteOrders, {.name = "byte_order", .help = "Order of the bytes of a number"});
     visit.choice(self.framing, kFramings, {.name = "framing", .help = "Bytes that separate packets"});

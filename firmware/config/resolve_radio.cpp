@@ -78,7 +78,7 @@ class LayoutResolver {
   PacketLayout commands() {
     PacketLayout layout = common(radio_.field, "radio.field");
     layout.one_each = radio_.packet_for == PacketFor::kEach;
-    layout.slots = static_cast<std::uint8_t>(layout.one_each ? 0 : radio_.robots);
+    layout.slots = static_cast<std::uint8_t>(layout.one_each ? 0 : radio_.places);
     layout.first_id = static_cast<RobotId>(radio_.first_id);
     const std::string start = "radio." + std::string(radio_.start_hex.empty() ? "start_text" : "start_hex");
     layout.start_at = static_cast<std::uint16_t>(layout.text.size());
@@ -386,7 +386,7 @@ class LayoutResolver {
     }
     const bool names_robots = layout.has(FieldValue::kId) || layout.has(FieldValue::kAddress);
     if (!layout.one_each && !names_robots && layout.slots == 0) {
-      add("radio.robots", "is missing: without ids, each robot needs a place in the packet");
+      add("radio.places", "is missing: without ids, each robot needs a place in the packet");
     }
     const std::size_t largest = largest_packet(layout, layout.receivers.size());
     if (largest == 0 || largest + layout.start_size > kMaxPacketBytes) {

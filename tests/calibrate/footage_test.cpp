@@ -163,7 +163,7 @@ INSTANTIATE_TEST_SUITE_P(Sets, Footage,
                          ::testing::Values(Case{"vsss-bar-normal", "danhega_outputs_24.json", 6, 11, 6, 12},
                                            Case{"vsss-bar-dark", "danhega_outputs3_8.json", 6, 12, 6, 12},
                                            Case{"vsss-halves", "rinobot_2736.json", 6, 6, 6, 6},
-                                           Case{"mirosot-triangles", "agh_b_white1.json", 10, 16, 10, 20}));
+                                           Case{"mirosot-triangles", "agh_b_white1.json", 10, 17, 10, 20}));
 
 }  // namespace
 }  // namespace touchline::calibrate

@@ -20,9 +20,11 @@ TEST_F(ConfigFiles, UnknownKeyNamesTheNearestKnownOne) {
 
 TEST_F(ConfigFiles, UnknownKeyWithoutASimilarOneListsAllKeys) {
   replace("board.toml", "backend = \"none\"", "backend = \"none\"\nzoom = 1");
-  EXPECT_EQ(refusal(),
-            "board.toml:15: radio.zoom: unknown key; known keys here: backend, device, baud, delay_s, telemetry, "
-            "low_battery_v\n");
+  EXPECT_EQ(
+      refusal(),
+      "board.toml:15: radio.zoom: unknown key; known keys here: backend, device, baud, address, port, local_port, "
+      "interface, time_to_live, robots, more, delay_s, telemetry, "
+      "low_battery_v\n");
 }
 
 TEST_F(ConfigFiles, AWordOfAnEarlierVersionSaysWhatToDo) {
@@ -44,7 +46,7 @@ TEST_F(ConfigFiles, ControlCharactersOfAFileAreShownAsNumbers) {
   replace("board.toml", "backend = \"none\"", "backend = \"none\\u001b[2J\\nboard.toml: fine\\u009b\"");
   EXPECT_EQ(
       refusal(),
-      "board.toml:14: radio.backend: \"none\\u001b[2J\\u000aboard.toml: fine\\u009b\" is not one of mock, serial, "
+      "board.toml:14: radio.backend: \"none\\u001b[2J\\u000aboard.toml: fine\\u009b\" is not one of mock, serial, udp, "
       "none\n");
 }
 

@@ -8,12 +8,15 @@
 namespace touchline::config {
 
 /// A team of as many robots as the packets of a preset have places for, at most eleven, with addresses from 10 on.
+/// Robots whose source does not tell it have wheels of 3 cm and 1000 steps.
 inline TeamFile team_of(const std::string& format) {
   TeamFile team;
   read_radio_preset(format, team.radio);
   team.radio.format = format;
-  const bool has_places = team.radio.robots > 0 && team.radio.packet_for == PacketFor::kAll;
-  const int robots = has_places ? team.radio.robots : static_cast<int>(kMaxRobotsPerTeam);
+  if (team.radio.wheel_radius_m == 0.0) team.radio.wheel_radius_m = 0.03;
+  if (team.radio.steps_per_turn == 0.0) team.radio.steps_per_turn = 1000.0;
+  const bool has_places = team.radio.places > 0 && team.radio.packet_for == PacketFor::kAll;
+  const int robots = has_places ? team.radio.places : static_cast<int>(kMaxRobotsPerTeam);
   for (int i = 0; i < robots; ++i) {
     RobotEntry robot;
     robot.id = team.radio.first_id + i;

@@ -47,7 +47,7 @@ PresetTeam team_of(std::string_view name) {
   if (team.radio.steps_per_turn == 0.0) team.radio.steps_per_turn = kStepsPerTurn;
   team.control.drive.wheel_base_m = kWheelBase_m;
   team.control.drive.max_wheel_speed_mps = kMaxWheelSpeed_mps;
-  if (out.radio.robots == 3 && out.radio.first_id == 0) out.first_id = 0;
+  if (out.radio.places == 3 && out.radio.first_id == 0) out.first_id = 0;
   for (int i = 0; i < 3; ++i) {
     RobotEntry robot;
     robot.id = out.first_id + i;

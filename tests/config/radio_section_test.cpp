@@ -86,9 +86,9 @@ TEST_F(RadioSection, APresetCountsBeforeTheFile) {
   ASSERT_OK(load());
   EXPECT_TRUE(configuration_->pipeline.radio.has(FieldValue::kLeft));
   EXPECT_EQ(configuration_->pipeline.radio.slots, 5);
-  ASSERT_OK(load({"team.radio.robots=3"}));
+  ASSERT_OK(load({"team.radio.places=3"}));
   EXPECT_EQ(configuration_->pipeline.radio.slots, 3);
-  ASSERT_OK(load({"radio.robots=4"}));  // only the team file has radio.robots
+  ASSERT_OK(load({"radio.places=4"}));  // only the team file has this key
   EXPECT_EQ(configuration_->pipeline.radio.slots, 4);
 }
 
@@ -110,7 +110,7 @@ TEST_F(RadioSection, AnUnknownFormatNamesASimilarOne) {
 TEST_F(RadioSection, ErrorsNameLineAndKey) {
   const std::string text = refusal_of(R"([radio]
 format = "own"
-robots = 2
+places = 2
 [[radio.field]]
 block = 1
 value = "left"
@@ -148,9 +148,9 @@ TEST_F(RadioSection, RobotsNeedAPlaceOrAnId) {
       "[[radio.field]]\nblock = 1\nvalue = \"left\"\ntype = \"i8\"\nunit = \"cm/s\"\n"
       "[[radio.field]]\nblock = 1\nvalue = \"right\"\ntype = \"i8\"\nunit = \"cm/s\"\n";
   append("[radio]\nformat = \"own\"\n" + speeds);
-  EXPECT_NE(refusal().find("radio.robots: is missing: without ids, each robot needs a place"), std::string::npos);
-  ASSERT_OK(load({"radio.robots=2"}));
-  EXPECT_NE(refusal({"radio.robots=1"}).find("own.robot[1].id: has no place in the packets"), std::string::npos);
+  EXPECT_NE(refusal().find("radio.places: is missing: without ids, each robot needs a place"), std::string::npos);
+  ASSERT_OK(load({"radio.places=2"}));
+  EXPECT_NE(refusal({"radio.places=1"}).find("own.robot[1].id: has no place in the packets"), std::string::npos);
 }
 
 // The first block of TOML on the page.
@@ -187,7 +187,7 @@ TEST_F(RadioSection, AddressesAreNumbersBytesOrNetworkAddresses) {
 TEST_F(RadioSection, ASampleShowsEachField) {
   ASSERT_OK(load());
   const std::string text = sample_packet_text(configuration_->pipeline);
-  for (const char* expected : {"18 bytes", "54 4C 01", "left of robot 1: ", "check: "}) {
+  for (const char* expected : {"18 bytes", "54 4C 01", "left of robot 1: 465 = 0.465 m/s", "check: "}) {
     EXPECT_NE(text.find(expected), std::string::npos) << expected << "\n" << text;
   }
 }

@@ -34,7 +34,17 @@ struct Checker {
   void flag(const bool&, const Key& key) { add(key); }
   void text(const std::string& value, const Key& key) {
     add(key);
+    // A radio has an address and an interface only in a network.
+    if (key.name == "address" || key.name == "interface") return;
     EXPECT_FALSE(value.empty()) << key.name;
+  }
+  template <class Container>
+  void numbers(const Container&, const Key& key) {
+    add(key);
+  }
+  template <class Container>
+  void list(const Container&, const Key& key) {
+    add(key);
   }
 };
 
@@ -52,7 +62,8 @@ TEST(DeviceParameters, DefaultsAreValidAndKeysAreTheDocumentedOnes) {
             (std::set<std::string>{"backend", "device", "format", "width_px", "height_px", "rate_hz", "buffers",
                                    "exposure_us", "exposure_steps", "gain", "white_balance_k", "focus", "power_line"}));
   EXPECT_EQ(checked_keys<RadioSettings>(),
-            (std::set<std::string>{"backend", "device", "baud", "delay_s", "telemetry", "low_battery_v"}));
+            (std::set<std::string>{"backend", "device", "baud", "address", "port", "local_port", "interface",
+                                   "time_to_live", "robots", "more", "delay_s", "telemetry", "low_battery_v"}));
   EXPECT_EQ(checked_keys<GpioSettings>(),
             (std::set<std::string>{"backend", "chip", "status_led_line", "strobe_line", "emergency_stop_line",
                                    "emergency_stop_active_low", "emergency_stop_bias", "start_line", "start_active_low",

@@ -37,7 +37,9 @@ class StateHash {
     for (const RobotCommand& c : trace.commands.robots) {
       of(c.id, c.twist.v_mps, c.twist.w_radps, c.wheels.left_mps, c.wheels.right_mps);
     }
-    for (const std::byte byte : trace.packet) of(byte);
+    for (const OutgoingPacket& outgoing : trace.packets) {
+      for (const std::byte byte : outgoing.packet) of(byte);
+    }
   }
   [[nodiscard]] std::uint64_t value() const { return value_; }
 

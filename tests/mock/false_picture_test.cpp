@@ -8,6 +8,7 @@
 
 #include "firmware/loop.h"
 #include "tests/mock/mock_game.h"
+#include "tests/radio/touchline_packets.h"
 #include "tests/results.h"
 
 namespace touchline {

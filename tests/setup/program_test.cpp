@@ -49,6 +49,10 @@ TEST_F(ScriptedFirmware, SetsKeysAsStepsOfUndo) {
   expect_error("set", {{"key", "camera.device"}, {"value", nlohmann::json::object()}}, "a value is");
   expect_ok("radio.set", {{"backend", "serial"}, {"device", "/dev/ttyUSB7"}});
   EXPECT_EQ(state_["steps"]["radio"]["values"]["device"], "/dev/ttyUSB7");
+  EXPECT_EQ(state_["steps"]["radio"]["format"], "touchline");
+  expect_ok("radio.set", {{"format", "gritsbot"}});
+  EXPECT_EQ(state_["steps"]["radio"]["format"], "gritsbot");
+  EXPECT_NE(std::string(state_["steps"]["radio"]["sample"]).find("a packet for each robot"), std::string::npos);
   expect_ok("robots.set", {{"own", {{"color", "yellow"}, {"robots", {{{"id", 3}, {"colors", {"red"}}}}}}}});
   EXPECT_EQ(state_["steps"]["robots"]["own"]["robots"].size(), 1u);
   // Both teams are yellow now.

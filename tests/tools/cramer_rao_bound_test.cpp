@@ -41,7 +41,7 @@ StaticPictures pictures_of(std::size_t count, Level level) {
 }
 
 TEST(FisherInformation, InformationOfARampIsItsSquaredSlopeOverTheVariance) {
-  // 3 levels per pixel along u in all three channels; about 314 pixels lie within the radius.
+  // All three channels rise by 3 levels per pixel along u, and about 314 pixels lie within the radius.
   const StaticPictures pictures = pictures_of(12, [](double u, double) { return 30.0 + 3.0 * u; });
   const StaticPictures::FisherInformation i = pictures.fisher_information({32.0, 24.0}, 10.0);
   const double expected = 3.0 * 317.0 * 9.0 / (kSigma * kSigma + 1.0 / 12.0);

@@ -14,9 +14,8 @@ CommandOutput run_radio(const std::string& arguments) {
 TEST(RadioProgram, SendsAPatternAndShowsTheBytes) {
   const CommandOutput done = run_radio("--pattern turn --speed 0.1 --duration 1 --yes");
   EXPECT_EQ(done.code, 0) << done.text;
-  for (const char* part :
-       {"the right wheel rolls forward", "9C FF           left wheel -0.100 m/s",
-        "64 00           right wheel +0.100 m/s", "battery ", "sent 50 packets", "the robots stop"}) {
+  for (const char* part : {"the right wheel rolls forward", "left of robot 1: -100 = -0.100 m/s",
+                           "right of robot 1: 100 = 0.100 m/s", "battery: ", "sent 50 packets", "the robots stop"}) {
     EXPECT_NE(done.text.find(part), std::string::npos) << part << "\n" << done.text;
   }
 }

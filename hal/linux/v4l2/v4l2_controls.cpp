@@ -191,7 +191,7 @@ void fix_power_line(const V4l2Device& device, PowerLine power_line, ErrorText& n
                                : V4L2_CID_POWER_LINE_FREQUENCY_DISABLED;
   Control control;
   const bool has_control = find(device, V4L2_CID_POWER_LINE_FREQUENCY, control);
-  if (!has_control && hz == 0) return;  // a camera without this control has no filter, as requested
+  if (!has_control && hz == 0) return;  // no filter is requested, and there is none
   int actual = value;
   const int error = has_control ? set(device, V4L2_CID_POWER_LINE_FREQUENCY, value) : EINVAL;
   if (error == 0 && get(device, V4L2_CID_POWER_LINE_FREQUENCY, actual) == 0 && actual == value) return;

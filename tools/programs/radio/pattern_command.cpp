@@ -122,7 +122,9 @@ int send_pattern(const RadioOptions& options, Pattern pattern) {
   crash_stop::install_handlers();
   const std::atomic<bool>& stop = handle_stop_signals();
   Devices devices;
-  devices.make(configuration, options.session.seed);
+  if (const Result<void> made = devices.make(configuration, options.session.seed); !made.ok()) {
+    return fail_radio(made.text(), kExitBadFile);
+  }
   const HalDevices hal = devices.hal_devices();
   const bool has_emergency_stop = configuration.board.gpio.emergency_stop_line != hal::kNoLine;
   if (has_emergency_stop) {

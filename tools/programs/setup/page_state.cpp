@@ -4,6 +4,9 @@
 #include <memory>
 
 #include "firmware/config/configuration.h"
+#include "firmware/config/packet_text.h"
+#include "firmware/config/radio_presets.h"
+#include "firmware/config/resolve_radio.h"
 #include "firmware/config/wording.h"
 #include "hal/linux/serial/serial_list.h"
 #include "tools/programs/calibrate/colors/team_colors.h"
@@ -65,6 +68,29 @@ nlohmann::json color_values(const calibrate::VenueDraft& venue, const Result<cal
   }
   const nlohmann::json needed = team.ok() ? nlohmann::json(team.value().names) : nlohmann::json::array();
   return {{"done", !names.empty() && wanted.empty()}, {"names", names}, {"wanted", wanted}, {"needed", needed}};
+}
+
+// What the robots understand: the format of the team file, all formats, and a sample of the packets.
+nlohmann::json format_values(const std::string& team_path, config::Configuration& configuration) {
+  static_cast<void>(config::read_toml(team_path, "", {}, configuration.team, configuration.team_where).ok());
+  nlohmann::json formats = nlohmann::json::array();
+  formats.push_back({{"name", "touchline"}, {"about", "Touchline's own packet"}});
+  for (const config::RadioPreset& preset : config::radio_presets()) {
+    config::RadioEntry entry;
+    config::read_radio_preset(preset.name, entry);
+    formats.push_back({{"name", preset.name}, {"about", entry.about}});
+  }
+  configuration.pipeline.control = configuration.team.control;
+  const Result<void> resolved =
+      config::resolve_radio(configuration.team, configuration.team_where, configuration.pipeline);
+  // A person knows the files by their names; their folder is the draft's.
+  std::string remarks = resolved.ok() ? config::radio_warnings(configuration) : resolved.text();
+  const std::string folder = team_path.substr(0, team_path.rfind('/') + 1);
+  for (std::size_t at = 0; (at = remarks.find(folder)) != std::string::npos;) remarks.erase(at, folder.size());
+  return {{"format", configuration.team.radio.format},
+          {"formats", formats},
+          {"sample", resolved.ok() ? config::sample_packet_text(configuration.pipeline) : ""},
+          {"remarks", remarks}};
 }
 
 nlohmann::json radio_values(const config::BoardFile& board) {
@@ -134,7 +160,9 @@ nlohmann::json steps_of(const DraftState& draft, const std::string& folder) {
   } else if (steps["robots"]["quality"]["level"] == "ok" && !is_confirmed(draft, "robots")) {
     steps["robots"]["quality"] = quality("none", "the colors can be told apart; not compared with the robots yet");
   }
-  steps["radio"] = with_measured(draft, "radio", radio_values(configuration->board));
+  nlohmann::json radio = radio_values(configuration->board);
+  radio.update(format_values(path(draft.files.team), *configuration));
+  steps["radio"] = with_measured(draft, "radio", radio);
   require_same_picture(configuration->board.camera, venue.file, steps);
   return steps;
 }

@@ -273,6 +273,11 @@ Answer SetupProgram::camera_set(const Arguments& arguments) {
 }
 
 Answer SetupProgram::radio_set(const Arguments& arguments) {
+  if (arguments.has("format")) {
+    const SetupFiles& files = draft_.now().files;
+    TOUCHLINE_TRY_ASSIGN(const std::string value, toml_of(arguments["format"]));
+    return change_text("radio.format " + value, files.team, replace_key(files.text(files.team), "radio.format", value));
+  }
   return set_section("radio", {"backend", "device", "baud"}, arguments);
 }
 

@@ -10,7 +10,7 @@ function emptySteps(): SetupSteps {
     light: step(),
     colors: { ...step(), names: [], wanted: [], pictures: [], clicks: [] },
     robots: { ...step(), layouts: [], own: team(), opponent: team() },
-    radio: { ...step(), values: {}, devices: [] },
+    radio: { ...step(), values: {}, devices: [], format: 'touchline', formats: [], sample: '', remarks: '' },
   };
 }
 

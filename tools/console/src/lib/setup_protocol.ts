@@ -166,6 +166,10 @@ export interface RobotsStep extends Step {
 
 export interface RadioStep extends Step {
   values: Record<string, KeyValue>;
+  format: string; // what the robots understand
+  formats: { name: string; about: string }[]; // without the own fields of a team file
+  sample: string; // the bytes of a packet, a line for each field; '': the fields are wrong
+  remarks: string; // warnings, or what is wrong, a line each
   devices: (string | { name: string; description?: string })[];
 }
 
@@ -219,7 +223,8 @@ export type SetupCommand =
   | { command: 'colors.remove'; click: number }
   | { command: 'robots.set'; own?: TeamTable; opponent?: TeamTable; ball?: { color?: string; radius_m?: number }; layout?: RobotLayout }
   | { command: 'camera.set'; backend?: string; device?: string; format?: string; width_px?: number; height_px?: number; rate_hz?: number }
-  | { command: 'radio.set'; backend?: string; device?: string; baud?: number };
+  | { command: 'radio.set'; backend?: string; device?: string; baud?: number }
+  | { command: 'radio.set'; format: string };
 
 export interface Differences {
   files: { name: string; diff: string }[]; // unified; '': a picture that differs

@@ -233,7 +233,7 @@ double h_of_three_points(const std::vector<OutlinePixel>& outline, const HoughLi
   return 2.0 / (low + high);
 }
 
-// Finds H from the bend of the sides, and the straightened sides.
+// Finds H from the bend of the sides, then straightens the sides with it.
 static void straighten_sides(const Eigen::Vector2d& center, int width, int height, BorderSearch& out) {
   // Klancar uses only the longest side, but a goal or a marking at its ends can spoil it. The bend of eq. (12) is
   // proportional to 1 / H^2 to first order; the second largest bend of the four sides is used.

@@ -43,7 +43,8 @@ struct JudgeOptions {
   double motion_s = 60.0;  // longest measurement of the rolling shutter; 0: skip it
 };
 
-/// Called while the camera is judged. `step`: the step that has begun; afterwards `done` from 0 to 1 and a remark.
+/// Called while the camera is judged: begin() once for each step, then update() with the part of it that is `done`, 0
+/// to 1.
 struct JudgeProgress {
   std::function<void(int step, const std::string& what)> begin = [](int, const std::string&) {};
   std::function<void(double done, const std::string& remark)> update = [](double, const std::string&) {};

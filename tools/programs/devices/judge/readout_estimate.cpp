@@ -61,7 +61,8 @@ void compare_within_cells(std::vector<Equation>& equations) {
   }
 }
 
-/// Sums of a regression after the other unknowns were removed, weighted by the inverse variance of the residuals.
+/// Weighted sums of a regression from which the other unknowns were removed. The weight is the inverse variance of the
+/// residuals.
 struct Slope {
   double weight = 0.0, moment = 0.0;  // the slope is moment / weight
   double score_squares = 0.0;

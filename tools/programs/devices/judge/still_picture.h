@@ -23,8 +23,8 @@ class StillMeasurement {
   [[nodiscard]] StillReport report() const;
 
  private:
-  // Numbers of rows that are read, and of bands of rows whose means are compared. Lamps on 50 or 60 Hz mains show at
-  // most four periods in the readout of a slow sensor (33 ms); 16 bands resolve them.
+  // 64 rows are read, in 16 bands whose means are compared. Lamps on 50 or 60 Hz mains show at most four periods in the
+  // readout of a slow sensor (33 ms); 16 bands resolve them.
   static constexpr std::size_t kRows = 64, kBands = 16;
 
   std::size_t frames_ = 0;

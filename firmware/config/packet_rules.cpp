@@ -128,7 +128,7 @@ class PacketRules {
     const std::size_t robots = layout_.receivers.size();
     const bool has_names = layout_.has(FieldValue::kId) || layout_.has(FieldValue::kAddress);
     if (has_names && layout_.slots > 0 && robots > layout_.slots) {
-      add("radio.robots", "a packet has " + std::to_string(static_cast<int>(layout_.slots)) +
+      add("radio.places", "a packet has " + std::to_string(static_cast<int>(layout_.slots)) +
                               " places, but the team has " + std::to_string(robots) + " robots");
     }
     for (std::size_t i = 0; i < layout_.fields.size(); ++i) {

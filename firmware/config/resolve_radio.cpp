@@ -124,7 +124,7 @@ class LayoutResolver {
     refuse(radio_.framing != Framing::kNone, "radio.framing");
     refuse(radio_.packet_for != PacketFor::kAll, "radio.packet_for");
     refuse(radio_.byte_order != ByteOrder::kLittle, "radio.byte_order");
-    refuse(radio_.robots != 0, "radio.robots");
+    refuse(radio_.places != 0, "radio.places");
     refuse(!radio_.start_text.empty(), "radio.start_text");
     refuse(!radio_.start_hex.empty(), "radio.start_hex");
     refuse(!radio_.telemetry.empty(), "radio.telemetry");

@@ -103,7 +103,7 @@ TEST_F(PacketRulesTest, ConstantsTeamAndCountMustBeSendable) {
       "{block = 1, value = \"right\", type = \"i8\", unit = \"cm/s\"},\n";
   expect_refusal("", "{value = \"count\", type = \"bits\", bits = 1},\n" + blocks,
                  "radio.field[0]: 2 robots cannot be sent");
-  expect_refusal("robots = 1", blocks, "radio.robots: a packet has 1 places, but the team has 2 robots");
+  expect_refusal("places = 1", blocks, "radio.places: a packet has 1 places, but the team has 2 robots");
   describe(kEach, with("value = \"team\", type = \"bits\", bits = 4"));
   EXPECT_NE(refusal({"team_number=20"}).find("team_number = 20 cannot be sent"), std::string::npos) << errors();
 }
@@ -130,9 +130,9 @@ TEST_F(PacketRulesTest, ChecksCoverWholeFieldsBeforeThem) {
   const std::string block =
       "{block = 1, value = \"left\", type = \"i8\", unit = \"cm/s\"},\n"
       "{block = 1, name = \"r\", value = \"right\", type = \"i8\", unit = \"cm/s\"},\n";
-  expect_success("robots = 2", block + check(""));
-  expect_refusal("robots = 2", block + check(", from = \"r\""), "begins or ends within a block");
-  expect_refusal("robots = 2", block + "{block = 1, " + check("").substr(1),
+  expect_success("places = 2", block + check(""));
+  expect_refusal("places = 2", block + check(", from = \"r\""), "begins or ends within a block");
+  expect_refusal("places = 2", block + "{block = 1, " + check("").substr(1),
                  "radio.field[2].block: a length or check stands once in a packet");
 }
 
@@ -144,10 +144,10 @@ TEST_F(PacketRulesTest, AddressesAreBitsOfDifferentRobots) {
            "\"},\n{block = 1, value = \"left\", type = \"i8\", unit = \"cm/s\"},\n"
            "{block = 1, value = \"right\", type = \"i8\", unit = \"cm/s\"},\n";
   };
-  expect_success("robots = 2", places("u16"));
-  expect_refusal("robots = 2", places("u8"), "own.robot[1].address: ends as that of another robot");
+  expect_success("places = 2", places("u16"));
+  expect_refusal("places = 2", places("u8"), "own.robot[1].address: ends as that of another robot");
   for (const char* type : {"digits", "f32", "i16"}) {
-    expect_refusal("robots = 2", places(type), "radio.field[0].type: an address is a number of u8, u16, u32 or bits");
+    expect_refusal("places = 2", places(type), "radio.field[0].type: an address is a number of u8, u16, u32 or bits");
   }
 }
 

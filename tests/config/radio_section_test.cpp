@@ -269,5 +269,25 @@ field = [
   }
 }
 
+// Robots that get forward speed and turn rate: wheel_base_m counts without a restart.
+TEST_F(RadioSection, ANewDistanceOfTheWheelsCountsInPackets) {
+  append(R"([radio]
+format = "own"
+packet_for = "each"
+field = [
+  {value = "forward", type = "f32", unit = "m/s"},
+  {value = "turn", type = "f32", unit = "rad/s"},
+]
+)");
+  ASSERT_OK(load());
+  const auto pipeline = std::make_unique<Pipeline>();
+  ASSERT_TRUE(pipeline->configure(configuration_->pipeline).ok());
+  ControlParameters control = configuration_->pipeline.control;
+  control.drive.wheel_base_m = 0.111;
+  ASSERT_TRUE(pipeline->set_control(control).ok());
+  EXPECT_EQ(pipeline->radio().wheel_base_m, 0.111);
+  EXPECT_TRUE(pipeline->has_receivers());
+}
+
 }  // namespace
 }  // namespace touchline::config

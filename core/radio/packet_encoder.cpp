@@ -10,8 +10,6 @@
 namespace touchline {
 namespace {
 
-constexpr std::byte kUnknownLink{0xFF};
-
 class PacketEncoder {
  public:
   PacketEncoder(const PacketLayout& layout, std::span<const RobotValues> robots, const PacketValues& values)
@@ -123,7 +121,7 @@ class PacketEncoder {
       case FieldValue::kBattery:
         return static_cast<double>(robot.battery_v);
       case FieldValue::kLink:
-        return robot.link_percent < 0 ? std::to_integer<int>(kUnknownLink) : robot.link_percent;
+        return robot.link_percent < 0 ? kUnknownLink : robot.link_percent;
     }
     return 0.0;
   }

@@ -34,9 +34,9 @@ void ResidualFilter::restart(const DriveNoise& noise) {
 }
 
 void ResidualFilter::whiten(const ModeledMotion& motion, Columns& columns) {
-  constexpr int kN = static_cast<int>(kStates), kC = static_cast<int>(kColumns);
-  Eigen::Map<Eigen::Matrix<double, kN, kN, Eigen::RowMajor>> p(covariance_.data());
-  Eigen::Map<Eigen::Matrix<double, kN, kC, Eigen::RowMajor>> x(states_.data());
+  constexpr int kS = static_cast<int>(kStates), kC = static_cast<int>(kColumns);
+  Eigen::Map<Eigen::Matrix<double, kS, kS, Eigen::RowMajor>> p(covariance_.data());
+  Eigen::Map<Eigen::Matrix<double, kS, kC, Eigen::RowMajor>> x(states_.data());
   Eigen::Map<Eigen::Matrix<double, 2, kC, Eigen::RowMajor>> y(columns[0].data());
   // What changes before the interval: the slip decays, the new sighting becomes the former one, and its successor and
   // the next packet are independent.
@@ -65,18 +65,18 @@ void ResidualFilter::whiten(const ModeledMotion& motion, Columns& columns) {
 
   const double followed = following(motion), per_base = 1.0 / motion.wheel_base_m;
   const auto &travel = motion.travel_m, &late = motion.late_travel_mps;
-  Eigen::Matrix<double, 2, kN> h;
+  Eigen::Matrix<double, 2, kS> h;
   h << 0.5 * travel[0], 0.5 * travel[1], -1.0, 0.0, 1.0, 0.0, 0.5 * followed, 0.5 * followed, 0.5 * (late[0] + late[1]),
       -travel[0] * per_base, travel[1] * per_base, 0.0, -1.0, 0.0, 1.0, -followed * per_base, followed * per_base,
       (late[1] - late[0]) * per_base;
   // Lazy products, because the others contain calls of malloc for matrices of this size.
-  const Eigen::Matrix<double, kN, 2> ph = p.lazyProduct(h.transpose());
+  const Eigen::Matrix<double, kS, 2> ph = p.lazyProduct(h.transpose());
   const Eigen::Matrix2d variance = h.lazyProduct(ph);
   const Eigen::Matrix<double, 2, kC> innovation = y - h.lazyProduct(x);
   const double determinant = variance(0, 0) * variance(1, 1) - square(variance(0, 1));
   Eigen::Matrix2d inverse;
   inverse << variance(1, 1), -variance(0, 1), -variance(0, 1), variance(0, 0);
-  const Eigen::Matrix<double, kN, 2> gain = ph.lazyProduct(inverse) / determinant;
+  const Eigen::Matrix<double, kS, 2> gain = ph.lazyProduct(inverse) / determinant;
   x += gain.lazyProduct(innovation);
   p -= gain.lazyProduct(ph.transpose()).eval();
   p = (0.5 * (p + p.transpose())).eval();

@@ -11,6 +11,9 @@
 // What encoder and parser share.
 namespace touchline {
 
+/// Instead of a percentage of received packets: the robot does not measure it.
+constexpr double kUnknownLink = 255.0;
+
 constexpr bool is_bits(FieldType type) { return type == FieldType::kBits || type == FieldType::kSignedBits; }
 
 /// Bytes of a number; 0: bits, digits and constant bytes.

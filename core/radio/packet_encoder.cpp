@@ -10,7 +10,6 @@
 namespace touchline {
 namespace {
 
-constexpr std::byte kUnknownLink{0xFF};
 constexpr double kLargestCounter = 999999999.0;  // of digits
 // A PWM curve begins where wheels start to turn. Touchline's own packet sends 0 below half a step of 1 mm/s.
 constexpr double kStandstill_mps = 0.0005;
@@ -134,7 +133,7 @@ class PacketEncoder {
       case FieldValue::kBattery:
         return static_cast<double>(robot.battery_v);
       case FieldValue::kLink:
-        return robot.link_percent < 0 ? std::to_integer<int>(kUnknownLink) : robot.link_percent;
+        return robot.link_percent < 0 ? kUnknownLink : robot.link_percent;
     }
     return 0.0;
   }

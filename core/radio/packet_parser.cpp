@@ -12,7 +12,7 @@ namespace touchline {
 namespace {
 
 constexpr std::uint8_t kMaxDigits = 20;
-constexpr double kMaxRobotId = 127.0, kMaxLinkPercent = 100.0, kUnknownLink = 255.0;
+constexpr double kMaxRobotId = 127.0, kMaxLinkPercent = 100.0;
 
 class PacketParser {
  public:

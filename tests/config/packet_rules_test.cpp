@@ -1,7 +1,9 @@
 // Packets of the team file that could not stop or drive each robot are refused.
 #include "firmware/config/packet_rules.h"
 
+#include "firmware/config/resolve_radio.h"
 #include "tests/config/config_files.h"
+#include "tests/config/preset_team.h"
 #include "tests/results.h"
 
 namespace touchline::config {
@@ -91,6 +93,14 @@ TEST_F(PacketRulesTest, IdsMustBeSendable) {
 TEST_F(PacketRulesTest, ErusRefusesRobotZero) {
   write("team.toml", read(path("team.toml")) + "[radio]\nformat = \"erus\"\n");
   EXPECT_NE(refusal().find("own.robot[0].id: robot 0 in radio.field[1] cannot be sent"), std::string::npos) << errors();
+}
+
+TEST_F(PacketRulesTest, EachPresetHasATeam) {
+  for (const RadioPreset& preset : radio_presets()) {
+    const TeamFile team = team_of(std::string(preset.name));
+    EXPECT_OK(resolve_radio(team, Locations(std::string(preset.name)), configuration_->pipeline));
+    EXPECT_GE(configuration_->pipeline.radio.receivers.size(), 3U) << preset.name;
+  }
 }
 
 TEST_F(PacketRulesTest, ConstantsTeamAndCountMustBeSendable) {

@@ -73,6 +73,16 @@ bool can_be_read_back(const PacketLayout& layout) {
   });
 }
 
+// Whether several robots hear packets that are meant for one of them.
+bool is_shared_without_names(const PacketLayout& layout, const hal::RadioSettings& radio) {
+  if (!layout.one_each || layout.has(FieldValue::kId) || layout.has(FieldValue::kAddress)) return false;
+  const auto is_shared = [&](const hal::RadioPortSettings& port) {
+    const std::size_t robots = port.robots.empty() ? layout.receivers.size() : port.robots.size();
+    return port.backend == hal::RadioBackend::kSerial && robots > 1;
+  };
+  return is_shared(radio) || std::any_of(radio.more.begin(), radio.more.end(), is_shared);
+}
+
 // The keys of a preset as they can stand in a team file.
 std::string section_of(std::string_view preset) {
   constexpr std::string_view kVersion = "version = 1\n\n", kSection = "[radio]\n";
@@ -197,6 +207,12 @@ std::string radio_warnings(const Configuration& configuration) {
         number_text(configuration.team.control.drive.max_wheel_speed_mps) +
         " m/s, so a lower limit does not make the robots slower; measure radio.pwm_speed_mps and radio.pwm_share (" +
         file + ")\n";
+  }
+  if (is_shared_without_names(layout, port)) {
+    text +=
+        "the packets for single robots name none of them, but several robots share a serial port, so each obeys the "
+        "packets of all: give each robot a port of its own ([[radio.more]] and robots of " +
+        configuration.board_where.file() + "), or add the field id or address\n";
   }
   if (!can_be_read_back(layout)) {
     text +=

@@ -269,6 +269,21 @@ field = [
   }
 }
 
+TEST_F(RadioSection, WarnsOfRobotsThatHearPacketsForOthers) {
+  append("[radio]\nformat = \"e-puck2\"\n");
+  const auto warns = [&] {
+    return radio_warnings(*configuration_).find("each obeys the packets of all") != std::string::npos;
+  };
+  ASSERT_OK(load({"radio.backend=serial"}));
+  EXPECT_TRUE(warns());
+  ASSERT_OK(load({"radio.backend=serial", "board.radio.robots=[0]"}));
+  EXPECT_FALSE(warns());
+  ASSERT_OK(load({"radio.backend=udp"}));
+  EXPECT_FALSE(warns());
+  ASSERT_OK(load({"radio.backend=serial", "radio.format=rodetas"}));
+  EXPECT_FALSE(warns());
+}
+
 // Robots that get forward speed and turn rate: wheel_base_m counts without a restart.
 TEST_F(RadioSection, ANewDistanceOfTheWheelsCountsInPackets) {
   append(R"([radio]

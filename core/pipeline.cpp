@@ -171,9 +171,14 @@ void Pipeline::encode_commands(Instant now) {
     last_start_ = now;
     starts_left_ = std::max(0, starts_left_ - 1);
   }
-  // All commands fit into a packet, because both lists have the same capacity.
-  const PacketValues values{trace_.commands.stop, is_due, packet_sequence_, now};
-  if (!encode(radio_, trace_.commands, values, trace_.packets).ok()) trace_.packets.clear();
+  // All commands fit into a packet, because both lists have the same capacity and the layout was checked. If they still
+  // cannot be sent, the robots must not go on with their last ones.
+  PacketValues values{trace_.commands.stop, is_due, packet_sequence_, now};
+  if (!encode(radio_, trace_.commands, values, trace_.packets).ok()) {
+    trace_.commands.robots.clear();
+    trace_.commands.stop = values.stop = true;
+    if (!encode(radio_, trace_.commands, values, trace_.packets).ok()) trace_.packets.clear();
+  }
   ++packet_sequence_;
 }
 

@@ -89,7 +89,11 @@ class Pipeline {
     return scanner_.exchange(tables);
   }
   /// Changes control parameters between two frames. Errors as Controller::set_parameters.
-  Status set_control(const ControlParameters& parameters) { return controller_.set_parameters(parameters); }
+  Status set_control(const ControlParameters& parameters) {
+    Status status = controller_.set_parameters(parameters);
+    if (status.ok()) radio_.wheel_base_m = parameters.drive.wheel_base_m;
+    return status;
+  }
 
   /// Sets the commands of other programs, as Controller::set_external.
   void set_external(const ExternalCommands& commands, Instant now) { controller_.set_external(commands, now); }
@@ -104,6 +108,12 @@ class Pipeline {
   /// Writes packets that stop all robots into `out`, for a program that ends before it can call stop(). Nothing else
   /// changes.
   void prepare_stop(Instant now, OutgoingPackets& out) const;
+  /// Returns whether each step has packets: the layout has fields, and robots if each gets a packet of its own.
+  [[nodiscard]] bool has_receivers() const {
+    return !radio_.fields.empty() && !(radio_.one_each && radio_.receivers.empty());
+  }
+  /// Returns the layout of the packets.
+  [[nodiscard]] const PacketLayout& radio() const { return radio_; }
   /// Sends the layout's bytes for the start before the next packets. Call it after the radio was opened.
   void on_radio_opened();
   /// Replaces the last step's commands by a stop, in its trace and with its packets' sequence number. Call it if the
@@ -135,7 +145,7 @@ class Pipeline {
   StageClock clock_ = nullptr;
   Duration action_delay_{};
   bool halted_ = false, observing_ = false;
-  std::uint8_t packet_sequence_ = 0;
+  std::uint32_t packet_sequence_ = 0;
   PacketLayout radio_;
   int starts_left_ = kStarts;  // packets that get the bytes for the start
   Instant last_start_{};

@@ -25,8 +25,8 @@ struct StopTarget {
   hal::RadioRoute route;
   Packet bytes;
 };
-/// Each robot has a packet of its own, or a packet for all of them leaves on each route.
-using StopTargets = FixedVector<StopTarget, kMaxRobotsPerTeam + hal::RadioRoutes::capacity()>;
+/// Each robot has a packet of its own, which each radio may send, or a packet for all of them leaves on each route.
+using StopTargets = FixedVector<StopTarget, kMaxRobotsPerTeam * hal::kMaxRadios + hal::RadioRoutes::capacity()>;
 
 /// Replaces the stop packets; with none, a crash sends nothing. Their routes must stay open until the next call. For
 /// the loop's thread: wait-free, without allocation. Has no effect after send_stop_packets() has started.

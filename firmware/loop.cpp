@@ -310,6 +310,11 @@ void Loop::send(const OutgoingPackets& packets, bool is_stop, Instant now) {
     return;
   }
   prepare_crash_stop(now);  // with the number after this packet's
+  if (packets.empty() && pipeline_.has_receivers()) {
+    ++statistics_.packets_refused;
+    on_fault(Device::kRadio,
+             failure(ErrorCode::kFull, "the commands fit into no packet; see radio.field of the team file"), now);
+  }
   for (const OutgoingPacket& outgoing : packets) {
     const Result<void> sent = devices_.radio().send(outgoing.packet, outgoing.receiver);
     const bool drops = sent.code() == ErrorCode::kBusy;

@@ -1,7 +1,10 @@
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 
 #include "core/radio/packet_layout.h"
 
@@ -42,6 +45,47 @@ constexpr IntegerRange integer_range(const PacketField& field) {
                          field.type == FieldType::kI32 || field.type == FieldType::kSignedBits;
   const std::int64_t high = (std::int64_t{1} << (is_signed ? bits - 1u : bits)) - 1;
   return {is_signed ? -high : 0, high};
+}
+
+constexpr std::int64_t power_of_ten(unsigned exponent) {
+  std::int64_t power = 1;
+  for (; exponent > 0; --exponent) power *= 10;
+  return power;
+}
+
+/// Range of kDigits in units of the last decimal. With a width, it is what fits into the characters.
+constexpr IntegerRange digit_range(const PacketField& field) {
+  constexpr unsigned kWholeDigits = 9, kMostDigits = 15;
+  if (field.width == 0) {
+    const std::int64_t high = power_of_ten(kWholeDigits + field.decimals) - 1;
+    return {-high, high};
+  }
+  const unsigned point = field.decimals > 0 ? 1u : 0u, room = field.width - std::min<unsigned>(field.width, point);
+  const bool has_room_for_sign = room > field.decimals + 1u;
+  return {has_room_for_sign ? 1 - power_of_ten(std::min(room - 1u, kMostDigits)) : 0,
+          power_of_ten(std::min(room, kMostDigits)) - 1};
+}
+
+/// Digits in units of the last decimal.
+inline std::int64_t units_of(const PacketField& field, double number) {
+  const IntegerRange range = digit_range(field);
+  const double units = std::clamp(number, field.low, std::max(field.low, field.high)) *
+                       static_cast<double>(power_of_ten(field.decimals));
+  return std::llround(std::clamp(units, static_cast<double>(range.low), static_cast<double>(range.high)));
+}
+
+/// The number that is sent for `number`: rounded and limited as PacketField says.
+inline double sent_number(const PacketField& field, double number) {
+  if (field.type == FieldType::kDigits) {
+    return static_cast<double>(units_of(field, number)) / static_cast<double>(power_of_ten(field.decimals));
+  }
+  const double limited = std::clamp(number, field.low, std::max(field.low, field.high));
+  if (field.type == FieldType::kF32) {
+    constexpr auto kLargest = static_cast<double>(std::numeric_limits<float>::max());
+    return static_cast<double>(static_cast<float>(std::clamp(limited, -kLargest, kLargest)));
+  }
+  const IntegerRange range = integer_range(field);
+  return std::round(std::clamp(limited, static_cast<double>(range.low), static_cast<double>(range.high)));
 }
 
 /// Index after the fields that are written together with field `begin`: itself, or its block.

@@ -1,5 +1,7 @@
 #include "core/radio/packet.h"
 
+#include <algorithm>
+
 namespace touchline {
 namespace {
 
@@ -24,6 +26,10 @@ RobotValues values_of(const Receiver& receiver, const Commands& commands) {
   return values;
 }
 
+bool lists(const FixedVector<RobotValues, kMaxRobotsPerTeam>& robots, RobotId id) {
+  return std::any_of(robots.begin(), robots.end(), [&](const RobotValues& robot) { return robot.id == id; });
+}
+
 // The robots of a packet for all.
 FixedVector<RobotValues, kMaxRobotsPerTeam> listed_robots(const PacketLayout& layout, const Commands& commands) {
   FixedVector<RobotValues, kMaxRobotsPerTeam> robots;
@@ -40,7 +46,10 @@ FixedVector<RobotValues, kMaxRobotsPerTeam> listed_robots(const PacketLayout& la
   } else {
     for (const Receiver& receiver : layout.receivers) robots.push_back(values_of(receiver, commands));
   }
-  while (robots.size() < layout.slots) robots.push_back({0, 0, {}});
+  // A second entry of a robot of the team, with speed zero, would stop it.
+  for (RobotId unused = 0; robots.size() < layout.slots; ++unused) {
+    if (!lists(robots, unused)) robots.push_back(values_of({unused, 0}, {}));
+  }
   return robots;
 }
 

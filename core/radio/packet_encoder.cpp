@@ -10,6 +10,16 @@
 namespace touchline {
 namespace {
 
+constexpr double kLargestCounter = 999999999.0;  // of digits
+// A PWM curve begins where wheels start to turn. Touchline's own packet sends 0 below half a step of 1 mm/s.
+constexpr double kStandstill_mps = 0.0005;
+
+bool is_code(FieldValue value) {
+  return value == FieldValue::kDirections || value == FieldValue::kLeftDirection ||
+         value == FieldValue::kRightDirection || value == FieldValue::kForwardDirection ||
+         value == FieldValue::kTurnDirection || value == FieldValue::kStop;
+}
+
 class PacketEncoder {
  public:
   PacketEncoder(const PacketLayout& layout, std::span<const RobotValues> robots, const PacketValues& values)
@@ -65,7 +75,7 @@ class PacketEncoder {
     } else if (field.type == FieldType::kDigits) {
       write_digits(field, number_of(field, robot));
     } else if (field.type == FieldType::kF32) {
-      write_bytes(std::bit_cast<std::uint32_t>(static_cast<float>(limited(field, number_of(field, robot)))), 4,
+      write_bytes(std::bit_cast<std::uint32_t>(static_cast<float>(sent_number(field, number_of(field, robot)))), 4,
                   field.big_endian);
     } else {
       write_integer(field, integer_of(field, robot));
@@ -75,7 +85,9 @@ class PacketEncoder {
   // Before limits.
   [[nodiscard]] double number_of(const PacketField& field, const RobotValues& robot) const {
     const double value = value_of(field, robot);
-    return (std::isnan(value) ? 0.0 : field.magnitude ? std::abs(value) : value) * field.scale + field.offset;
+    if (is_code(field.value)) return value;  // codes are numbers on the wire
+    const double number = (field.magnitude ? std::abs(value) : value) * field.scale + field.offset;
+    return std::isnan(number) ? field.offset : number;
   }
 
   [[nodiscard]] double value_of(const PacketField& field, const RobotValues& robot) const {
@@ -133,13 +145,7 @@ class PacketEncoder {
     if (field.value == FieldValue::kTime || field.value == FieldValue::kSequence) {
       return static_cast<std::uint32_t>(std::llround(number));
     }
-    const IntegerRange range = integer_range(field);
-    const auto rounded = std::llround(std::clamp(limited(field, number), -1e10, 1e10));
-    return static_cast<std::uint32_t>(std::clamp<std::int64_t>(rounded, range.low, range.high));
-  }
-
-  static double limited(const PacketField& field, double number) {
-    return std::min(std::max(number, field.low), field.high);
+    return static_cast<std::uint32_t>(std::llround(sent_number(field, number)));
   }
 
   void write_integer(const PacketField& field, std::uint32_t number) {
@@ -159,9 +165,11 @@ class PacketEncoder {
   }
 
   void write_digits(const PacketField& field, double number) {
-    double unit = 1.0;
-    for (unsigned i = 0; i < field.decimals; ++i) unit *= 10.0;
-    auto rest = std::llround(std::clamp(limited(field, number), -1e9, 1e9) * unit);
+    // Counters wrap around.
+    if (field.value == FieldValue::kTime || field.value == FieldValue::kSequence) {
+      number = std::fmod(number, std::floor(std::min(field.high, kLargestCounter)) + 1.0);
+    }
+    auto rest = units_of(field, number);
     const bool is_negative = rest < 0;
     if (is_negative) rest = -rest;
     // From the last digit to the first.
@@ -193,9 +201,9 @@ class PacketEncoder {
     const std::size_t begin = begin_[field.first], end = begin_[field.end];
     if (packet_.overflow() > 0 || end < begin) return;
     const std::span<const std::byte> covered{packet_.data() + begin, end - begin};
-    const auto number = field.value == FieldValue::kLength
-                            ? static_cast<std::uint32_t>(static_cast<double>(covered.size()) + field.offset)
-                            : std::uint32_t{checksum(field.check, covered)};
+    const double length = sent_number(field, static_cast<double>(covered.size()) + field.offset);
+    const auto number = field.value == FieldValue::kLength ? static_cast<std::uint32_t>(std::llround(length))
+                                                           : std::uint32_t{checksum(field.check, covered)};
     const std::size_t count = byte_count(field.type);
     for (std::size_t i = 0; i < count; ++i) {
       packet_[begin_[index] + i] = byte_of(number, field.big_endian ? count - 1 - i : i);
@@ -219,7 +227,8 @@ Status encode_packet(const PacketLayout& layout, std::span<const RobotValues> ro
 
 double pwm_share(const PacketLayout& layout, double speed_mps) {
   const auto& curve = layout.pwm;
-  if (curve.empty() || !(std::abs(speed_mps) > 0.0)) return speed_mps;
+  if (curve.empty() || std::isnan(speed_mps)) return speed_mps;
+  if (std::abs(speed_mps) < kStandstill_mps) return 0.0;
   const double speed = std::abs(speed_mps);
   double share = 0.0;
   for (std::size_t i = 0; i < curve.size(); ++i) {

@@ -20,9 +20,9 @@ struct RobotValues {
 
 /// What a packet says beside its robots.
 struct PacketValues {
-  bool stop = false;   // all speeds are sent as 0
-  bool start = false;  // with the layout's bytes for the start before the packet
-  std::uint8_t sequence = 0;
+  bool stop = false;           // all speeds are sent as 0
+  bool start = false;          // with the layout's bytes for the start before the packet
+  std::uint32_t sequence = 0;  // a field has its lowest bits
   Instant time{};
 };
 
@@ -31,7 +31,7 @@ struct PacketValues {
 Status encode_packet(const PacketLayout& layout, std::span<const RobotValues> robots, const PacketValues& values,
                      Packet& out);
 
-/// Share of the PWM range, -1 to 1, that drives a wheel at `speed_mps`; and the reverse.
+/// Share of the PWM range, -1 to 1, that drives a wheel at `speed_mps`; and the reverse. Below 0.5 mm/s it is 0.
 double pwm_share(const PacketLayout& layout, double speed_mps);
 double speed_of_share(const PacketLayout& layout, double share);
 

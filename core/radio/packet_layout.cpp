@@ -42,6 +42,28 @@ class LayoutBuilder {
   PacketLayout& layout_;
 };
 
+// Characters of digits without a width.
+std::size_t characters(const PacketField& field, double number) {
+  std::int64_t units = units_of(field, number);
+  const std::size_t count = (units < 0 ? 1U : 0U) + (field.decimals > 0 ? 1U : 0U);
+  std::size_t digits = 0;
+  for (; units != 0; units /= 10) ++digits;
+  return count + std::max<std::size_t>(digits, field.decimals + 1U);
+}
+
+bool has_limit(const PacketField& field) {
+  constexpr double kNoLimit = 1e9;
+  return field.type != FieldType::kDigits || field.width > 0 ||
+         (std::abs(field.low) < kNoLimit && std::abs(field.high) < kNoLimit);
+}
+
+// Bytes of a field that is not of bits.
+std::size_t largest_field(const PacketField& field) {
+  if (field.type == FieldType::kBytes) return field.text_size;
+  if (field.type != FieldType::kDigits) return byte_count(field.type);
+  return field.width > 0 ? field.width : std::max(characters(field, field.low), characters(field, field.high));
+}
+
 constexpr double kStepsPerMps = 1000.0, kStepsPerVolt = 1000.0;
 
 }  // namespace
@@ -89,21 +111,29 @@ PacketLayout touchline_telemetry_layout() {
 
 std::size_t largest_packet(const PacketLayout& layout, std::size_t robots) {
   const std::size_t repeats = layout.one_each ? 1 : std::max<std::size_t>(robots, layout.slots);
-  std::size_t bits = 0;
-  for (const PacketField& field : layout.fields) {
-    std::size_t of_field = 8 * byte_count(field.type);
-    if (is_bits(field.type)) of_field = field.bits;
-    if (field.type == FieldType::kBytes) of_field = 8U * field.text_size;
-    if (field.type == FieldType::kDigits) {
-      const double largest = std::max(std::abs(field.low), std::abs(field.high));
-      if (field.width == 0 && !(largest < 1e9)) return 0;
-      const auto digits = static_cast<std::size_t>(std::max(0.0, std::floor(std::log10(std::max(largest, 1.0))))) + 1;
-      const std::size_t point = field.decimals > 0 ? field.decimals + 1U : 0U;
-      of_field = 8 * std::max<std::size_t>(field.width, digits + point + (field.low < 0.0 ? 1 : 0));
+  std::size_t bytes = 0;
+  unsigned bit = 0;  // next one of the last byte
+  for (std::size_t i = 0; i < layout.fields.size();) {
+    const std::size_t end = block_end(layout, i);
+    const bool in_block = layout.fields[i].block != 0;
+    if (in_block) bit = 0;
+    for (std::size_t robot = 0; robot < (in_block ? repeats : 1); ++robot) {
+      for (std::size_t k = i; k < end; ++k) {
+        const PacketField& field = layout.fields[k];
+        if (!has_limit(field)) return 0;
+        if (field.between && robot + 1 == repeats) continue;
+        if (!is_bits(field.type)) {
+          bit = 0;
+          bytes += largest_field(field);
+          continue;
+        }
+        const unsigned bits = bit + field.bits;
+        bytes += (bits + 7) / 8 - (bit > 0 ? 1U : 0U);
+        bit = bits % 8;
+      }
     }
-    bits += of_field * (field.block == 0 ? 1 : repeats);
+    i = end;
   }
-  const std::size_t bytes = (bits + 7) / 8;
   switch (layout.framing) {
     case Framing::kNone:
       return bytes;

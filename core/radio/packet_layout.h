@@ -21,14 +21,15 @@ constexpr TeamNumber kNoTeamNumber = 0;
 
 /// What a field carries.
 enum class FieldValue : std::uint8_t {
-  kConstant,          // bytes that never change; a receiver checks them
-  kUnused,            // 0; a receiver ignores it
-  kId,                // of the robot
-  kAddress,           // of the robot: Receiver::address
-  kLeft,              // speed of the left wheel's rim in m/s, or its PWM share if the layout has a curve
-  kRight,             // the same for the right wheel
-  kForward,           // speed of the robot in m/s
-  kTurn,              // turn rate in rad/s
+  kConstant,  // bytes that never change; a receiver checks them
+  kUnused,    // 0; a receiver ignores it
+  kId,        // of the robot
+  kAddress,   // of the robot: Receiver::address
+  kLeft,      // speed of the left wheel's rim in m/s, or its PWM share if the layout has a curve
+  kRight,     // the same for the right wheel
+  kForward,   // speed of the robot in m/s
+  kTurn,      // turn rate in rad/s
+  // Codes are numbers on the wire, without scale and offset.
   kDirections,        // codes[0..3]: both wheels forward, left one backward, right one backward, both backward
   kLeftDirection,     // codes[0]: forward, codes[1]: backward
   kRightDirection,    // the same of the right wheel

@@ -11,7 +11,7 @@
 namespace touchline {
 namespace {
 
-constexpr std::uint8_t kMaxDigits = 16;
+constexpr std::uint8_t kMaxDigits = 20;
 constexpr double kMaxRobotId = 127.0, kMaxLinkPercent = 100.0;
 
 class PacketParser {
@@ -24,8 +24,8 @@ class PacketParser {
     const auto& fields = layout_.fields;
     for (std::size_t i = 0; i < fields.size() && state_ == State::kFine;) {
       const std::size_t end = block_end(layout_, i);
-      if (!is_bits(fields[i].type)) align();
-      for (std::size_t k = i; k < end; ++k) begin_[k] = at_;
+      if (fields[i].block != 0 || !is_bits(fields[i].type)) align();
+      for (std::size_t k = i; k < end; ++k) begin_[k] = at_ + (bit_ > 0 ? 1U : 0U);
       if (fields[i].block == 0) {
         read(i, 0);
       } else {
@@ -44,15 +44,21 @@ class PacketParser {
   enum class State : std::uint8_t { kFine, kShort, kWrong };
 
   void read_block(std::size_t begin, std::size_t end) {
-    const bool counted = layout_.slots > 0 || layout_.one_each || count_.has_value();
-    const std::size_t count = layout_.one_each ? 1 : layout_.slots > 0 ? layout_.slots : count_.value_or(0);
+    bool counted = layout_.slots > 0 || layout_.one_each || count_.has_value();
+    std::size_t count = layout_.one_each ? 1 : layout_.slots > 0 ? layout_.slots : count_.value_or(0);
+    const auto* const fields = layout_.fields.begin();
+    if (!counted &&
+        std::none_of(fields + begin, fields + end, [](const PacketField& field) { return field.between; })) {
+      counted = true;  // the packets list the whole team
+      count = layout_.receivers.size();
+    }
     for (std::size_t robot = 0; state_ == State::kFine && (!counted || robot < count); ++robot) {
       if (robot >= kMaxRobotsPerTeam) {
         state_ = State::kWrong;
         return;
       }
       for (std::size_t k = begin; k < end && state_ == State::kFine; ++k) {
-        if (robot == 0) begin_[k] = at_;
+        if (robot == 0) begin_[k] = at_ + (bit_ > 0 ? 1U : 0U);
         if (!layout_.fields[k].between) {
           read(k, robot);
         } else if (counted) {
@@ -91,7 +97,8 @@ class PacketParser {
     }
     if (state_ != State::kFine) return;
     reading.end = is_bits(field.type) && bit_ > 0 ? at_ + 1 : at_;
-    if (field.value == FieldValue::kConstant && field.type != FieldType::kBytes && reading.number != field.offset) {
+    if (field.value == FieldValue::kConstant && field.type != FieldType::kBytes &&
+        reading.number != sent_number(field, field.offset)) {
       state_ = State::kWrong;
     }
     if (field.value == FieldValue::kTeam && reading.number == field.offset && layout_.team != kNoTeamNumber) {
@@ -201,8 +208,9 @@ class PacketParser {
       const std::size_t begin = begin_[field.first], end = begin_[field.end];
       if (end < begin) return false;
       const std::span<const std::byte> covered = bytes_.subspan(begin, end - begin);
-      const double expected = field.value == FieldValue::kLength ? static_cast<double>(covered.size()) + field.offset
-                                                                 : static_cast<double>(checksum(field.check, covered));
+      const double expected = field.value == FieldValue::kLength
+                                  ? sent_number(field, static_cast<double>(covered.size()) + field.offset)
+                                  : static_cast<double>(checksum(field.check, covered));
       if (reading.number != expected) return false;
     }
     return true;
@@ -307,8 +315,8 @@ class PacketDecoder {
       }
       case FieldValue::kSequence:
         packet_.has_sequence = true;
-        packet_.sequence = packet_.telemetry.sequence = static_cast<std::uint8_t>(std::lround(value) & 0xFF);
-        return true;
+        take_sequence(field, value);
+        return std::isfinite(value);
       case FieldValue::kTeam:
         packet_.team = static_cast<TeamNumber>(std::lround(value));
         return true;
@@ -328,6 +336,13 @@ class PacketDecoder {
     const std::size_t code = code_of(field, number, 2);
     backward = code == 1;
     return code < 2;
+  }
+
+  void take_sequence(const PacketField& field, double value) {
+    packet_.telemetry.sequence = static_cast<std::uint8_t>(std::llround(value) & 0xFF);
+    const bool is_short = is_bits(field.type) && field.bits < 8;
+    const unsigned shift = is_short ? 8U - field.bits : 0U;
+    packet_.sequence = static_cast<std::uint8_t>(packet_.telemetry.sequence << shift);
   }
 
   // The field may carry the lowest bits only, such as the last bytes of a MAC address.

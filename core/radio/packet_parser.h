@@ -28,7 +28,7 @@ std::size_t parse_packet(const PacketLayout& layout, std::span<const std::byte> 
 struct ParsedPacket {
   bool stop = false;
   bool has_sequence = false;
-  std::uint8_t sequence = 0;
+  std::uint8_t sequence = 0;  // lowest byte; a shorter counter stands in its highest bits, so that it wraps alike
   TeamNumber team = kNoTeamNumber;
   Commands commands;         // the twists are those of the wheels
   RobotTelemetry telemetry;  // of one robot, if the layout is one of telemetry

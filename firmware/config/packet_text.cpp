@@ -1,5 +1,6 @@
 #include "firmware/config/packet_text.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
@@ -14,6 +15,7 @@
 namespace touchline::config {
 namespace {
 
+constexpr std::size_t kBytesColumn = 24;  // characters
 constexpr float kSampleSpeed_mps = 0.5f, kSampleTurn_radps = 1.0f;
 
 std::string hexadecimal(std::span<const std::byte> bytes) {
@@ -58,6 +60,30 @@ std::optional<int> robot_of(const PacketLayout& layout, const FieldReadings& rea
   return std::nullopt;
 }
 
+// Whether the fields of a stop are found again in its bytes.
+bool can_be_read_back(const PacketLayout& layout) {
+  PacketLayout without_framing = layout;
+  without_framing.framing = Framing::kNone;
+  OutgoingPackets packets;
+  if (!encode(without_framing, {}, {.stop = true}, packets).ok()) return false;
+  return std::all_of(packets.begin(), packets.end(), [&](const OutgoingPacket& outgoing) {
+    const RobotId receiver = outgoing.receiver == kAllRobots ? kUnknownId : layout.receivers[outgoing.receiver].id;
+    ParsedPacket read;
+    return decode_packet(without_framing, {outgoing.packet.data(), outgoing.packet.size()}, receiver, read).ok();
+  });
+}
+
+// The keys of a preset as they can stand in a team file.
+std::string section_of(std::string_view preset) {
+  constexpr std::string_view kVersion = "version = 1\n\n", kSection = "[radio]\n";
+  std::string text(preset);
+  if (const std::size_t at = text.find(kVersion); at != std::string::npos) text.erase(at, kVersion.size());
+  if (const std::size_t at = text.find(kSection); at != std::string::npos) {
+    text.insert(at + kSection.size(), "format = \"own\"\n");
+  }
+  return text;
+}
+
 std::string number_on_wire(double number) {
   std::array<char, 32> text{};
   std::snprintf(text.data(), text.size(), "%.10g", number);
@@ -73,12 +99,11 @@ std::string packet_text(const PacketLayout& layout, std::span<const std::byte> b
   std::string text;
   for (const FieldReading& reading : readings) {
     const PacketField& field = layout.fields[reading.field];
-    std::array<char, 128> line{};
-    std::snprintf(line.data(), line.size(), "  %3zu  %-24s  %.*s", reading.begin,
-                  hexadecimal(bytes.subspan(reading.begin, reading.end - reading.begin)).c_str(),
-                  static_cast<int>(config::word_of(field.value, kFieldValues).size()),
-                  config::word_of(field.value, kFieldValues).data());
-    text += line.data();
+    std::array<char, 16> place{};
+    std::snprintf(place.data(), place.size(), "  %3zu  ", reading.begin);
+    std::string shown = hexadecimal(bytes.subspan(reading.begin, reading.end - reading.begin));
+    shown.resize(std::max(shown.size(), kBytesColumn), ' ');
+    text.append(place.data()).append(shown).append("  ").append(word_of(field.value, kFieldValues));
     const std::optional<int> robot = field.block > 0 ? robot_of(layout, readings, reading) : std::nullopt;
     if (robot && field.value != FieldValue::kId) text += " of robot " + std::to_string(*robot);
     if (field.type != FieldType::kBytes) text += ": " + number_on_wire(reading.number) + unit_text(layout, reading);
@@ -119,10 +144,10 @@ std::string sample_packet_text(const PipelineParameters& parameters) {
   PacketLayout without_framing = layout;
   without_framing.framing = Framing::kNone;
   OutgoingPackets framed, plain;
-  if (!encode(layout, commands, {}, framed).ok() || !encode(without_framing, commands, {}, plain).ok() ||
-      framed.empty()) {
-    return "";
+  if (!encode(layout, commands, {}, framed).ok() || !encode(without_framing, commands, {}, plain).ok()) {
+    return "radio: no packet can be sent: too many bytes\n";
   }
+  if (framed.empty()) return "radio: no packet is sent, because the team has no robots\n";
   const Packet& packet = framed[0].packet;
   std::string text = "radio: " + std::string(layout.one_each ? "a packet for each robot" : "a packet for all robots") +
                      ", " + std::to_string(packet.size()) + " bytes; at " + number_text(kSampleSpeed_mps) +
@@ -156,13 +181,28 @@ std::string radio_warnings(const Configuration& configuration) {
   }
   const std::size_t robots = layout.receivers.size();
   const std::size_t bytes = largest_packet(layout, robots) * (layout.one_each ? robots : 1);
-  const double line_s = seconds(hal::byte_time(port)) * static_cast<double>(bytes);
+  const double pauses_s = port.pause_s * static_cast<double>(layout.one_each ? robots : 1);
+  const bool has_line = hal::byte_time(port) > Duration{};
+  const double line_s = has_line ? seconds(hal::byte_time(port)) * static_cast<double>(bytes) + pauses_s : 0.0;
   const double rate_hz = configuration.board.camera.rate_hz;
   if (rate_hz > 0.0 && line_s > 1.0 / rate_hz) {
     text += "a frame's packets of up to " + std::to_string(bytes) + " bytes take " +
             number_text(std::round(line_s * 1e4) / 10) + " ms at radio.baud = " + std::to_string(port.baud) +
-            ", longer than a frame of " + number_text(std::round(1e4 / rate_hz) / 10) +
-            " ms: robots get a command in some frames only\n";
+            (pauses_s > 0.0 ? " with their pauses" : "") + ", longer than a frame of " +
+            number_text(std::round(1e4 / rate_hz) / 10) + " ms: robots get a command in some frames only\n";
+  }
+  if (!layout.pwm.empty() && radio.pwm_speed_mps.empty()) {
+    text +=
+        "the motors' curve is not known: full power is sent for control.drive.max_wheel_speed_mps = " +
+        number_text(configuration.team.control.drive.max_wheel_speed_mps) +
+        " m/s, so a lower limit does not make the robots slower; measure radio.pwm_speed_mps and radio.pwm_share (" +
+        file + ")\n";
+  }
+  if (!can_be_read_back(layout)) {
+    text +=
+        "these packets cannot be told apart from their bytes, so robots of the arena will not move: separate "
+        "digits by constants or give them a width (" +
+        file + ": radio.field)\n";
   }
   if (!radio.note.empty()) text += radio.note + "\n";
   return text;
@@ -171,7 +211,7 @@ std::string radio_warnings(const Configuration& configuration) {
 Result<std::string> radio_formats_text(const std::string& name) {
   std::vector<std::string_view> names{"touchline"};
   for (const RadioPreset& preset : radio_presets()) {
-    if (preset.name == name) return std::string(preset.toml);
+    if (preset.name == name) return section_of(preset.toml);
     names.push_back(preset.name);
   }
   if (name == "touchline")

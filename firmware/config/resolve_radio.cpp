@@ -9,6 +9,7 @@
 
 #include "core/radio/field_type.h"
 #include "firmware/config/error_list.h"
+#include "firmware/config/packet_rules.h"
 #include "firmware/config/radio_presets.h"
 #include "firmware/config/wording.h"
 
@@ -18,6 +19,7 @@ namespace {
 constexpr double kTurn_rad = 2.0 * std::numbers::pi, kDegreesPerRadian = 180.0 / std::numbers::pi;
 // Limits of digits that have none: no robot of a league is faster.
 constexpr double kFastest_mps = 10.0, kFastest_radps = 100.0;
+constexpr double kLargestDigits = 999999999.0;  // below the number that means no limit
 
 enum class Quantity : std::uint8_t { kOther, kWheel, kForward, kTurnRate, kBattery, kLink };
 
@@ -84,13 +86,16 @@ class LayoutResolver {
     layout.start_period_s = radio_.start_period_s;
     add_curve(layout);
     add_receivers(layout);
+    if (errors_.empty()) check_fields(layout, "radio.field", where_, errors_);
     if (errors_.empty()) check_commands(layout);
+    if (errors_.empty()) check_robots(layout, "radio.field", where_, errors_);
     return layout;
   }
 
   PacketLayout telemetry() {
     PacketLayout layout = common(radio_.telemetry, "radio.telemetry");
     layout.one_each = true;
+    if (errors_.empty()) check_fields(layout, "radio.telemetry", where_, errors_);
     if (!layout.fields.empty() && !layout.has(FieldValue::kId)) {
       add("radio.telemetry", "no field carries the id, so nobody knows whose report it is");
     }
@@ -109,6 +114,20 @@ class LayoutResolver {
       }
       layout.receivers.push_back({static_cast<RobotId>(robot.id), address.value_or(0)});
     }
+  }
+
+  // Touchline's own packet is fixed.
+  void refuse_keys_of_fields() {
+    const auto refuse = [&](bool is_set, const char* key) {
+      if (is_set) add(key, "has no effect on Touchline's own packet; a preset or format = \"own\" can have it");
+    };
+    refuse(radio_.framing != Framing::kNone, "radio.framing");
+    refuse(radio_.packet_for != PacketFor::kAll, "radio.packet_for");
+    refuse(radio_.byte_order != ByteOrder::kLittle, "radio.byte_order");
+    refuse(radio_.places != 0, "radio.places");
+    refuse(!radio_.start_text.empty(), "radio.start_text");
+    refuse(!radio_.start_hex.empty(), "radio.start_hex");
+    refuse(!radio_.telemetry.empty(), "radio.telemetry");
   }
 
   void add(const std::string& key, const std::string& message) { errors_.add(where_.of(key), key, message); }
@@ -147,6 +166,7 @@ class LayoutResolver {
     field.text_size = add_text(layout, key, entry.text, entry.hex);
     field.scale = entry.scale * factor(entry, key);
     if (field.scale == 0.0) add(key + ".scale", "must not be 0");
+    if (!std::isfinite(field.scale)) add(key + ".scale", "is too large in this unit");
     add_limits(entry, field);
     add_codes(entry, key, field);
     add_covered(entries, index, key, field);
@@ -179,6 +199,7 @@ class LayoutResolver {
     } else {
       add(key, "\"" + hex + "\" are no bytes in hexadecimal, such as \"7E 00 0C\"");
     }
+    if (bytes.empty() && !hex.empty()) add(key, "has no bytes");
     if (layout.text.size() + bytes.size() > kMaxPacketTextBytes) {
       add(key, "the constants of a packet have more than " + std::to_string(kMaxPacketTextBytes) + " bytes");
       return 0;
@@ -256,8 +277,11 @@ class LayoutResolver {
   // Digits without limits could fill any packet.
   static void add_limits(const FieldEntry& entry, PacketField& field) {
     const double fastest = entry.value == FieldValue::kTurn ? kFastest_radps : kFastest_mps;
-    const double limit =
-        quantity_of(entry.value) == Quantity::kOther ? 1e5 : std::abs(fastest * field.scale) + std::abs(field.offset);
+    const bool is_counter = entry.value == FieldValue::kTime || entry.value == FieldValue::kSequence;
+    const bool has_unit = quantity_of(entry.value) != Quantity::kOther;
+    const double limit = is_counter ? kLargestDigits
+                         : has_unit ? std::min(std::abs(fastest * field.scale) + std::abs(field.offset), kLargestDigits)
+                                    : 1e5;
     const bool is_digits = field.type == FieldType::kDigits;
     field.low = entry.low > -FieldEntry::kUnlimited || !is_digits ? entry.low : entry.magnitude ? 0.0 : -limit;
     field.high = entry.high < FieldEntry::kUnlimited || !is_digits ? entry.high : limit;
@@ -285,7 +309,10 @@ class LayoutResolver {
     }
     if (const auto found = named(entries, entries[index].from, key + ".from")) first = *found;
     if (const auto found = named(entries, entries[index].to, key + ".to")) end = *found + 1;
-    if (end < first) add(key, "\"to\" lies before \"from\"");
+    if (end < first) {
+      add(key, entries[index].to.empty() ? "\"from\" lies after the last field that is covered: add \"to\""
+                                         : "\"to\" lies before \"from\"");
+    }
     field.first = static_cast<std::uint8_t>(first);
     field.end = static_cast<std::uint8_t>(end);
   }
@@ -311,13 +338,18 @@ class LayoutResolver {
       return;
     }
     const auto rises = [](const std::vector<double>& values) {
-      return std::adjacent_find(values.begin(), values.end(), std::greater_equal<>()) == values.end();
+      const auto not_above = [](double a, double b) { return static_cast<float>(a) >= static_cast<float>(b); };
+      return std::adjacent_find(values.begin(), values.end(), not_above) == values.end();
     };
     if (!rises(speeds) || !rises(shares) || (!speeds.empty() && speeds[0] != 0.0)) {
       add("radio.pwm_share", "speeds must rise from 0, and shares with them");
       return;
     }
     if (!uses_share()) return;
+    for (std::size_t i = 0; i < radio_.field.size(); ++i) {
+      if (quantity_of(radio_.field[i].value) != Quantity::kWheel || radio_.field[i].unit == WireUnit::kShare) continue;
+      add(element("radio.field", i) + ".unit", "is not \"share\" as that of the other wheel speeds");
+    }
     if (speeds.empty()) {
       layout.pwm.push_back({0.0f, 0.0f});
       layout.pwm.push_back({static_cast<float>(team_.control.drive.max_wheel_speed_mps), 1.0f});
@@ -357,7 +389,7 @@ class LayoutResolver {
       add("radio.places", "is missing: without ids, each robot needs a place in the packet");
     }
     const std::size_t largest = largest_packet(layout, layout.receivers.size());
-    if (largest + layout.start_size > kMaxPacketBytes) {
+    if (largest == 0 || largest + layout.start_size > kMaxPacketBytes) {
       add("radio.field", "a packet of this team can have " + std::to_string(largest + layout.start_size) +
                              " bytes; at most " + std::to_string(kMaxPacketBytes) + " are sent");
     }
@@ -387,6 +419,13 @@ Result<void> resolve_radio(const TeamFile& team, const Locations& where, Pipelin
     out.radio = touchline_layout(static_cast<TeamNumber>(team.team_number));
     resolver.add_receivers(out.radio);
     out.telemetry = touchline_telemetry_layout();
+    resolver.refuse_keys_of_fields();
+    return errors.result();
+  }
+  if (format == "touchline") {
+    resolver.add("radio.format",
+                 "[[radio.field]] replaces the fields of a preset or describes packets of your own: set "
+                 "format = \"own\"");
     return errors.result();
   }
   RadioEntry preset;

@@ -1,6 +1,7 @@
 // [radio] of the team file.
 #include "core/radio/packet.h"
 #include "firmware/config/packet_text.h"
+#include "firmware/config/radio_presets.h"
 #include "firmware/config/resolve_radio.h"
 #include "tests/config/config_files.h"
 #include "tests/results.h"
@@ -214,6 +215,78 @@ TEST_F(RadioSection, WarnsOfLongPacketsAndOfRobotsThatDriveOn) {
   EXPECT_NE(text.find("drive on if the radio"), std::string::npos) << text;
   ASSERT_OK(load({"radio.backend=serial", "radio.time_out_s=0.5"}));
   EXPECT_EQ(radio_warnings(*configuration_).find("drive on"), std::string::npos);
+}
+
+// `touchline radio FORMAT` at the end of a team file gives the packets of the format.
+TEST_F(RadioSection, AFormatsTextIsASectionOfTheTeamFile) {
+  const std::string team = read(path("team.toml"));
+  for (const RadioPreset& preset : radio_presets()) {
+    SCOPED_TRACE(preset.name);
+    const std::string name(preset.name);
+    const auto load_as = [&](const std::string& section) {
+      write("team.toml", team + section);
+      EXPECT_TRUE(load({"radio.wheel_radius_m=0.02", "radio.steps_per_turn=300", "radio.first_id=0",
+                        "own.robot[0].address=\"81\"", "own.robot[1].address=\"82\"", "own.robot[0].id=2"})
+                      .ok())
+          << errors();
+      return sample_packet_text(configuration_->pipeline);
+    };
+    const Result<std::string> text = radio_formats_text(name);
+    ASSERT_TRUE(text.ok());
+    EXPECT_EQ(load_as(text.value()), load_as("[radio]\nformat = \"" + name + "\"\n"));
+  }
+}
+
+TEST_F(RadioSection, LongConstantsAreShownCompletely) {
+  append("[radio]\nformat = \"own\"\npacket_for = \"each\"\nfield = [{text = \"" + std::string(100, 'x') + R"("},
+  {value = "left", type = "i8", unit = "cm/s"}, {value = "right", type = "i8", unit = "cm/s"}]
+)");
+  ASSERT_OK(load());
+  EXPECT_NE(sample_packet_text(configuration_->pipeline).find("78 78  constant\n"), std::string::npos);
+}
+
+TEST_F(RadioSection, WarnsOfAnUnknownCurveOfPausesAndOfUnreadablePackets) {
+  const std::string team = read(path("team.toml"));
+  write("team.toml", team + R"([radio]
+format = "own"
+packet_for = "each"
+pause_s = 0.02
+field = [
+  {value = "left", type = "digits", unit = "share", scale = 100},
+  {value = "right", type = "digits", unit = "share", scale = 100},
+]
+)");
+  ASSERT_OK(load({"radio.backend=serial", "camera.rate_hz=60"}));
+  std::string text = radio_warnings(*configuration_);
+  EXPECT_NE(text.find("the motors' curve is not known: full power is sent for"), std::string::npos) << text;
+  EXPECT_NE(text.find("with their pauses, longer than a frame"), std::string::npos) << text;
+  EXPECT_NE(text.find("cannot be told apart from their bytes"), std::string::npos) << text;
+  ASSERT_OK(load({"radio.backend=serial", "radio.pwm_speed_mps=[0, 1]", "radio.pwm_share=[0.1, 1]",
+                  "radio.field[0].width=4", "radio.field[1].width=4", "radio.pause_s=0"}));
+  text = radio_warnings(*configuration_);
+  for (const char* gone : {"curve", "pauses", "told apart"}) {
+    EXPECT_EQ(text.find(gone), std::string::npos) << text;
+  }
+}
+
+// Robots that get forward speed and turn rate: wheel_base_m counts without a restart.
+TEST_F(RadioSection, ANewDistanceOfTheWheelsCountsInPackets) {
+  append(R"([radio]
+format = "own"
+packet_for = "each"
+field = [
+  {value = "forward", type = "f32", unit = "m/s"},
+  {value = "turn", type = "f32", unit = "rad/s"},
+]
+)");
+  ASSERT_OK(load());
+  const auto pipeline = std::make_unique<Pipeline>();
+  ASSERT_TRUE(pipeline->configure(configuration_->pipeline).ok());
+  ControlParameters control = configuration_->pipeline.control;
+  control.drive.wheel_base_m = 0.111;
+  ASSERT_TRUE(pipeline->set_control(control).ok());
+  EXPECT_EQ(pipeline->radio().wheel_base_m, 0.111);
+  EXPECT_TRUE(pipeline->has_receivers());
 }
 
 }  // namespace

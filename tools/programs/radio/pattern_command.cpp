@@ -84,7 +84,7 @@ class RobotLink {
   hal::Clock& clock_;
   const PacketLayout& layout_;
   OutgoingPackets packets_;
-  std::uint8_t sequence_ = 0;
+  std::uint32_t sequence_ = 0;
 };
 
 void show(double time_s, const char* direction, std::size_t count, const std::string& fields) {

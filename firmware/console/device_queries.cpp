@@ -11,6 +11,7 @@
 #include <thread>
 #include <utility>
 
+#include "firmware/console/file_thread.h"
 #include "hal/linux/monotonic_clock.h"
 
 namespace touchline::console {
@@ -18,7 +19,6 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr int kLowestNice = 19;
 // Interval at which the clock is read while a query runs; its end is noticed at once.
 constexpr auto kClockPeriod = 10ms;
 

@@ -15,7 +15,6 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr int kLowestNice = 19;
 // Time to wait for a running job at the end of the program. Reading some small files takes milliseconds; a job that
 // takes longer is abandoned.
 constexpr auto kEndPatience = 200ms;

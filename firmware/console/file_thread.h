@@ -5,6 +5,9 @@
 
 namespace touchline::console {
 
+/// Niceness of threads that must not take the processor from others: the lowest priority of setpriority().
+inline constexpr int kLowestNice = 19;
+
 /// A thread for all work that may wait for a disk or a device. The console's thread passes on every stop, so it must
 /// never wait for these itself.
 class FileThread {

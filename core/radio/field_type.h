@@ -55,15 +55,15 @@ constexpr std::int64_t power_of_ten(unsigned exponent) {
 
 /// Range of kDigits in units of the last decimal. With a width, it is what fits into the characters.
 constexpr IntegerRange digit_range(const PacketField& field) {
-  constexpr unsigned kWholeDigits = 9, kMostDigits = 15;
+  constexpr unsigned kWholeDigits = 9, kMaxDigitsOfNumber = 15;
   if (field.width == 0) {
     const std::int64_t high = power_of_ten(kWholeDigits + field.decimals) - 1;
     return {-high, high};
   }
   const unsigned point = field.decimals > 0 ? 1u : 0u, room = field.width - std::min<unsigned>(field.width, point);
   const bool has_room_for_sign = room > field.decimals + 1u;
-  return {has_room_for_sign ? 1 - power_of_ten(std::min(room - 1u, kMostDigits)) : 0,
-          power_of_ten(std::min(room, kMostDigits)) - 1};
+  return {has_room_for_sign ? 1 - power_of_ten(std::min(room - 1u, kMaxDigitsOfNumber)) : 0,
+          power_of_ten(std::min(room, kMaxDigitsOfNumber)) - 1};
 }
 
 /// Digits in units of the last decimal.

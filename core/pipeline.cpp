@@ -32,7 +32,9 @@ Status Pipeline::configure(const PipelineParameters& parameters, StageClock cloc
   clock_ = clock;
   packet_sequence_ = 0;
   radio_ = parameters.radio;
-  on_radio_opened();
+  starts_left_ = kStarts;
+  inputs_ = {};
+  released_tables_ = nullptr;
   monitor_.configure(parameters.telemetry, parameters.low_battery_v);
   trace_.reports = {};
   trace_.tracks.robots.clear();
@@ -57,18 +59,29 @@ Status Pipeline::configure(const PipelineParameters& parameters, StageClock cloc
   return controller_.configure(parameters.control, parameters.marker.field);
 }
 
-Status Pipeline::assign_teams(const TeamAssignment& assignment) {
-  if (assignment == assignment_) return {};
-  TeamMarkings teams = teams_;
-  for (std::size_t team = 0; team < teams.size(); ++team) {
+Status Pipeline::teams_of(const TeamAssignment& assignment, TeamMarkings& out) const {
+  out = teams_;
+  for (std::size_t team = 0; team < out.size(); ++team) {
     const float height_m = assignment.height_m[team];
     if (!(height_m >= 0.0f && height_m <= kMaxMarkerHeight)) return ErrorCode::kOutOfRange;
-    if (height_m > 0.0f) teams[team].layout.height_m = height_m;
+    if (height_m > 0.0f) out[team].layout.height_m = height_m;
   }
   if (assignment.colors_exchanged) {
-    if (teams[0].team_color == kBackground || teams[1].team_color == kBackground) return ErrorCode::kInconsistent;
-    std::swap(teams[0].team_color, teams[1].team_color);
+    if (out[0].team_color == kBackground || out[1].team_color == kBackground) return ErrorCode::kInconsistent;
+    std::swap(out[0].team_color, out[1].team_color);
   }
+  return matcher_.check_teams(out);
+}
+
+Status Pipeline::check_teams(const TeamAssignment& assignment) const {
+  TeamMarkings teams;
+  return teams_of(assignment, teams);
+}
+
+Status Pipeline::assign_teams(const TeamAssignment& assignment) {
+  if (assignment == assignment_) return {};
+  TeamMarkings teams;
+  if (Status s = teams_of(assignment, teams); !s.ok()) return s;
   if (Status s = matcher_.set_teams(teams); !s.ok()) return s;
   patch_center_fit_.set_heights({teams[0].layout.height_m, teams[1].layout.height_m});
   ball_center_fit_.set_robots(sizes_of(teams));
@@ -78,7 +91,41 @@ Status Pipeline::assign_teams(const TeamAssignment& assignment) {
   return {};
 }
 
-const StepTrace& Pipeline::step(const Frame& frame) {
+void Pipeline::apply(const StepInputs& inputs) {
+  inputs_ = inputs;
+  trace_.inputs = &inputs_;
+  trace_.revoked = false;
+  const StepEvents& events = inputs_.events;
+  released_tables_ = nullptr;
+  if (events.tables != nullptr && events.adaptation != nullptr) {
+    adaptation_ = *events.adaptation;
+    matcher_.set_typical_colors(adaptation_.typical_colors());
+    released_tables_ = &scanner_.exchange(*events.tables);
+  }
+  if (events.adaptation_mode) adaptation_.set_mode(*events.adaptation_mode);
+  Status control;
+  if (events.control) {
+    control = controller_.set_parameters(*events.control);
+    if (control.ok()) radio_.wheel_base_m = events.control->drive.wheel_base_m;
+  }
+  const Status teams = assign_teams(inputs_.teams);
+  trace_.inputs_status = teams.ok() ? control : teams;
+  if (events.reset) reset();
+  if (events.picture_acknowledged) picture_check_.acknowledge();
+  if (events.radio_opened) starts_left_ = kStarts;
+  if (!events.telemetry.empty()) {
+    monitor_.listen({events.telemetry.data(), events.telemetry.size()}, events.telemetry_received, trace_.reports);
+  }
+  picture_check_.set(inputs_.picture_check);
+  for (std::size_t i = 0; i < radio_.receivers.size(); ++i) {
+    const RobotId id = radio_.receivers[i].id;
+    if (id >= 0) tracker_.set_lateness(id, inputs_.lateness[i]);
+  }
+  controller_.set_external(inputs_.commands, inputs_.now);
+}
+
+const StepTrace& Pipeline::step(const Frame& frame, const StepInputs& inputs) {
+  apply(inputs);
   trace_.frame = frame;
   trace_.light = {};
   const auto timer = [this](Stage stage) {
@@ -101,15 +148,16 @@ const StepTrace& Pipeline::step(const Frame& frame) {
   }
   trace_.overload = trace_.runs_dropped + trace_.regions_dropped > 0 || trace_.sightings.cut_short;
   check_picture();
-  const Instant acts_at = frame.capture_time + action_delay_;
+  const Instant acts_at = frame.capture_time + inputs_.action_delay;
   {
     const StageTimer t = timer(Stage::kTrack);
     tracker_.update(trace_.sightings, frame.capture_time, acts_at, trace_.tracks);
   }
   {
     const StageTimer t = timer(Stage::kControl);
-    controller_.decide(trace_.tracks, halted_, trace_.commands);
-    if (!observing_) tracker_.add_commands(trace_.commands, acts_at);
+    const bool is_halted = inputs_.halt != 0 || !trace_.inputs_status.ok();
+    controller_.decide(trace_.tracks, is_halted, trace_.commands);
+    if (!inputs_.observing) tracker_.add_commands(trace_.commands, acts_at);
   }
   {
     const StageTimer t = timer(Stage::kRadio);
@@ -127,9 +175,10 @@ void Pipeline::check_picture() {
   if (was_unusable && !trace_.picture.is_unusable()) reset();
 }
 
-const OutgoingPackets& Pipeline::stop(Instant now) {
+const OutgoingPackets& Pipeline::stop(const StepInputs& inputs) {
+  apply(inputs);
   trace_.commands.robots.clear();
-  stop_from(now);
+  stop_from(inputs_.now);
   return trace_.packets;
 }
 
@@ -139,10 +188,9 @@ void Pipeline::prepare_stop(Instant now, OutgoingPackets& out) const {
   if (!encode(radio_, commands, {true, false, packet_sequence_, now}, out).ok()) out.clear();
 }
 
-void Pipeline::on_radio_opened() { starts_left_ = kStarts; }
-
 void Pipeline::revoke() {
   --packet_sequence_;
+  trace_.revoked = true;
   for (RobotCommand& robot : trace_.commands.robots) {
     robot.twist = {};
     robot.wheels = {};
@@ -152,7 +200,7 @@ void Pipeline::revoke() {
 
 void Pipeline::stop_from(Instant now) {
   trace_.commands.stop = true;
-  tracker_.add_commands(trace_.commands, now + action_delay_);
+  tracker_.add_commands(trace_.commands, now + inputs_.action_delay);
   encode_commands(now);
 }
 

@@ -373,9 +373,17 @@ struct PictureTrace {
   [[nodiscard]] bool is_unusable() const { return repeats || overloads || hides_field; }
 };
 
-/// All results of one frame. Recorder, console, latency report and tests read only this structure.
+struct StepInputs;  // core/step_inputs.h
+
+/// All inputs and results of one frame. Recorder, console, latency report and tests read only this structure.
 struct StepTrace {
   Frame frame;  // the frame's pixels are invalid after its release
+  // What the step used beside the frame, valid until the next call of the pipeline. Null: there was no step.
+  const StepInputs* inputs = nullptr;
+  // kOutOfRange or kInconsistent: the step refused the assignment of teams or the control parameters, kept the former
+  // ones, and stops the robots.
+  Status inputs_status;
+  bool revoked = false;  // Pipeline::revoke() replaced the commands by a stop after the step
   Runs runs;
   Regions regions;
   Sightings sightings;

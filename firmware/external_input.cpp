@@ -129,11 +129,12 @@ TeamAssignment ExternalInput::wanted_assignment() const {
   return assignment;
 }
 
-void ExternalInput::assign_teams(Pipeline& pipeline) {
+void ExternalInput::assign_teams(const Pipeline& pipeline) {
   const TeamAssignment wanted = wanted_assignment();
   if (wanted == assignment_) return;
   assignment_ = wanted;
-  is_assigned_ = pipeline.assign_teams(wanted).ok();
+  is_assigned_ = pipeline.check_teams(wanted).ok();
+  if (is_assigned_) teams_ = wanted;
 }
 
 }  // namespace touchline

@@ -49,8 +49,8 @@ class ExternalInput {
   /// Applies the values that were taken to the rules: reasons to halt, the driver's silence, and a start. Tells the
   /// console which stop holds the robots. `timeout` applies to a referee that repeats its messages.
   void apply_to(StopRules& rules, Instant now, Duration timeout);
-  /// Passes the referee's team colors, sides and heights to the pipeline.
-  void assign_teams(Pipeline& pipeline);
+  /// Takes the referee's team colors, sides and heights for teams(), unless the pipeline cannot use them.
+  void assign_teams(const Pipeline& pipeline);
   /// Call it when a person has pressed the start button, or Start in the console.
   void on_start();
   /// Counts the robots whose command has become too old since the last frame.
@@ -60,6 +60,8 @@ class ExternalInput {
   /// time on the loop's clock, here and in referee().
   [[nodiscard]] const ExternalCommands& commands() const { return settings_.console != nullptr ? merged_ : commands_; }
   [[nodiscard]] const RefereeState& referee() const { return referee_; }
+  /// Returns the last assignment of the referee that the pipeline can use.
+  [[nodiscard]] const TeamAssignment& teams() const { return teams_; }
   [[nodiscard]] const ConsoleInput& console() const { return console_; }
   /// Returns the bits of kExternalHalts that hold. `timeout` applies to a referee that repeats its messages.
   [[nodiscard]] std::uint32_t halt(Instant now, Duration timeout) const;
@@ -84,7 +86,8 @@ class ExternalInput {
   FixedVector<RobotId, kMaxRobotsPerTeam> expired_;
   RefereeState referee_;
   TeamAssignment assignment_;  // assignment that was requested last
-  bool is_assigned_ = true;    // false: the pipeline rejected it
+  bool is_assigned_ = true;    // false: the pipeline cannot use it
+  TeamAssignment teams_;
   ExternalCounts counts_;
 };
 

@@ -49,7 +49,6 @@ void Loop::set_faults(const config::FaultSettings& faults) {
   settings_.faults = faults;
   const Duration stop_after = from_seconds(faults.stop_after_s);
   rules_.set_limits(stop_after, from_seconds(faults.radio_outage_s), faults.resume_after_emergency);
-  pipeline_.set_picture_check({stop_after, faults.unusable_frames});
   devices_.set_first_pause(from_seconds(faults.reopen_after_s));
   // Polling is often enough for stop packets and the emergency stop, and seldom enough to leave the processor idle.
   poll_period_ = std::clamp<Duration>(stop_after / 4, 5ms, 50ms);
@@ -97,7 +96,7 @@ std::optional<LoopEnd> Loop::iterate() {
   reports_.report_halt(rules_.halt(), stop_number, now);
   reports_.report_standing(now);
   reports_.report_status_if_due(statistics_, rules_.halt(), stop_number, pipeline_.adaptation(), now);
-  take_live_settings();
+  note_live_settings();
   update_end(now);
   return end_;
 }
@@ -137,13 +136,12 @@ void Loop::process_frame(const hal::FrameLease& lease) {
     ++statistics_.future_stamps;
   }
 
-  const Duration to_wheels = latency_.value() + packet_time_ + settings_.radio_delay;
-  pipeline_.set_action_delay(std::clamp<Duration>(to_wheels, 0s, 1s));
   rules_.check_frame(frame.capture_time, timing.received);
   take_external_input(timing.received);
-  pipeline_.set_external(external_.commands(), timing.received);
-  pipeline_.set_halted(!rules_.may_move());
-  const StepTrace& trace = pipeline_.step(frame);
+  const Duration to_wheels = latency_.value() + packet_time_ + settings_.radio_delay;
+  fill_inputs(timing.received, std::clamp<Duration>(to_wheels, 0s, 1s));
+  const StepTrace& trace = pipeline_.step(frame, inputs_);
+  on_inputs_used(timing.received);
   rules_.apply_picture(trace.picture);
   // The emergency stop may have been pulled meanwhile.
   read_inputs(devices_.clock().now());
@@ -214,23 +212,9 @@ void Loop::adapt_to_light() {
   if (settings_.adaptation != nullptr) {
     const AdaptationMode mode = pipeline_.adaptation();
     const AdaptationMode requested = adaptation_requests_.serve(*settings_.adaptation, mode);
-    if (requested != mode) pipeline_.set_adaptation(requested);
+    if (requested != mode) inputs_.events.adaptation_mode = requested;
   }
   pipeline_.adapt();
-}
-
-void Loop::take_live_settings() {
-  LiveSettings* settings = settings_.live_update != nullptr ? settings_.live_update->offered() : nullptr;
-  if (settings == nullptr) return;
-  if (settings->tables != nullptr) {
-    if (settings->keep_adaptation_mode) settings->adaptation.set_mode(pipeline_.adaptation());
-    settings->tables = &pipeline_.exchange(*settings->tables, settings->adaptation);
-  }
-  static_cast<void>(pipeline_.set_control(settings->control));  // checked when the files were read
-  set_faults(settings->faults);
-  settings_.radio_delay = settings->radio_delay;
-  settings->taken_after = statistics_.frames;
-  settings_.live_update->taken();
 }
 
 void Loop::take_external_input(Instant now) {
@@ -280,10 +264,6 @@ void Loop::read_inputs(Instant now) {
   check_radio(now);
 }
 
-void Loop::acknowledge_start() {
-  if (rules_.take_start()) pipeline_.acknowledge_picture();
-}
-
 void Loop::check_radio(Instant now) { rules_.apply_radio(radio_away(now)); }
 
 std::optional<Duration> Loop::radio_away(Instant now) const {
@@ -298,7 +278,13 @@ void Loop::stop_if_due(Instant now) {
   if (!rules_.may_move() && now - last_packet_ >= poll_period_) send_stop(now);
 }
 
-void Loop::send_stop(Instant now) { send(pipeline_.stop(now), true, now); }
+void Loop::send_stop(Instant now) {
+  fill_inputs(now, inputs_.action_delay);
+  const OutgoingPackets& packets = pipeline_.stop(inputs_);
+  if (observer_.on_stop != nullptr) observer_.on_stop(observer_.context, inputs_);
+  on_inputs_used(now);
+  send(packets, true, now);
+}
 
 void Loop::send(const OutgoingPackets& packets, bool is_stop, Instant now) {
   if (crash_stop::is_stopping()) return;  // another thread has crashed; its stop packets must be the last ones
@@ -327,15 +313,6 @@ void Loop::send(const OutgoingPackets& packets, bool is_stop, Instant now) {
     }
     if (!sent.ok()) on_fault(Device::kRadio, sent.error(), now);
     if (!devices_.is_open(Device::kRadio)) return;
-  }
-}
-
-void Loop::note_times_on_line(const OutgoingPackets& packets) {
-  Duration line_time{};
-  for (std::size_t i = 0; i < packets.size(); ++i) {
-    line_time += static_cast<Duration::rep>(packets[i].packet.size()) * settings_.radio_byte_time;
-    if (i == 0) packet_time_ = line_time;
-    pipeline_.set_lateness(packets[i].receiver, line_time - packet_time_);
   }
 }
 
@@ -368,18 +345,6 @@ void Loop::report_radio_ports(Instant now) {
     if (devices_.radio().partly_lost_since()) continue;
     reports_.end_loss(Device::kRadio);
     report_fault(Device::kRadio, {ErrorCode::kOk, {}}, FaultAction::kNone, now);
-  }
-}
-
-void Loop::receive_telemetry(Instant now) {
-  if (!settings_.telemetry || !devices_.is_open(Device::kRadio)) return;
-  const Result<std::size_t> count = devices_.radio().receive(received_);
-  if (!count.ok()) {
-    on_fault(Device::kRadio, count.error(), now);
-  } else if (count.value() > 0) {
-    pipeline_.listen(std::span(received_).first(count.value()), now);
-    statistics_.robots = pipeline_.reports();
-    reports_.report_batteries(statistics_.robots, now);
   }
 }
 
@@ -466,7 +431,7 @@ void Loop::on_reopened(Device device, Instant now) {
   switch (device) {
     case Device::kCamera:
       // Robots have moved meanwhile, and the driver restarts its frame numbers.
-      pipeline_.reset();
+      inputs_.events.reset = true;
       frame_gaps_.restart();
       last_frame_ = now;
       if (!was_open && !end_) end_ = LoopEnd::kRestart;
@@ -475,7 +440,7 @@ void Loop::on_reopened(Device device, Instant now) {
       outputs_.on_reopened();
       break;
     case Device::kRadio:
-      pipeline_.on_radio_opened();
+      inputs_.events.radio_opened = true;
       prepare_crash_stop(now);
       break;
   }

@@ -76,6 +76,8 @@ struct LoopObserver {
   // the next frame.
   void (*on_received)(void* context) = nullptr;
   void (*on_sent)(void* context) = nullptr;
+  // Called after each Pipeline::stop(), which needs no frame.
+  void (*on_stop)(void* context, const StepInputs& inputs) = nullptr;
 };
 
 enum class LoopEnd : std::uint8_t {
@@ -146,13 +148,17 @@ class Loop {
   void reopen_lost_devices(Instant now);
   void update_status_light(Instant now);
   void take_external_input(Instant now);
-  void take_live_settings();
+  void note_live_settings();
   void update_end(Instant now);
 
   // The parts of a frame.
   void process_frame(const hal::FrameLease& lease);
   void measure_latency(const Frame& frame, const StepTiming& timing);
   void adapt_to_light();
+  /// Completes `inputs_` before a step or a stop. Events are noted there when they happen.
+  void fill_inputs(Instant now, Duration action_delay);
+  /// Clears the events after a step or a stop has used them.
+  void on_inputs_used(Instant now);
   void write_snapshot(const StepTrace& trace, const StepTiming& timing, Instant machine_sent);
   /// Returns the score of the referee, or of a simulation that counts goals.
   [[nodiscard]] std::optional<Score> score() const;
@@ -184,6 +190,7 @@ class Loop {
   [[nodiscard]] bool is_awaited(Device device) const { return is_required(device) || !rules_.is_started(); }
 
   Pipeline& pipeline_;
+  StepInputs inputs_;  // of the last or the next step
   LoopSettings settings_;
   LoopObserver observer_;
   LoopDevices devices_;
@@ -206,8 +213,7 @@ class Loop {
   FrameGaps frame_gaps_;
   LatencyEstimate latency_;
   AdaptationRequestReader adaptation_requests_;
-  Snapshot snapshot_;                      // too large for the stack
-  std::array<std::byte, 512> received_{};  // at 30 frames per second more than 115200 baud can deliver
+  Snapshot snapshot_;  // too large for the stack
 };
 
 }  // namespace touchline

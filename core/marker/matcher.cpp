@@ -44,7 +44,28 @@ void Matcher::add_kind(ColorId color, const PatchPlace& place, Team team) {
   kind.height_m[index_of(team)] = layout.height_m;
 }
 
-Status Matcher::collect_kinds() {
+Status Matcher::check(const TeamMarkings& teams, const BallParameters& ball) {
+  std::array<bool, kMaxColors + 1> of_team{}, identifies{};
+  for (const TeamMarking& marking : teams) {
+    if (Status s = validate(marking); !s.ok()) return s;
+    if (marking.team_color == kBackground) continue;
+    of_team[marking.team_color] = true;
+    for (const RobotMarking& robot : marking.robots) {
+      for (const ColorId color : robot.colors) identifies[color] = true;
+    }
+  }
+  if (ball.color > kMaxColors || (ball.color != kBackground && !is_positive(ball.radius_m))) {
+    return ErrorCode::kOutOfRange;
+  }
+  const ColorId own = teams[0].team_color, other = teams[1].team_color;
+  if ((own != kBackground && own == other) || identifies[own] || identifies[other] ||
+      (ball.color != kBackground && (of_team[ball.color] || identifies[ball.color]))) {
+    return ErrorCode::kInconsistent;
+  }
+  return {};
+}
+
+void Matcher::collect_kinds() {
   wanted_.fill(false);
   identifies_.fill(false);
   std::size_t patches = 0;
@@ -65,35 +86,21 @@ Status Matcher::collect_kinds() {
   const auto colors = static_cast<float>(std::count(wanted_.begin(), wanted_.end(), true));
   touching_pairs_ = std::min(kMaxTouchingPairs,
                              std::max(kMinPairsOfColor * colors, kMarginOfPairs * static_cast<float>(patches) / 2));
-  const ColorId own = parameters_.teams[0].team_color, other = parameters_.teams[1].team_color;
   const BallParameters& ball = parameters_.ball;
-  if (ball.color > kMaxColors || (ball.color != kBackground && !is_positive(ball.radius_m))) {
-    return ErrorCode::kOutOfRange;
-  }
-  if ((own != kBackground && own == other) || identifies_[own] || identifies_[other] ||
-      (ball.color != kBackground && wanted_[ball.color])) {
-    return ErrorCode::kInconsistent;
-  }
   if (ball.color != kBackground) {
     kinds_[ball.color] = kind_of(outline_of(ball), ball.radius_m);
     kinds_[ball.color].may_touch = false;  // a ball touches no other ball, because there is only one
     kinds_[ball.color].may_be_partly_hidden = true;
     wanted_[ball.color] = true;
   }
-  return {};
 }
 
 Status Matcher::configure(const MarkerParameters& parameters, const CameraModel& camera) {
   wanted_.fill(false);
-  for (const TeamMarking& team : parameters.teams) {
-    if (Status s = validate(team); !s.ok()) return s;
-  }
   if (!is_positive(parameters.field.length_m) || !is_positive(parameters.field.width_m)) return ErrorCode::kOutOfRange;
+  if (Status s = check(parameters.teams, parameters.ball); !s.ok()) return s;
   parameters_ = parameters;
-  if (Status s = collect_kinds(); !s.ok()) {
-    wanted_.fill(false);
-    return s;
-  }
+  collect_kinds();
   finder_.configure(camera, parameters.field);
   identifier_.configure(camera);
   ball_finder_.configure(parameters.ball);
@@ -102,19 +109,11 @@ Status Matcher::configure(const MarkerParameters& parameters, const CameraModel&
 }
 
 Status Matcher::set_teams(const TeamMarkings& teams) {
-  for (const TeamMarking& team : teams) {
-    if (Status s = validate(team); !s.ok()) return s;
-  }
-  const TeamMarkings former = parameters_.teams;
+  if (Status s = check_teams(teams); !s.ok()) return s;
   parameters_.teams = teams;
-  const Status status = collect_kinds();
-  if (status.ok()) {
-    identifier_.set_teams(teams);
-    return {};
-  }
-  parameters_.teams = former;
-  static_cast<void>(collect_kinds());  // cannot fail, because it succeeded with these teams before
-  return status;
+  collect_kinds();
+  identifier_.set_teams(teams);
+  return {};
 }
 
 // Lists the largest regions of each color by area; among equal ones the first in the picture comes first (radix sort,

@@ -36,6 +36,8 @@ class Matcher {
   /// meaning. Also kOutOfRange: the ball's radius or the field's size is not positive.
   Status configure(const MarkerParameters& parameters, const CameraModel& camera);
 
+  /// Checks markers for set_teams(). Errors as configure().
+  [[nodiscard]] Status check_teams(const TeamMarkings& teams) const { return check(teams, parameters_.ball); }
   /// Exchanges the teams' markers between two frames. Takes some microseconds. Errors as configure(); nothing changes
   /// then.
   Status set_teams(const TeamMarkings& teams);
@@ -57,7 +59,8 @@ class Matcher {
  private:
   using Numbers = FixedVector<std::uint16_t, kMaxPatchesPerColor>;
 
-  Status collect_kinds();
+  static Status check(const TeamMarkings& teams, const BallParameters& ball);
+  void collect_kinds();
   void add_kind(ColorId color, const PatchPlace& place, Team team);
   void sort_by_color(const Regions& regions, Sightings& out);
   // Returns false if not all touching patches were split.

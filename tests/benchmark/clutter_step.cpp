@@ -71,7 +71,7 @@ void ClutterStep::show(const ClutterRecipe& recipe) {
   for (std::size_t i = 0; i < values.size(); ++i) {
     picture_.set(static_cast<int>(i % scan.width_px), static_cast<int>(i / scan.width_px), values[i]);
   }
-  pipeline_->reset();
+  inputs_.events.reset = true;
   for (int i = 0; i < kStepsBefore; ++i) step();
 }
 
@@ -82,7 +82,11 @@ Frame ClutterStep::next_frame() {
   return frame;
 }
 
-const StepTrace& ClutterStep::step() { return pipeline_->step(next_frame()); }
+const StepTrace& ClutterStep::step() {
+  const StepTrace& trace = pipeline_->step(next_frame(), inputs_);
+  inputs_.events = {};
+  return trace;
+}
 
 Result<void> add_clutter_cases(BenchmarkCases& cases, const std::string& filter) {
   for (const latency::NamedClutter& clutter : latency::worst_clutter()) {

@@ -29,6 +29,7 @@ class ClutterStep {
  private:
   std::unique_ptr<config::Configuration> configuration_ = std::make_unique<config::Configuration>();
   std::unique_ptr<Pipeline> pipeline_ = std::make_unique<Pipeline>();
+  StepInputs inputs_;
   CameraModel camera_;
   OwnedPicture picture_{PixelFormat::kRgb24, 1, 1, 0};
   std::uint32_t frames_ = 0;

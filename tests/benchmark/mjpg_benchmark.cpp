@@ -257,19 +257,18 @@ class JpegGame {
     return sum / jpegs_.size();
   }
   const StepTrace& step() {
-    if (next_ == jpegs_.size()) {
-      pipeline_->reset();
-      next_ = 0;
-    }
+    inputs_.events.reset = next_ == jpegs_.size();
+    if (inputs_.events.reset) next_ = 0;
     Frame frame = decoder_->decode(jpegs_[next_]);
     frame.capture_time = stamps_[next_];
     frame.sequence = static_cast<std::uint32_t>(next_++);
-    return pipeline_->step(frame);
+    return pipeline_->step(frame, inputs_);
   }
 
  private:
   std::unique_ptr<config::Configuration> configuration_ = std::make_unique<config::Configuration>();
   std::unique_ptr<Pipeline> pipeline_ = std::make_unique<Pipeline>();
+  StepInputs inputs_;
   std::unique_ptr<Decoder> decoder_;
   std::vector<Jpeg> jpegs_;
   std::vector<Instant> stamps_;

@@ -31,7 +31,7 @@ class Steps {
     if (words[5] == std::string("largest")) parameters.marker.teams = largest_teams(parameters.marker.teams);
     if (const Status s = pipeline_->configure(parameters); !s.ok())
       return Error{s.code(), "the pipeline refuses its configuration"};
-    pipeline_->set_action_delay(from_seconds(configuration_->board.radio.delay_s));
+    inputs_.action_delay = from_seconds(configuration_->board.radio.delay_s);
     const ScanParameters& scan = parameters.scan;
     is_jpeg_ = format == "mjpg";
     decoder_.open(scan.width_px, scan.height_px);
@@ -60,12 +60,13 @@ class Steps {
     for (std::size_t i = 0; i < info_of(scan.format).planes; ++i) frame.plane[i] = bytes + layout_.offset_bytes[i];
     frame.capture_time = stored.capture_time;
     frame.sequence = static_cast<std::uint32_t>(number);
-    return pipeline_->step(frame);
+    return pipeline_->step(frame, inputs_);
   }
 
  private:
   std::unique_ptr<config::Configuration> configuration_ = std::make_unique<config::Configuration>();
   std::unique_ptr<Pipeline> pipeline_ = std::make_unique<Pipeline>();
+  StepInputs inputs_;
   std::vector<StoredFrame> frames_;
   hal::MjpgDecoder decoder_;
   PictureLayout layout_;

@@ -116,10 +116,10 @@ Result<void> fill_real_case(BenchmarkCase& benchmark, const std::string& name, c
     return Error{s.code(), "the pipeline refuses the venue"};
   }
   benchmark.methods.push_back({"step",
-                               [pipeline, turn = Turn(set)]() mutable {
+                               [pipeline, inputs = StepInputs(), turn = Turn(set)]() mutable {
                                  const Frame& frame = turn.next();
-                                 if (turn.begins_again()) pipeline->reset();
-                                 static_cast<void>(pipeline->step(frame));
+                                 inputs.events.reset = turn.begins_again();
+                                 static_cast<void>(pipeline->step(frame, inputs));
                                },
                                {}});
   return {};

@@ -33,12 +33,12 @@ Result<void> StepBenchmark::play(std::size_t frames) {
   TOUCHLINE_TRY(loop.camera.open());
   TOUCHLINE_TRY(loop.camera.start());
   TOUCHLINE_TRY(loop.radio.open());
-  pipeline_->set_action_delay(from_seconds(configuration_->board.radio.delay_s));
+  inputs_.action_delay = from_seconds(configuration_->board.radio.delay_s);
   for (std::size_t i = 0; i < kFramesBefore + frames; ++i) {
     const Result<hal::FrameLease> lease = loop.camera.wait(loop.clock.now() + std::chrono::seconds(1));
     if (!lease.ok()) return lease.error();
     const Frame& frame = lease.value().frame();
-    const StepTrace& trace = pipeline_->step(frame);
+    const StepTrace& trace = pipeline_->step(frame, inputs_);
     for (const OutgoingPacket& outgoing : trace.packets) TOUCHLINE_TRY(loop.radio.send(outgoing.packet));
     pipeline_->adapt();
     if (i < kFramesBefore) continue;
@@ -74,11 +74,9 @@ void StepBenchmark::scan_only() {
 }
 
 const StepTrace& StepBenchmark::step() {
-  if (stepped_ >= pictures_.size()) {
-    pipeline_->reset();
-    stepped_ = 0;
-  }
-  return pipeline_->step(pictures_[stepped_++].frame);
+  inputs_.events.reset = stepped_ >= pictures_.size();
+  if (inputs_.events.reset) stepped_ = 0;
+  return pipeline_->step(pictures_[stepped_++].frame, inputs_);
 }
 
 }  // namespace touchline::testing

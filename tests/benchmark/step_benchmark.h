@@ -45,6 +45,7 @@ class StepBenchmark {
   std::unique_ptr<RegionScanner> scanner_ = std::make_unique<RegionScanner>();
   std::unique_ptr<Runs> runs_ = std::make_unique<Runs>();
   std::unique_ptr<Regions> regions_ = std::make_unique<Regions>();
+  StepInputs inputs_;
   std::vector<Picture> pictures_;
   std::size_t scanned_ = 0, stepped_ = 0;
 };

@@ -55,6 +55,7 @@ TEST(InclusionRule, FindsIncludesOfLaterStages) {
   EXPECT_EQ(violation_of("core/track/x.h", "#include \"core/helper/x.h\""), "core/helper is not in the list of stages");
   EXPECT_EQ(violation_of("core/helper/x.h", "#include \"core/track/x.h\""), "core/helper is not in the list of stages");
   EXPECT_EQ(violation_of("core/radio/x.h", "#include \"core/pipeline.h\""), "no stage may include the pipeline");
+  EXPECT_EQ(violation_of("core/radio/x.h", "#include \"core/step_inputs.h\""), "no stage may include the pipeline");
   EXPECT_EQ(violation_of("core/adaptation.h", "#include \"core/pipeline.h\""), "no stage may include the pipeline");
 }
 
@@ -88,6 +89,7 @@ TEST(InclusionRule, AcceptsAllowedIncludes) {
   EXPECT_EQ(violation_of("core/marker/x.h", "#include \"core/geometry/x.h\""), "");
   EXPECT_EQ(violation_of("core/control/x.h", "#include \"core/geometry/field_area.h\""), "");
   EXPECT_EQ(violation_of("core/pipeline.h", "#include \"core/radio/x.h\""), "");
+  EXPECT_EQ(violation_of("core/step_inputs.h", "#include \"core/control/x.h\""), "");
   EXPECT_EQ(violation_of("core/adaptation.cpp", "#include \"core/color/x.h\""), "");
   EXPECT_EQ(violation_of("core/track/x.h", "#include <Eigen/Core>"), "");
   EXPECT_EQ(violation_of("hal/linux/x.h", "#include <linux/videodev2.h>"), "");

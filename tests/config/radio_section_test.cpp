@@ -297,9 +297,10 @@ field = [
   ASSERT_OK(load());
   const auto pipeline = std::make_unique<Pipeline>();
   ASSERT_TRUE(pipeline->configure(configuration_->pipeline).ok());
-  ControlParameters control = configuration_->pipeline.control;
-  control.drive.wheel_base_m = 0.111;
-  ASSERT_TRUE(pipeline->set_control(control).ok());
+  StepInputs inputs;
+  inputs.events.control = configuration_->pipeline.control;
+  inputs.events.control->drive.wheel_base_m = 0.111;
+  static_cast<void>(pipeline->stop(inputs));
   EXPECT_EQ(pipeline->radio().wheel_base_m, 0.111);
   EXPECT_TRUE(pipeline->has_receivers());
 }

@@ -103,7 +103,9 @@ TEST_F(TwoRadios, ARobotsPacketGoesToTheRadioThatReachesIt) {
   ASSERT_OK(group->open());
   Packet stop;
   ASSERT_TRUE(pipeline->configure(fake_camera_parameters()).ok());
-  const OutgoingPackets& packets = pipeline->stop(clock.now());
+  StepInputs inputs;
+  inputs.now = clock.now();
+  const OutgoingPackets& packets = pipeline->stop(inputs);
   ASSERT_EQ(packets.size(), 1U);
   stop = packets[0].packet;
   EXPECT_OK(group->send(stop, 0));

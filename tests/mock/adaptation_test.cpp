@@ -62,7 +62,6 @@ class AdaptationTest : public ::testing::Test {
     ASSERT_OK(config::resolve(input, *configuration));
     pipeline = std::make_unique<Pipeline>();
     ASSERT_TRUE(pipeline->configure(configuration->pipeline).ok());
-    pipeline->set_observing(true);
   }
 
   // Returns the number of robots with an id in the last frame.
@@ -96,7 +95,8 @@ class AdaptationTest : public ::testing::Test {
     frame.stride_bytes[0] = static_cast<std::uint32_t>(3 * width);
     frame.capture_time = Instant{} + std::chrono::hours(1) + count * kPeriod;
     frame.sequence = static_cast<std::uint32_t>(count++);
-    trace = &pipeline->step(frame);
+    trace = &pipeline->step(frame, inputs);
+    inputs.events = {};
     pipeline->adapt();
     const auto& robots = trace->sightings.robots;
     return static_cast<int>(
@@ -106,6 +106,7 @@ class AdaptationTest : public ::testing::Test {
   static inline std::vector<hal::Picture> pictures;
   std::unique_ptr<config::Configuration> configuration;
   std::unique_ptr<Pipeline> pipeline;
+  StepInputs inputs = observing_inputs();
   std::vector<std::uint8_t> shown;
   const StepTrace* trace = nullptr;
   std::size_t count = 0;
@@ -236,7 +237,7 @@ TEST_F(ChangedLight, IsOffWithoutAdaptation) {
   EXPECT_EQ(trace->light.brightness, 1.0f);
   step(even(0.5, 0.5, 0.5), 1);
   EXPECT_NEAR(trace->light.brightness, 0.5f, 0.02f);
-  pipeline->set_adaptation(AdaptationMode::kFrozen);
+  inputs.events.adaptation_mode = AdaptationMode::kFrozen;
   step({}, 0);
   EXPECT_NEAR(trace->light.brightness, 0.5f, 0.02f);
 }
@@ -255,14 +256,14 @@ TEST_F(AdaptationTest, FrozenKeepsAndOffResetsTheAdaptation) {
   start(kFast);
   run(5, kCloud, 0, 0);
   run(80, kCloud, 0, 0.6);
-  pipeline->set_adaptation(AdaptationMode::kFrozen);
+  inputs.events.adaptation_mode = AdaptationMode::kFrozen;
   const float frozen = trace->light.brightness;
   ASSERT_LT(frozen, 0.8f);
   EXPECT_EQ(run(80, kCloud, 0.6, 0.5), kRobots);
   EXPECT_EQ(trace->light.brightness, frozen);
   EXPECT_EQ(trace->light.patches, 0U);
 
-  pipeline->set_adaptation(AdaptationMode::kOff);
+  inputs.events.adaptation_mode = AdaptationMode::kOff;
   // The reset is gradual: two tables per frame.
   run(200, kCloud, 0, 0);
   EXPECT_EQ(trace->light.brightness, 1.0f);
@@ -286,7 +287,6 @@ TEST_F(AdaptationTest, LearnsNothingFromRobotsWithoutId) {
   auto& teams = configuration->pipeline.marker.teams;
   for (auto& team : teams) team.robots.clear();
   ASSERT_TRUE(pipeline->configure(configuration->pipeline).ok());
-  pipeline->set_observing(true);
   EXPECT_EQ(run(60, kCloud, 0, 0.3), 0);
   EXPECT_EQ(trace->light.brightness, 1.0f);
 }

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "firmware/config/configuration.h"
 #include "firmware/loop.h"
 #include "hal/mock/arena.h"
 #include "hal/mock/mock_devices.h"

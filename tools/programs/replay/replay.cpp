@@ -99,7 +99,7 @@ Result<ReplaySummary> replay_input(const ReplayOptions& options, const Progress&
     return failure(status.code(), "%s and %s cannot be used together: %s", options.venue.c_str(), options.team.c_str(),
                    describe(status.code()));
   }
-  pipeline->set_observing(true);
+  const StepInputs inputs = observing_inputs();
 
   const AnnotationStyle style = annotation_style(*configuration);
   hal::OutputFile lines;
@@ -120,7 +120,7 @@ Result<ReplaySummary> replay_input(const ReplayOptions& options, const Progress&
     if (stop) return stopped();
     if (!lease.ok()) return lease.error();
     const Frame& frame = lease.value().frame();
-    const StepTrace& trace = pipeline->step(frame);
+    const StepTrace& trace = pipeline->step(frame, inputs);
     pipeline->adapt();
     const std::string line = report::trace_line(trace, style.names, frame.sequence, camera.file()) + "\n";
     TOUCHLINE_TRY(lines.write(line));

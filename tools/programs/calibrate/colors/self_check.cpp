@@ -292,6 +292,7 @@ Result<SelfCheck> self_check(const std::string& venue, const std::string& team,
   TOUCHLINE_TRY(
       config::resolve({first.format, first.width_px, first.height_px, pictures.begin()->first}, *configuration));
   const auto pipeline = std::make_unique<Pipeline>();
+  const StepInputs inputs = observing_inputs();
   SelfCheck out;
   out.wants_ball = configuration->pipeline.marker.ball.color != kBackground;
   std::error_code error;
@@ -303,12 +304,11 @@ Result<SelfCheck> self_check(const std::string& venue, const std::string& team,
       return failure(status.code(), "%s and %s cannot be used together: %s", venue.c_str(), team.c_str(),
                      describe(status.code()));
     }
-    pipeline->set_observing(true);
     const Checker checker(folder, *configuration);
     const auto found = visible.find(image);
     const VisibleObjects& known = found == visible.end() ? nothing : found->second;
     const Frame frame = picture.frame();
-    const Sightings& sightings = pipeline->step(frame).sightings;
+    const Sightings& sightings = pipeline->step(frame, inputs).sightings;
     out.robots = checker.robots();
     out.pictures.push_back(checker.check(image, sightings, known));
     if (folder.empty()) continue;

@@ -16,11 +16,10 @@ Result<void> NoiseRecorder::add(const Frame& frame, const std::string& source) {
       return failure(status.code(), "%s: venue and team file cannot be used together for it: %s", source.c_str(),
                      describe(status.code()));
     }
-    pipeline->set_observing(true);
     pipeline_ = std::move(pipeline);
     settle(frame);
   }
-  measurement_.add(pipeline_->step(frame).sightings);
+  measurement_.add(pipeline_->step(frame, inputs_).sightings);
   pipeline_->adapt();
   return {};
 }
@@ -31,7 +30,7 @@ void NoiseRecorder::settle(const Frame& first) {
   Frame frame = first;
   for (int before = kPictures; before > 0; --before) {
     frame.capture_time = first.capture_time - before * kPeriod;
-    pipeline_->step(frame);
+    pipeline_->step(frame, inputs_);
     pipeline_->adapt();
   }
 }

@@ -33,6 +33,7 @@ class NoiseRecorder {
 
   std::unique_ptr<config::Configuration> configuration_ = std::make_unique<config::Configuration>();
   std::unique_ptr<Pipeline> pipeline_;  // exists from the first frame on
+  StepInputs inputs_ = observing_inputs();
   NoiseMeasurement measurement_;
 };
 

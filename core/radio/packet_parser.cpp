@@ -85,7 +85,8 @@ class PacketParser {
   void read(std::size_t index, std::size_t robot) {
     const PacketField& field = layout_.fields[index];
     if (!is_bits(field.type)) align();
-    FieldReading reading{index, robot, at_, at_, 0.0};
+    const auto begin = static_cast<std::uint16_t>(at_);
+    FieldReading reading{static_cast<std::uint16_t>(index), static_cast<std::uint16_t>(robot), begin, begin, 0.0};
     if (field.type == FieldType::kBytes) {
       read_text(field);
     } else if (field.type == FieldType::kDigits) {
@@ -96,7 +97,7 @@ class PacketParser {
       reading.number = read_bytes(field);
     }
     if (state_ != State::kFine) return;
-    reading.end = is_bits(field.type) && bit_ > 0 ? at_ + 1 : at_;
+    reading.end = static_cast<std::uint16_t>(is_bits(field.type) && bit_ > 0 ? at_ + 1 : at_);
     if (field.value == FieldValue::kConstant && field.type != FieldType::kBytes &&
         reading.number != sent_number(field, field.offset)) {
       state_ = State::kWrong;

@@ -22,9 +22,9 @@ class CommandHistory {
   void add(const Commands& commands, Instant acts_at);
   /// Sets how much later than the others robot `id` (0 to 127) gets its commands, because packets of other robots take
   /// the line first. Kept by clear().
-  void set_lateness(RobotId id, Duration lateness) { lateness_[static_cast<std::size_t>(id)] = lateness; }
+  void set_lateness(RobotId id, Duration lateness) { lateness_[static_cast<std::uint8_t>(id)] = lateness; }
   [[nodiscard]] Duration lateness(RobotId id) const {
-    return id >= 0 ? lateness_[static_cast<std::size_t>(id)] : Duration::zero();
+    return id >= 0 ? lateness_[static_cast<std::uint8_t>(id)] : Duration::zero();
   }
   /// Removes commands that no longer act at `instant`.
   void forget_before(Instant instant);

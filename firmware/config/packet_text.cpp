@@ -110,8 +110,9 @@ std::string packet_text(const PacketLayout& layout, std::span<const std::byte> b
   for (const FieldReading& reading : readings) {
     const PacketField& field = layout.fields[reading.field];
     std::array<char, 16> place{};
-    std::snprintf(place.data(), place.size(), "  %3zu  ", reading.begin);
-    std::string shown = hexadecimal(bytes.subspan(reading.begin, reading.end - reading.begin));
+    std::snprintf(place.data(), place.size(), "  %3u  ", unsigned{reading.begin});
+    std::string shown =
+        hexadecimal(bytes.subspan(reading.begin, static_cast<std::size_t>(reading.end - reading.begin)));
     shown.resize(std::max(shown.size(), kBytesColumn), ' ');
     text.append(place.data()).append(shown).append("  ").append(word_of(field.value, kFieldValues));
     const std::optional<int> robot = field.block > 0 ? robot_of(layout, readings, reading) : std::nullopt;

@@ -29,7 +29,7 @@ constexpr double kMaxBlur_px = 1.0;
 constexpr int kClearEdge = 40;
 // A picture without clear edges is dark if even its brightest parts, such as the lines of a black field, are below
 // twice the smallest edge: then paper of half the brightness of white is no edge.
-constexpr std::size_t kDarkValue = 2 * kClearEdge;
+constexpr std::size_t kDarkValue = std::size_t{2} * kClearEdge;
 constexpr double kAlmostAll = 0.999;
 
 // Returns the largest step between neighboring pixels relative to the whole edge, as the median over the clear

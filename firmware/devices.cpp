@@ -102,6 +102,7 @@ Result<void> Devices::make(const config::Configuration& configuration, std::uint
     radio_ = make_radio(radios.front());
   } else {
     std::vector<GroupMember> members;
+    members.reserve(radios.size());
     for (const PlannedRadio& radio : radios) members.push_back({make_radio(radio), radio.reaches});
     radio_ = std::make_unique<RadioGroup>(std::move(members), *clock_, from_seconds(board.faults.reopen_after_s),
                                           simulated_time_);

@@ -33,7 +33,7 @@ struct LoopStatistics {
   std::uint64_t packets_dropped = 0;  // accepted packets that a newer one replaced before they were sent
   std::uint64_t packets_refused = 0;
   std::uint64_t packets_unreachable = 0;  // packets of these that the network did not pass on to their receiver
-  std::uint64_t stop_packets = 0;  // accepted packets that stop all robots
+  std::uint64_t stop_packets = 0;         // accepted packets that stop all robots
   ExternalCounts external;
   std::optional<Score> score;         // score from the referee or the arena; nullopt: neither reports it
   bool own_on_positive_half = false;  // if true, the own team plays towards negative x

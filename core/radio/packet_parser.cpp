@@ -59,15 +59,10 @@ class PacketParser {
       }
       for (std::size_t k = begin; k < end && state_ == State::kFine; ++k) {
         if (robot == 0) begin_[k] = at_ + (bit_ > 0 ? 1U : 0U);
-        if (!layout_.fields[k].between) {
-          read(k, robot);
-        } else if (counted) {
-          if (robot + 1 < count) read(k, robot);
-        } else if (!continues(layout_.fields[k])) {
-          return;
-        } else {
-          read(k, robot);
-        }
+        const bool separates = layout_.fields[k].between;
+        if (separates && counted && robot + 1 == count) continue;
+        if (separates && !counted && !continues(layout_.fields[k])) return;
+        read(k, robot);
       }
     }
   }

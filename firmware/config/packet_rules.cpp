@@ -16,7 +16,7 @@ bool is_speed(FieldValue value) {
          value == FieldValue::kTurn;
 }
 
-std::string word(FieldValue value) { return "\"" + std::string(word_of(value, kFieldValues)) + "\""; }
+std::string word(FieldValue value) { return "\"" + std::string(config::word_of(value, kFieldValues)) + "\""; }
 
 std::string plain_number(double number) {
   const bool is_whole = std::abs(number) < 1e15 && number == std::round(number);
@@ -104,7 +104,7 @@ class PacketRules {
   void check_id(std::size_t index) {
     const PacketField& field = layout_.fields[index];
     for (std::size_t i = 0; i < layout_.receivers.size(); ++i) {
-      const int id = layout_.receivers[i].id;
+      const auto id = static_cast<int>(static_cast<std::uint8_t>(layout_.receivers[i].id));  // 0 to 127
       need_exact(field, element("own.robot", i) + ".id", id * field.scale + field.offset,
                  "robot " + std::to_string(id) + " in " + element(list_, index));
     }

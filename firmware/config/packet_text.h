@@ -23,8 +23,8 @@ std::string sample_packet_text(const PipelineParameters& parameters);
 /// time-out of their own, packets have no team number, and the note of the preset.
 std::string radio_warnings(const Configuration& configuration);
 
-/// The formats that radio.format can name, or the keys of the format `name` as a section of a team file. kNotFound: there is no such
-/// format.
+/// The formats that radio.format can name, or the keys of the format `name` as a section of a team file. kNotFound:
+/// there is no such format.
 Result<std::string> radio_formats_text(const std::string& name);
 
 }  // namespace touchline::config

@@ -164,7 +164,7 @@ void DeviceAnswer::add_libcamera(const hal::CameraSettings& used, int priority, 
 void DeviceAnswer::add_v4l2(const std::string& path, const hal::CameraSettings& used) {
   const bool is_used = used.backend == hal::CameraBackend::kV4l2 && resolved(path) == resolved(used.device);
   std::string why;
-  const auto found = ask<std::optional<devices::Camera>>(
+  auto found = ask<std::optional<devices::Camera>>(
       path, [path] { return devices::query_camera(path); }, why);
   if (found && !*found) return;  // it captures nothing
   devices::Camera camera = found ? std::move(**found) : devices::Camera{hal::unopened_camera(path), {}, {}};

@@ -53,7 +53,7 @@ void answer(const std::shared_ptr<Running>& shared, const std::string& name, std
 DeviceQueries::DeviceQueries(Duration each, Duration all) : each_(each), end_(hal::MonotonicClock::read() + all) {}
 
 DeviceQueries::Outcome DeviceQueries::ask(const std::string& name, std::function<void()> query, bool lowers_priority) {
-  const std::shared_ptr<Running> shared = running();
+  const std::shared_ptr<Running>& shared = running();
   const Instant now = hal::MonotonicClock::read(), deadline = std::min(now + each_, end_);
   std::unique_lock lock(shared->mutex);
   if (shared->names.contains(name)) return Outcome::kSilent;

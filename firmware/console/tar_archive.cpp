@@ -68,8 +68,8 @@ void TarArchive::add(std::string_view name, std::string_view bytes) {
 }
 
 std::string TarArchive::finish() {
-  constexpr std::array<char, 2 * kTarBlock> kEnd{};
-  compress({kEnd.data(), kEnd.size()}, Z_FINISH);
+  constexpr std::array<char, 2 * kTarBlock> kTwoBlocks{};
+  compress({kTwoBlocks.data(), kTwoBlocks.size()}, Z_FINISH);
   return std::move(compressed_);
 }
 

@@ -72,7 +72,8 @@ TEST_F(Program, AWrongWordIsNamedBeforeWhatIsMissingBecauseOfIt) {
   expect_first_line("run --bord b.toml", "run: \"--bord\" is no option; did you mean \"--board\"?");
   expect_first_line("run --bord=b.toml", "run: \"--bord\" is no option; did you mean \"--board\"?");
   expect_first_line("run --board b.toml --sede 1", "run: \"--sede\" is no option; did you mean \"--seed\"?");
-  expect_first_line("play", "\"play\" is no command; known commands: run, check, init, keys, faults, radio, console, link");
+  expect_first_line("play",
+                    "\"play\" is no command; known commands: run, check, init, keys, faults, radio, console, link");
   expect_first_line("check --board b.toml --headless",
                     "check: \"--headless\" is no option here, but one of touchline run");
   expect_first_line("init vsss", "init: \"vsss\" is one word too many");

@@ -1,8 +1,8 @@
 // The robots' header with any bytes: it must decide as core/radio's receiver does.
 #include <cmath>
 
-#include "tests/radio/touchline_packets.h"
 #include "tests/fuzz/decoder_checks.h"
+#include "tests/radio/touchline_packets.h"
 #include "tools/robot/touchline_robot.h"
 
 namespace touchline::fuzz {

@@ -7,8 +7,8 @@
 #include <span>
 #include <vector>
 
-#include "tests/radio/touchline_packets.h"
 #include "tests/radio/noisy_line.h"
+#include "tests/radio/touchline_packets.h"
 
 namespace touchline {
 namespace {

@@ -256,7 +256,8 @@ Result<std::size_t> SerialRadio::write(std::span<const std::byte> bytes) {
                                      : terminal::write(file_, bytes);
   if (taken < 0) return fail("sending", port_ != nullptr ? sp_last_error_code() : -taken);
   const Instant now = MonotonicClock::read();
-  line_free_at_ = std::max(line_free_at_, now) + time_of(static_cast<std::size_t>(taken)) + from_seconds(settings_.pause_s);
+  line_free_at_ =
+      std::max(line_free_at_, now) + time_of(static_cast<std::size_t>(taken)) + from_seconds(settings_.pause_s);
   if (taken > 0) last_progress_ = now;
   return static_cast<std::size_t>(taken);
 }

@@ -83,7 +83,7 @@ TEST_F(FieldWithoutAClick, AHeightThatThePictureContradicts) {
     expect_refusal(kMiroSot + " --camera-height " + height, "the picture alone says 2.29 m (+- 0.02)");
     EXPECT_EQ(read("out").find("--corners"), std::string::npos) << "corners do not help: " << read("out");
   }
-  expect_refusal(kMiroSot + " --camera-height 1.5", "give no height: the field is found without it");
+  expect_refusal(kMiroSot + " --camera-height 1.5", "enter no height: the field is found without it");
   ASSERT_TRUE(run(kMiroSot + " --camera-height 2.3")) << read("out");
   EXPECT_NE(read("out").find(" mm if the height is right"), std::string::npos) << read("out");
   EXPECT_EQ(read("out").find("warning"), std::string::npos) << read("out");

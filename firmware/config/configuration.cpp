@@ -107,6 +107,9 @@ void check_exposure(const Configuration& configuration, ErrorList& errors) {
   }
 }
 
+// [radio] stands in board and team file, with other keys.
+bool is_of_team_alone(std::string_view key) { return has_key<TeamFile>(key) && !has_key<BoardFile>(key); }
+
 // Applies what the robots' format says of the line, unless the board file says otherwise.
 void apply_format(const RadioEntry& format, const Locations& board, hal::RadioSettings& radio) {
   const auto apply = [&](hal::RadioPortSettings& port, const std::string& key) {
@@ -141,9 +144,7 @@ SortedOverrides sort_overrides(const std::vector<std::string>& texts, ErrorList&
       file = first == "board" ? &out.board : first == "venue" ? &out.venue : &out.team;
       override.key.erase(0, first.size() + 1);
       first = override.key.substr(0, override.key.find_first_of(".["));
-    } else if (has_key<TeamFile>(override.key) && !has_key<BoardFile>(override.key)) {
-      file = &out.team;  // [radio] stands in both files, with other keys
-    } else if (has_top_level_key<BoardFile>(first)) {
+    } else if (has_top_level_key<BoardFile>(first) && !is_of_team_alone(override.key)) {
       file = &out.board;
     } else if (has_top_level_key<VenueFile>(first)) {
       file = &out.venue;

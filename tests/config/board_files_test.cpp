@@ -51,11 +51,12 @@ TEST_P(BoardFiles, AMissingVenueIsReportedWithTheProgramThatMakesIt) {
       << text;
 }
 
-/// All folders except the arena's, so that no new board is forgotten.
+/// All folders except those of the arena and of the radio formats, so that no new board is forgotten.
 std::vector<std::string> real_boards() {
   std::vector<std::string> names;
   for (const auto& entry : std::filesystem::directory_iterator(TOUCHLINE_BOARDS)) {
-    if (entry.path().filename() != "mock") names.push_back(entry.path().filename());
+    const std::string name = entry.path().filename();
+    if (name != "mock" && name != "radios") names.push_back(name);
   }
   std::sort(names.begin(), names.end());
   return names;

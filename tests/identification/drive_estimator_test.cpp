@@ -2,6 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+
 #include "tests/identification/simulated_measurement.h"
 
 // The goals: in 20 s, a delay of 20 to 120 ms is known to 3 ms, gains to 1 %, and a lag of 40 to 160 ms to 10 ms, also
@@ -105,6 +110,41 @@ TEST(DriveEstimator, StatesItsErrors) {
       EXPECT_GT(squares[i], 0.4) << i;
       EXPECT_LT(squares[i], i == 1 ? 3.5 : 2.0) << i;
     }
+  }
+}
+
+// The table of core/identification/README.md: TOUCHLINE_SEEDS=60 identification_test
+// --gtest_filter='*TheErrorsOfTheTable'
+TEST(DriveEstimator, TheErrorsOfTheTable) {
+  const char* const wanted = std::getenv("TOUCHLINE_SEEDS");  // NOLINT(concurrency-mt-unsafe): one thread
+  const int seeds = wanted != nullptr ? std::max(1, std::atoi(wanted)) : 6;
+  const SimulatedCamera coarse{60.0, 0.006, 0.001, 0.017};
+  for (const DriveCase& drive : {DriveCase{"23 ms, 40 ms", 0.023, 0.04, 0.0, 0.0},
+                                 DriveCase{"63 ms, 80 ms, dead zone, unequal lags", 0.063, 0.08, 0.03, 0.1},
+                                 DriveCase{"123 ms, 160 ms, the same", 0.123, 0.16, 0.03, 0.1},
+                                 DriveCase{"63 ms, 80 ms, coarse sightings", 0.063, 0.08, 0.0, 0.0, coarse}}) {
+    const hal::mock::ArenaParameters arena = arena_of(drive);
+    Errors squares{};
+    for (int seed = 1; seed <= seeds; ++seed) {
+      SimulatedMeasurement measurement(arena, drive.camera, static_cast<std::uint64_t>(seed));
+      measurement.run(kMeasured_s);
+      measurement.estimator.solve();
+      const Errors errors =
+          errors_of(measurement.estimator.estimate(), drive, measurement.world().motors(0), arena.physics.wheel_base_m);
+      squares.delay_s += errors.delay_s * errors.delay_s / seeds;
+      squares.lag_s += errors.lag_s * errors.lag_s / seeds;
+      squares.gain_left +=
+          (errors.gain_left * errors.gain_left + errors.gain_right * errors.gain_right) / (2.0 * seeds);
+      squares.dead_zone_mps += errors.dead_zone_mps * errors.dead_zone_mps / seeds;
+      squares.wheel_base_m += errors.wheel_base_m * errors.wheel_base_m / seeds;
+    }
+    std::printf("%-40s delay %.2f ms, lag %.2f ms, gain %.2f %%, dead zone %.2f mm/s, wheel base %.2f mm (RMS of %d)\n",
+                drive.name, 1e3 * std::sqrt(squares.delay_s), 1e3 * std::sqrt(squares.lag_s),
+                1e2 * std::sqrt(squares.gain_left), 1e3 * std::sqrt(squares.dead_zone_mps),
+                1e3 * std::sqrt(squares.wheel_base_m), seeds);
+    EXPECT_LT(std::sqrt(squares.delay_s), 0.003) << drive.name;
+    EXPECT_LT(std::sqrt(squares.lag_s), 0.010) << drive.name;
+    EXPECT_LT(std::sqrt(squares.gain_left), 0.01) << drive.name;
   }
 }
 

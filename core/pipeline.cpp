@@ -8,10 +8,12 @@ namespace {
 // Robots of all leagues are lower than this. The limit keeps markers below the camera.
 constexpr float kMaxMarkerHeight = 0.5f;
 
+}  // namespace
+
 // Measures the time between construction and destruction as the time of a stage.
-class StageTimer {
+class Pipeline::StageTimer {
  public:
-  StageTimer(Pipeline::StageClock clock, Duration& spent) : clock_(clock), spent_(spent) {
+  StageTimer(StageClock clock, Duration& spent) : clock_(clock), spent_(spent) {
     if (clock_ != nullptr) begin_ = clock_();
   }
   ~StageTimer() {
@@ -21,12 +23,14 @@ class StageTimer {
   StageTimer& operator=(const StageTimer&) = delete;
 
  private:
-  Pipeline::StageClock clock_;
+  StageClock clock_;
   Duration& spent_;
   Instant begin_{};
 };
 
-}  // namespace
+Pipeline::StageTimer Pipeline::timer(Stage stage) {
+  return {clock_, trace_.stage_time[static_cast<std::size_t>(stage)]};
+}
 
 Status Pipeline::configure(const PipelineParameters& parameters, StageClock clock) {
   clock_ = clock;
@@ -128,23 +132,10 @@ const StepTrace& Pipeline::step(const Frame& frame, const StepInputs& inputs) {
   apply(inputs);
   trace_.frame = frame;
   trace_.light = {};
-  const auto timer = [this](Stage stage) {
-    return StageTimer(clock_, trace_.stage_time[static_cast<std::size_t>(stage)]);
-  };
-  {
-    const StageTimer t = timer(Stage::kRegion);
-    adaptation_.measure(frame, scanner_);
-    trace_.status = scanner_.scan(frame, trace_.runs, trace_.regions);
-    trace_.runs_dropped = static_cast<std::uint32_t>(trace_.runs.overflow());
-    trace_.regions_dropped = static_cast<std::uint32_t>(trace_.regions.overflow());
-  }
-  {
-    const StageTimer t = timer(Stage::kMarker);
-    matcher_.match(&frame, adaptation_.expected_gain(scanner_), tracker_.expected_ball(frame.capture_time), trace_.runs,
-                   trace_.regions, trace_.sightings);
-    // If the scan rejected the frame, there are no regions and no sightings.
-    patch_center_fit_.refine(frame, trace_.sightings);
-    ball_center_fit_.refine(frame, trace_.sightings);
+  if (frame.sightings != nullptr) {
+    adopt(*frame.sightings);
+  } else {
+    recognize(frame);
   }
   trace_.overload = trace_.runs_dropped + trace_.regions_dropped > 0 || trace_.sightings.cut_short;
   check_picture();
@@ -166,11 +157,39 @@ const StepTrace& Pipeline::step(const Frame& frame, const StepInputs& inputs) {
   return trace_;
 }
 
+void Pipeline::recognize(const Frame& frame) {
+  {
+    const StageTimer t = timer(Stage::kRegion);
+    adaptation_.measure(frame, scanner_);
+    trace_.status = scanner_.scan(frame, trace_.runs, trace_.regions);
+    trace_.runs_dropped = static_cast<std::uint32_t>(trace_.runs.overflow());
+    trace_.regions_dropped = static_cast<std::uint32_t>(trace_.regions.overflow());
+  }
+  const StageTimer t = timer(Stage::kMarker);
+  matcher_.match(&frame, adaptation_.expected_gain(scanner_), tracker_.expected_ball(frame.capture_time), trace_.runs,
+                 trace_.regions, trace_.sightings);
+  // If the scan rejected the frame, there are no regions and no sightings.
+  patch_center_fit_.refine(frame, trace_.sightings);
+  ball_center_fit_.refine(frame, trace_.sightings);
+}
+
+void Pipeline::adopt(const Sightings& sightings) {
+  trace_.status = {};
+  trace_.runs.clear();
+  trace_.regions.clear();
+  trace_.runs_dropped = trace_.regions_dropped = 0;
+  trace_.stage_time = {};
+  trace_.sightings.ball = sightings.ball;
+  trace_.sightings.robots = sightings.robots;
+  trace_.sightings.verdicts.clear();
+  trace_.sightings.cut_short = sightings.cut_short;
+}
+
 void Pipeline::check_picture() {
   const bool was_unusable = trace_.picture.is_unusable();
   const Instant now = trace_.frame.capture_time;
-  picture_check_.check(trace_, adaptation_.recognized_field(),
-                       [&](RobotId id) { return tracker_.command_at(now, id); });
+  const float field_share = trace_.frame.sightings == nullptr ? adaptation_.recognized_field() : -1.0f;
+  picture_check_.check(trace_, field_share, [&](RobotId id) { return tracker_.command_at(now, id); });
   // The tracks of an unusable picture must not be continued.
   if (was_unusable && !trace_.picture.is_unusable()) reset();
 }

@@ -35,9 +35,13 @@ class Pipeline {
   /// Clock for StepTrace::stage_time. If null, the times stay zero.
   using StageClock = Instant (*)();
 
+  /// Replaces the built-in play, see Controller::set_strategy(). Call it before configure().
+  void set_strategy(Strategy* strategy) { controller_.set_strategy(strategy); }
+
   Status configure(const PipelineParameters& parameters, StageClock clock = nullptr);
 
-  /// Processes one frame with everything else that the step depends on. The trace is valid until the next call. For a
+  /// Processes one frame, a picture or the sightings of another source, with everything else that the step depends on.
+  /// The trace is valid until the next call. For a
   /// frame of another format or size, the trace is empty and has an error in `status`.
   const StepTrace& step(const Frame& frame, const StepInputs& inputs = {});
   /// Creates packets that stop all robots, for times without a frame. They act after the action delay, counted from
@@ -46,7 +50,9 @@ class Pipeline {
 
   /// Adapts to the light, using the sightings of the last step(), whose frame must still be valid. Call it after the
   /// packet was sent, because nothing depends on it. Writes to the trace of this step.
-  void adapt() { adaptation_.update(scanner_, trace_); }
+  void adapt() {
+    if (trace_.frame.sightings == nullptr) adaptation_.update(scanner_, trace_);
+  }
   /// Copies the tables that decided the classes of the last step's pixels, about 0.5 MB. Call it before adapt().
   void copy_classifier(PixelClassifier& out) const { scanner_.copy_to(out); }
   [[nodiscard]] AdaptationMode adaptation() const { return adaptation_.mode(); }
@@ -76,7 +82,13 @@ class Pipeline {
   // Radio links lose packets: with 3 % of loss, all three are lost once in 40,000 times.
   static constexpr int kStarts = 3;
 
+  class StageTimer;
+  [[nodiscard]] StageTimer timer(Stage stage);
   void apply(const StepInputs& inputs);
+  // Finds sightings in the picture.
+  void recognize(const Frame& frame);
+  // Takes the sightings of a source that recognizes robots and ball itself.
+  void adopt(const Sightings& sightings);
   Status assign_teams(const TeamAssignment& assignment);
   Status teams_of(const TeamAssignment& assignment, TeamMarkings& out) const;
   void reset();

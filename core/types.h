@@ -59,6 +59,8 @@ struct PoseCovariance {
 
 // --- camera -> color ------------------------------------------------------------------------------------------------
 
+struct Sightings;
+
 /// A picture that this structure does not own. If pixels share chroma samples and the size is odd, the last column
 /// and row use the chroma of their incomplete block.
 struct Frame {
@@ -68,6 +70,9 @@ struct Frame {
   std::array<std::uint32_t, kMaxPlanes> stride_bytes{};
   Instant capture_time{};      // middle of the exposure, as accurate as the driver reports it
   std::uint32_t sequence = 0;  // frame number from the driver; gaps are lost frames
+  // What the source itself recognized (a simulator, another vision system); then there is no picture, and format, size
+  // and planes mean nothing. Null: the frame is a picture.
+  const Sightings* sightings = nullptr;
 };
 
 /// A row of a frame: the first byte of each plane's row.

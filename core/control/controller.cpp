@@ -35,11 +35,12 @@ Status Controller::apply(const ControlParameters& parameters, const FieldParamet
   }
   parameters_ = parameters;
   play_.configure(parameters, field);
+  if (other_ != nullptr) other_->configure(parameters, field);
   return {};
 }
 
 void Controller::reset() {
-  play_.reset();
+  strategy().reset();
   states_.clear();
   started_ = false;
 }
@@ -70,7 +71,7 @@ void Controller::remove_absent() {
 void Controller::set_turned(bool turned) {
   if (turned == turned_) return;
   turned_ = turned;
-  play_.reset();
+  strategy().reset();
 }
 
 Players Controller::players_of(const Tracks& tracks) const {
@@ -104,11 +105,11 @@ void Controller::decide(const Tracks& measured, bool halted, Commands& out) {
   started_ = true;
 
   const Players players = players_of(tracks);
-  Play::Twists wanted{};
+  Strategy::Twists wanted{};
   if (halted || !parameters_.play.enabled) {
-    play_.reset();
+    strategy().reset();
   } else {
-    play_.decide(tracks, players, wanted);
+    strategy().decide(tracks, players, wanted);
   }
 
   for (RobotState& state : states_) state.listed = false;
@@ -135,11 +136,8 @@ void Controller::decide(const Tracks& measured, bool halted, Commands& out) {
       }
     }
     if (plays && !halted && parameters_.play.enabled) {
-      const Twist twist = state->stuck.watch(robot.pose_at_action, wanted[player], now, parameters_.play);
-      command.twist = within_limits(twist, state->last, dt);
-      command.role = play_.roles().role_of(robot.id);
-    } else {
-      state->stuck = StuckMonitor();
+      command.twist = within_limits(wanted[player], state->last, dt);
+      command.role = strategy().role_of(robot.id);
     }
     if (plays) ++player;
     state->last = command.twist;

@@ -3,7 +3,6 @@
 #include "core/control/control_parameters.h"
 #include "core/control/external_control.h"
 #include "core/control/play.h"
-#include "core/control/stuck_monitor.h"
 #include "core/geometry/field_area.h"
 #include "core/types.h"
 
@@ -14,6 +13,9 @@ class Controller {
  public:
   /// kOutOfRange: an impossible limit or gain.
   Status configure(const ControlParameters& parameters, const FieldParameters& field);
+  /// Replaces the built-in play by another strategy, which must outlive this object; null: the built-in play. Call it
+  /// before configure().
+  void set_strategy(Strategy* strategy) { other_ = strategy; }
   /// Changes limits, gains and rules during a game without resetting it. Errors as configure(); nothing changes then.
   Status set_parameters(const ControlParameters& parameters) { return apply(parameters, play_.field()); }
   void reset();
@@ -36,8 +38,8 @@ class Controller {
     RobotId id = kUnknownId;
     bool listed = false;
     Twist last;  // last command
-    StuckMonitor stuck;
   };
+  [[nodiscard]] Strategy& strategy() { return other_ != nullptr ? *other_ : play_; }
   Status apply(const ControlParameters& parameters, const FieldParameters& field);
   RobotState* state_of(RobotId id);
   void remove_absent();
@@ -50,6 +52,7 @@ class Controller {
 
   ControlParameters parameters_;
   Play play_;
+  Strategy* other_ = nullptr;  // plays instead of play_
   ExternalControl external_;
   bool turned_ = false;
   Tracks turned_tracks_;

@@ -19,6 +19,11 @@ void Play::configure(const ControlParameters& parameters, const FieldParameters&
   field_ = field;
 }
 
+void Play::reset() {
+  roles_.reset();
+  watched_.clear();
+}
+
 void Play::decide(const Tracks& tracks, const Players& players, Twists& wanted) {
   PushPlan plan;
   const bool ball = known(tracks.ball);
@@ -38,6 +43,18 @@ void Play::decide(const Tracks& tracks, const Players& players, Twists& wanted) 
       wanted[i] = support(player, *place, plan, obstacles);
     }
   }
+  free_jams(tracks, players, wanted);
+}
+
+void Play::free_jams(const Tracks& tracks, const Players& players, Twists& wanted) {
+  FixedVector<Watched, kMaxRobotsPerTeam> watched;
+  for (std::size_t i = 0; i < players.size(); ++i) {
+    const auto* const former =
+        std::find_if(watched_.begin(), watched_.end(), [&](const Watched& other) { return other.id == players[i].id; });
+    watched.push_back(former == watched_.end() ? Watched{players[i].id, {}} : *former);
+    wanted[i] = watched.back().stuck.watch(players[i].pose, wanted[i], tracks.capture_time, parameters_.play);
+  }
+  watched_ = watched;
 }
 
 Twist Play::guard(const Player& player, const BallTrack& ball) const {

@@ -3,6 +3,8 @@
 #include "core/control/control_parameters.h"
 #include "core/control/obstacle_avoidance.h"
 #include "core/control/roles.h"
+#include "core/control/strategy.h"
+#include "core/control/stuck_monitor.h"
 #include "core/geometry/field_area.h"
 #include "core/types.h"
 
@@ -10,20 +12,22 @@ namespace touchline {
 
 /// The default game: a goalkeeper that stays on its line, an attacker that pushes the ball to the opponent's goal, and
 /// supporters behind and beside it. Without a ball, the goalkeeper guards the middle and the others stand still.
-class Play {
+class Play final : public Strategy {
  public:
-  /// Sets the parameters; roles stay as they are.
-  void configure(const ControlParameters& parameters, const FieldParameters& field);
-  void reset() { roles_.reset(); }
-
-  using Twists = std::array<Twist, kMaxRobotsPerTeam>;
-  /// Computes the desired velocities of each player, without limits. `tracks` gives the ball and the obstacles.
-  void decide(const Tracks& tracks, const Players& players, Twists& wanted);
+  void configure(const ControlParameters& parameters, const FieldParameters& field) override;
+  void reset() override;
+  void decide(const Tracks& tracks, const Players& players, Twists& wanted) override;
+  [[nodiscard]] PlayRole role_of(RobotId id) const override { return roles_.role_of(id); }
 
   [[nodiscard]] const Roles& roles() const { return roles_; }
   [[nodiscard]] const FieldParameters& field() const { return field_; }
 
  private:
+  struct Watched {
+    RobotId id = kUnknownId;
+    StuckMonitor stuck;
+  };
+  void free_jams(const Tracks& tracks, const Players& players, Twists& wanted);
   [[nodiscard]] Twist guard(const Player& player, const BallTrack& ball) const;
   [[nodiscard]] Twist attack(const Player& player, const BallTrack& ball, const Obstacles& obstacles) const;
   [[nodiscard]] PushPlan plan_ahead(const BallTrack& ball, double time_s) const;
@@ -33,6 +37,7 @@ class Play {
   ControlParameters parameters_;
   FieldParameters field_;
   Roles roles_;
+  FixedVector<Watched, kMaxRobotsPerTeam> watched_;  // the players of the last decision
 };
 
 }  // namespace touchline

@@ -63,7 +63,8 @@ void PictureCheck::finish(StepTrace& trace, const MotionCheck::Result& motion) {
   PictureTrace& out = trace.picture;
   const bool is_moving = motion.counts.commanded >= kMinMoving;
   RepeatDetector::Result repeats;
-  if (trace.status.ok() || trace.status == Status(ErrorCode::kFull)) {
+  const bool has_picture = trace.frame.sightings == nullptr;
+  if (has_picture && (trace.status.ok() || trace.status == Status(ErrorCode::kFull))) {
     repeats = repeats_.check(trace.frame, settings_.oldest, is_moving, hash_of(trace.sightings));
   }
   out.repeated_share = repeats.share;

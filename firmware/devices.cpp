@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <utility>
 
+#include "firmware/arena_sides.h"
 #include "firmware/null_devices.h"
 #include "firmware/paced_clock.h"
 #include "firmware/radio_group.h"
@@ -64,6 +65,8 @@ Result<void> Devices::make(const config::Configuration& configuration, std::uint
         std::make_unique<hal::mock::Arena>(board.arena, board.camera, board.radio, seed,
                                            simulated_time_ ? hal::mock::Arena::kBegin : hal::MonotonicClock::read());
     arena_->channel().set_layouts(configuration.pipeline.radio, configuration.pipeline.telemetry);
+    TOUCHLINE_TRY_ASSIGN(opponents_, make_opponents(configuration, seed));
+    arena_->game().set_side(hal::mock::Side::kOpponent, opponents_.get());
   }
   if (simulated_time_) {
     clock_ = std::make_unique<hal::mock::ArenaClock>(*arena_);
@@ -126,7 +129,7 @@ HalDevices Devices::hal_devices() { return {*camera_, *radio_, *gpio_, *clock_, 
 ScoreSource Devices::score() const {
   if (!arena_) return {};
   return {[](const void* arena) {
-            const hal::mock::GameStatistics& game = static_cast<const hal::mock::Arena*>(arena)->world().statistics();
+            const hal::mock::GameStatistics& game = static_cast<const hal::mock::Arena*>(arena)->game().statistics();
             return Score{game.goals_own, game.goals_opponent};
           },
           arena_.get()};
@@ -134,7 +137,7 @@ ScoreSource Devices::score() const {
 
 std::string Devices::summary() const {
   if (!arena_) return {};
-  const hal::mock::GameStatistics& game = arena_->world().statistics();
+  const hal::mock::GameStatistics& game = arena_->game().statistics();
   const hal::mock::ChannelStatistics& air = arena_->channel().statistics();
   std::array<char, 512> text{};
   std::snprintf(text.data(), text.size(),
@@ -145,8 +148,8 @@ std::string Devices::summary() const {
                 " out of order, %" PRIu64
                 " time-outs\n"
                 "arena state: %016" PRIx64 "\n",
-                game.touches, game.ball_path_m, game.goals_own, game.goals_opponent, game.free_balls, air.obeyed,
-                air.lost, air.corrupted, air.ignored, air.timeouts, arena_->world().hash());
+                game.touches[0], game.ball_path_m, game.goals_own, game.goals_opponent, game.free_balls, air.obeyed,
+                air.lost, air.corrupted, air.ignored, air.timeouts, arena_->game().hash());
   return text.data();
 }
 

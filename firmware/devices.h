@@ -17,7 +17,8 @@ namespace touchline {
 
 namespace hal::mock {
 class Arena;
-}
+class SimulatedSide;
+}  // namespace hal::mock
 
 /// How the time of a simulated arena passes.
 enum class ArenaTime : std::uint8_t {
@@ -53,8 +54,9 @@ class Devices {
  private:
   [[nodiscard]] std::unique_ptr<hal::Radio> make_radio(const PlannedRadio& radio);
 
-  std::unique_ptr<hal::mock::Arena> arena_;   // first: the devices refer to it
-  std::unique_ptr<hal::Clock> slowed_clock_;  // the clock that `clock_` slows or pauses
+  std::unique_ptr<hal::mock::SimulatedSide> opponents_;  // null: they stand
+  std::unique_ptr<hal::mock::Arena> arena_;              // first: the devices refer to it
+  std::unique_ptr<hal::Clock> slowed_clock_;             // the clock that `clock_` slows or pauses
   std::unique_ptr<hal::Clock> clock_;
   std::unique_ptr<hal::Camera> camera_;
   std::unique_ptr<hal::Radio> radio_;

@@ -7,9 +7,6 @@
 namespace touchline::hal::mock {
 namespace {
 
-constexpr Duration kStep = std::chrono::milliseconds(1);
-static_assert(seconds(kStep) == World::kStepS);
-
 // Exposure time and gain for which the lamps of `parameters` give the brightness that they describe: the default of
 // camera.exposure_us, and the middle of the gains of cameras with 8-bit gain.
 constexpr int kNominalExposure_us = 5000, kNominalGain = 128;
@@ -34,31 +31,26 @@ Arena::Arena(const ArenaParameters& parameters, const CameraSettings& camera, co
              std::uint64_t seed, Instant begin)
     : parameters_(parameters),
       camera_(camera),
-      world_(parameters, seed),
-      channel_(parameters, radio.baud, seed),
+      game_(parameters, radio.baud, seed, begin),
       renderer_(parameters, camera.width_px, camera.height_px),
       sensor_(parameters.sensor, pixel_format(camera.format), camera.width_px, camera.height_px, seed),
       picture_faults_(parameters, camera, seed),
-      begin_(begin),
       now_(begin),
-      stepped_(begin),
       led_picture_(parameters.led.radius_px > 0.0 ? std::size_t{3} * camera.width_px * camera.height_px : 0) {
   adjust_camera(camera);
 }
 
 bool Arena::fault_active(FaultKind kind, Instant at) const {
-  const double t = seconds(at - begin_);
+  const double t = seconds(at - game_.begin());
   return std::any_of(parameters_.fault.begin(), parameters_.fault.end(), [&](const ArenaFault& fault) {
     return fault.kind == kind && t >= fault.at_s && t < fault.at_s + fault.for_s;
   });
 }
 
 void Arena::advance_to(Instant instant) {
-  while (stepped_ + kStep <= instant) {
-    stepped_ += kStep;
-    now_ = std::max(now_, stepped_);
-    world_.step();
-    channel_.deliver(stepped_, world_);
+  while (game_.now() + Game::kStep <= instant) {
+    game_.step();
+    now_ = std::max(now_, game_.now());
     if (streaming_) update_shutter();
   }
   now_ = std::max(now_, instant);
@@ -82,43 +74,43 @@ void Arena::open_shutter() {
   if (fault_active(FaultKind::kCameraStall) || fault_active(FaultKind::kCameraLost)) return;
   if (held_ + static_cast<int>(waiting_.size() + shutters_.size()) >= camera_.buffers) return;
   OpenShutter shutter;
-  shutter.exposure.begin = world_.snapshot();
+  shutter.exposure.begin = game_.world().snapshot();
   shutter.exposure.sequence = sequence;
-  shutter.since = stepped_;
+  shutter.since = game_.now();
   shutters_.push_back(shutter);
 }
 
 void Arena::watch_led(OpenShutter& shutter) const {
   const double row = std::clamp(parameters_.led.v_px / std::max(1, camera_.height_px - 1), 0.0, 1.0);
   const Instant begin = shutter.since + from_seconds(row * parameters_.sensor.readout_s);
-  if (!shutter.led_on_before && stepped_ >= begin) shutter.led_on_before = led_on_until(stepped_);
-  const Duration open = stepped_ - begin;
+  if (!shutter.led_on_before && game_.now() >= begin) shutter.led_on_before = led_on_until(game_.now());
+  const Duration open = game_.now() - begin;
   if (shutter.led_known || !shutter.led_on_before || open < from_seconds(parameters_.sensor.exposure_s)) return;
   shutter.led_known = true;
   if (open > Duration::zero()) {
-    shutter.exposure.led = seconds(led_on_until(stepped_) - *shutter.led_on_before) / seconds(open);
+    shutter.exposure.led = seconds(led_on_until(game_.now()) - *shutter.led_on_before) / seconds(open);
   }
 }
 
 void Arena::close_shutter(Exposure& exposure, Instant since) {
-  exposure.end = world_.snapshot();
-  const double all_rows_s = seconds(stepped_ - since), readout_s = parameters_.sensor.readout_s;
+  exposure.end = game_.world().snapshot();
+  const double all_rows_s = seconds(game_.now() - since), readout_s = parameters_.sensor.readout_s;
   if (readout_s > 0.0) {
     exposure.rows.begin_per_row = static_cast<float>(readout_s / all_rows_s / std::max(1, camera_.height_px - 1));
     exposure.rows.exposure = static_cast<float>((all_rows_s - readout_s) / all_rows_s);
   }
-  exposure.capture_time = since + (stepped_ - since - from_seconds(readout_s)) / 2;
-  exposure.ready = stepped_ + from_seconds(parameters_.sensor.transfer_s);
+  exposure.capture_time = since + (game_.now() - since - from_seconds(readout_s)) / 2;
+  exposure.ready = game_.now() + from_seconds(parameters_.sensor.transfer_s);
   waiting_.push_back(exposure);
 }
 
 void Arena::update_shutter() {
   const SensorParameters& sensor = parameters_.sensor;
   const Duration exposure = from_seconds(sensor.exposure_s), readout = from_seconds(sensor.readout_s);
-  const bool is_busy = !shutters_.empty() && stepped_ <= shutters_.back().since + std::max(exposure, readout);
-  if (!is_busy && stepped_ >= exposure_begin(next_frame_)) open_shutter();
+  const bool is_busy = !shutters_.empty() && game_.now() <= shutters_.back().since + std::max(exposure, readout);
+  if (!is_busy && game_.now() >= exposure_begin(next_frame_)) open_shutter();
   for (OpenShutter& shutter : shutters_) watch_led(shutter);
-  if (shutters_.empty() || stepped_ < shutters_[0].since + exposure + readout) return;
+  if (shutters_.empty() || game_.now() < shutters_[0].since + exposure + readout) return;
   close_shutter(shutters_[0].exposure, shutters_[0].since);
   std::copy(shutters_.begin() + 1, shutters_.end(), shutters_.begin());
   shutters_.pop_back();
@@ -127,11 +119,11 @@ void Arena::update_shutter() {
 std::optional<Instant> Arena::next_frame_ready() const {
   if (!streaming_) return std::nullopt;
   if (!waiting_.empty()) return waiting_[0].ready;
-  const Instant begin = shutters_.empty() ? std::max(exposure_begin(next_frame_), stepped_) : shutters_[0].since;
+  const Instant begin = shutters_.empty() ? std::max(exposure_begin(next_frame_), game_.now()) : shutters_[0].since;
   const SensorParameters& sensor = parameters_.sensor;
   // The shutter opens and closes at steps of the world, so the times at which it opens and closes are rounded up.
   return begin + from_seconds(sensor.exposure_s) + from_seconds(sensor.readout_s) + from_seconds(sensor.transfer_s) +
-         2 * kStep;
+         2 * Game::kStep;
 }
 
 std::optional<Exposure> Arena::take_exposure() {
@@ -148,7 +140,7 @@ void Arena::adjust_camera(const CameraSettings& settings) {
 }
 
 Result<void> Arena::move_object(const PixelPoint& from, const PixelPoint& to) {
-  const Snapshot objects = world_.snapshot();
+  const Snapshot objects = game_.world().snapshot();
   const std::size_t ball = objects.robots.size();
   const auto place_of = [&](std::size_t i) -> const Placement& { return i == ball ? objects.ball : objects.robots[i]; };
   const double robot_reach = 0.5 * std::numbers::sqrt2 * parameters_.robot_side_m;
@@ -185,9 +177,9 @@ Result<void> Arena::move_object(const PixelPoint& from, const PixelPoint& to) {
     }
   }
   if (*moved == ball) {
-    world_.place_ball(placed);
+    game_.rules().place_ball(placed);
   } else {
-    world_.place(*moved, placed);
+    game_.world().place(*moved, placed);
   }
   return {};
 }

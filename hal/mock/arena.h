@@ -12,11 +12,11 @@
 #include "hal/clock.h"
 #include "hal/device_parameters.h"
 #include "hal/mock/arena_parameters.h"
+#include "hal/mock/game.h"
 #include "hal/mock/picture_faults.h"
 #include "hal/mock/radio_channel.h"
 #include "hal/mock/renderer.h"
 #include "hal/mock/sensor.h"
-#include "hal/mock/world.h"
 #include "hal/result.h"
 
 namespace touchline::hal::mock {
@@ -31,7 +31,7 @@ struct Exposure {
   double led = 0.0;  // share of the exposure in which the LED was on
 };
 
-/// Runs world, radio and camera on one time line. Time advances only by advance_to(), in steps of the world. Packets,
+/// Runs a game and its camera on one time line. Time advances only by advance_to(), in steps of the world. Packets,
 /// time-outs and exposures take effect in the order of time, on these steps: a packet on the first step after its
 /// arrival, the opening and closing of the shutter on the first step at or after its time. If the exposure time or the
 /// time of the readout is longer than the frame period, the camera takes fewer pictures. A rolling shutter exposes the
@@ -39,8 +39,7 @@ struct Exposure {
 /// construction.
 class Arena {
  public:
-  // Start of the game. It is not zero, so that it differs from an Instant that was never set.
-  static constexpr Instant kBegin{std::chrono::seconds(1)};
+  static constexpr Instant kBegin = Game::kBegin;
 
   /// `camera`: format, size, rate and number of buffers; `radio`: baud rate; `begin`: the instant of arena time 0.
   /// The parameters must have no violation (hal::mock::find_violation()).
@@ -56,7 +55,7 @@ class Arena {
   [[nodiscard]] bool fault_active(FaultKind kind) const { return fault_active(kind, now_); }
   [[nodiscard]] bool fault_active(FaultKind kind, Instant at) const;
   [[nodiscard]] const std::vector<ArenaFault>& faults() const { return parameters_.fault; }
-  [[nodiscard]] Instant begin() const { return begin_; }
+  [[nodiscard]] Instant begin() const { return game_.begin(); }
 
   void start_camera();
   void stop_camera() { streaming_ = false; }
@@ -81,10 +80,12 @@ class Arena {
   /// apply from the beginning.
   void adjust_camera(const CameraSettings& settings);
   [[nodiscard]] const CameraSettings& camera() const { return camera_; }
-  [[nodiscard]] World& world() { return world_; }
-  [[nodiscard]] const World& world() const { return world_; }
-  [[nodiscard]] RadioChannel& channel() { return channel_; }
-  [[nodiscard]] const RadioChannel& channel() const { return channel_; }
+  [[nodiscard]] Game& game() { return game_; }
+  [[nodiscard]] const Game& game() const { return game_; }
+  [[nodiscard]] World& world() { return game_.world(); }
+  [[nodiscard]] const World& world() const { return game_.world(); }
+  [[nodiscard]] RadioChannel& channel() { return game_.channel(); }
+  [[nodiscard]] const RadioChannel& channel() const { return game_.channel(); }
   [[nodiscard]] const Lens& lens() const { return renderer_.lens(); }
   /// A caller that shares the arena with another thread locks this mutex during each call.
   [[nodiscard]] std::mutex& mutex() { return mutex_; }
@@ -111,12 +112,11 @@ class Arena {
 
   const ArenaParameters parameters_;
   const CameraSettings camera_;
-  World world_;
-  RadioChannel channel_;
+  Game game_;
   Renderer renderer_;
   Sensor sensor_;
   PictureFaults picture_faults_;
-  Instant begin_, now_, stepped_;
+  Instant now_;
 
   bool streaming_ = false;
   Instant first_exposure_{};

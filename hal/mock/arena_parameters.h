@@ -292,9 +292,65 @@ struct ArenaFault {
   }
 };
 
-enum class Opponents : std::uint8_t { kStand, kPlay };
-inline constexpr std::array<Choice<Opponents>, 2> kOpponentModes{
-    {{"stand", Opponents::kStand}, {"play", Opponents::kPlay}}};
+/// Strategy of the arena's other team (docs/arena.md). kPlay: Touchline's built-in play.
+enum class Opponents : std::uint8_t { kStand, kFollow, kUnivector, kUnivectorFast, kPusher, kWall, kPlay };
+inline constexpr std::array<Choice<Opponents>, 7> kOpponentStrategies{{{"stand", Opponents::kStand},
+                                                                       {"follow", Opponents::kFollow},
+                                                                       {"univector", Opponents::kUnivector},
+                                                                       {"univector-fast", Opponents::kUnivectorFast},
+                                                                       {"pusher", Opponents::kPusher},
+                                                                       {"wall", Opponents::kWall},
+                                                                       {"play", Opponents::kPlay}}};
+
+/// What a side without pictures sees: the errors of recognition. Defaults: those of games with pictures in this arena,
+/// measured by StateGame.SeesWithTheErrorsOfPictures.
+struct ViewParameters {
+  double robot_noise_m = 0.00015, robot_bias_m = 0.00015;
+  double heading_noise_rad = 0.0015, heading_bias_rad = 0.0015;
+  double ball_noise_m = 0.0003, ball_bias_m = 0.0003;
+  double bias_lasts_m = 0.005;
+  double miss = 0.001;
+  double late = 0.0, late_s = 0.02;
+
+  template <class Self, class Visitor>
+  static void describe(Self& self, Visitor& visit) {
+    visit.number(self.robot_noise_m,
+                 {.name = "robot_noise_m",
+                  .range = {0.0, 0.1},
+                  .unit = "m",
+                  .help = "Standard deviation of a robot's position from frame to frame, each axis"});
+    visit.number(self.robot_bias_m, {.name = "robot_bias_m",
+                                     .range = {0.0, 0.1},
+                                     .unit = "m",
+                                     .help = "The same of the bias, which lasts while the robot stands"});
+    visit.number(self.heading_noise_rad, {.name = "heading_noise_rad",
+                                          .range = {0.0, 1.0},
+                                          .unit = "rad",
+                                          .help = "Standard deviation of a robot's heading from frame to frame"});
+    visit.number(self.heading_bias_rad, {.name = "heading_bias_rad",
+                                         .range = {0.0, 1.0},
+                                         .unit = "rad",
+                                         .help = "The same of the bias, which lasts while the robot stands"});
+    visit.number(self.ball_noise_m,
+                 {.name = "ball_noise_m",
+                  .range = {0.0, 0.1},
+                  .unit = "m",
+                  .help = "Standard deviation of the ball's position from frame to frame, each axis"});
+    visit.number(self.ball_bias_m, {.name = "ball_bias_m",
+                                    .range = {0.0, 0.1},
+                                    .unit = "m",
+                                    .help = "The same of the bias, which lasts while the ball stands"});
+    visit.number(
+        self.bias_lasts_m,
+        {.name = "bias_lasts_m", .range = {1e-4, 1.0}, .unit = "m", .help = "Way after which a bias has changed"});
+    visit.number(
+        self.miss,
+        {.name = "miss", .range = {0.0, 1.0}, .help = "Fraction of the frames in which an object is not seen"});
+    visit.number(self.late, {.name = "late", .range = {0.0, 1.0}, .help = "Fraction of the frames that arrive late"});
+    visit.number(self.late_s,
+                 {.name = "late_s", .range = {0.0, 1.0}, .unit = "s", .help = "Additional latency of late frames"});
+  }
+};
 
 /// A lamp in the picture that the status light's line switches (touchline-latency --led); no key of the board file.
 struct ArenaLed {
@@ -310,8 +366,10 @@ struct ArenaParameters {
   SensorParameters sensor;
   LightParameters light;
   ChannelParameters radio;
-  Opponents opponents = Opponents::kPlay;
+  ViewParameters view;
+  Opponents opponents = Opponents::kFollow;
   double opponent_speed_mps = 0.35;
+  bool robots_return = false;
   double robot_side_m = 0.075, robot_height_m = 0.075, ball_radius_m = 0.02135;
   std::string own_color = "blue", opponent_color = "yellow", ball_color = "orange";
   Srgb body_rgb{28, 28, 30};
@@ -339,7 +397,11 @@ struct ArenaParameters {
     visit.section(self.sensor, {.name = "sensor", .help = "Noise, tone curve and times of the image sensor"});
     visit.section(self.light, {.name = "light", .help = "Lamps of the hall"});
     visit.section(self.radio, {.name = "radio", .help = "Delay, jitter and losses of the radio link"});
-    visit.choice(self.opponents, kOpponentModes, {.name = "opponents", .help = "Behavior of the other team"});
+    visit.section(self.view, {.name = "view", .help = "What the opponents, and games without pictures, see"});
+    visit.choice(self.opponents, kOpponentStrategies, {.name = "opponents", .help = "Strategy of the other team"});
+    visit.flag(
+        self.robots_return,
+        {.name = "robots_return", .help = "After a goal or a free ball, robots are put where they were at the start"});
     visit.number(
         self.opponent_speed_mps,
         {.name = "opponent_speed_mps", .range = {0.0, 5.0}, .unit = "m/s", .help = "Maximum speed of the other team"});

@@ -1,118 +1,153 @@
-// Rules of the game in the mock world: kick-off, goals, free balls, touches, and the play of the opponents.
+#include "hal/mock/game_rules.h"
+
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <numbers>
 
-#include "core/geometry/angle.h"
-#include "hal/mock/world.h"
+#include "hal/mock/fnv1a.h"
 
 namespace touchline::hal::mock {
 namespace {
 
+constexpr std::uint64_t kRulesStream = 6;
 // A ball that has moved less than this is regarded as stationary.
 constexpr double kStillM = 0.05;
-// A robot this close to the ball touches it.
-constexpr double kTouchM = 0.002;
+// Two robots that touch again after a shorter gap never parted: bodies that push each other lose contact for some
+// steps.
+constexpr std::uint64_t kApartSteps = 100;
+
+std::size_t index_of(Side side) { return static_cast<std::size_t>(side); }
 
 }  // namespace
 
-void World::kick_off() {
+GameRules::GameRules(const ArenaParameters& parameters, World& world, std::uint64_t seed)
+    : goal_line_m_(0.5 * parameters.field.length_m + parameters.ball_radius_m),
+      reach_m_(parameters.robot_side_m * std::numbers::sqrt2 / 2.0 + parameters.ball_radius_m),
+      free_ball_after_s_(parameters.physics.free_ball_after_s),
+      quarter_{0.25 * parameters.field.length_m, 0.25 * parameters.field.width_m},
+      returns_robots_(parameters.robots_return),
+      world_(world),
+      start_(world.snapshot()),
+      random_(seed, kRulesStream) {
+  kick_off();
+}
+
+void GameRules::place_ball(const Placement& placement, Vector2 velocity_mps) {
+  world_.place_ball(placement, velocity_mps);
+  still_at_ = ball_before_ = world_.ball();
+  still_s_ = 0.0;
+}
+
+void GameRules::kick_off() {
+  if (returns_robots_) {
+    for (std::size_t i = 0; i < start_.robots.size(); ++i) world_.place(i, start_.robots[i]);
+  }
   // Draws a random point near the center, because from a fixed point two symmetric teams could block each other
   // forever. The area grows with each draw until the point is free of robots.
   constexpr int kDraws = 200;
-  const double reach = parameters_.robot_side_m * std::numbers::sqrt2 / 2.0 + parameters_.ball_radius_m;
+  const Snapshot all = world_.snapshot();
   Vector2 point;
   for (int draw = 0; draw < kDraws; ++draw) {
     const double wider = 0.2 * draw / kDraws;
-    const double x = std::min(0.02 + wider, 0.25 * parameters_.field.length_m);
-    const double y = std::min(0.05 + wider, 0.25 * parameters_.field.width_m);
+    const double x = std::min(0.02 + wider, quarter_.x);
+    const double y = std::min(0.05 + wider, quarter_.y);
     point = {random_.uniform(-x, x), random_.uniform(-y, y)};
-    const auto is_near = [&](const Robot& robot) { return length(robot.body.position - point) < reach; };
-    if (std::none_of(robots_.begin(), robots_.end(), is_near)) break;
+    const auto is_near = [&](const Placement& robot) {
+      return length(Vector2{robot.x_m, robot.y_m} - point) < reach_m_;
+    };
+    if (std::none_of(all.robots.begin(), all.robots.end(), is_near)) break;
   }
   place_ball({point.x, point.y, 0.0});
+  possession_.reset();
 }
 
-void World::count_ball_touches() {
-  const Circle grown{&ball_, parameters_.ball_radius_m + kTouchM};
-  for (Robot& robot : robots_) {
-    contacts_.clear();
-    collide(grown, square(robot), {}, contacts_);
-    const bool touches = !contacts_.empty();
-    if (touches && !robot.touches_ball && robot.team == Side::kOwn) ++statistics_.touches;
-    robot.touches_ball = touches;
+void GameRules::update() {
+  statistics_.ball_path_m += length(world_.ball() - ball_before_);
+  ball_before_ = world_.ball();
+  count_touches();
+  count_contacts();
+  if (possession_) statistics_.possession_s[index_of(*possession_)] += World::kStepS;
+  watch_goals();
+}
+
+void GameRules::count_touches() {
+  std::uint32_t touches = 0;
+  for (std::size_t i = 0; i < world_.robots(); ++i) {
+    if (!world_.touches_ball(i)) continue;
+    touches |= 1U << i;
+    possession_ = world_.side(i);
+    if ((touches_ball_ >> i & 1U) == 0) ++statistics_.touches[index_of(world_.side(i))];
+  }
+  touches_ball_ = touches;
+}
+
+void GameRules::count_contacts() {
+  ++steps_;
+  for (std::size_t i = 0; i < world_.robots(); ++i) {
+    // Only robots with smaller numbers, so that each pair counts once.
+    for (std::uint32_t others = world_.touching(i) & ((1U << i) - 1U); others != 0; others &= others - 1U) {
+      const auto other = static_cast<std::size_t>(std::countr_zero(others));
+      std::uint64_t& last = last_contact_[i][other];
+      if (last == 0 || steps_ - last > kApartSteps) {
+        const bool same = world_.side(i) == world_.side(other);
+        ++(same ? statistics_.contacts[index_of(world_.side(i))] : statistics_.mixed_contacts);
+      }
+      last = steps_;
+    }
   }
 }
 
-void World::referee() {
-  const double goal_line = 0.5 * parameters_.field.length_m + parameters_.ball_radius_m;
-  if (std::abs(ball_.position.x) > goal_line) {
-    ++(ball_.position.x > 0.0 ? statistics_.goals_own : statistics_.goals_opponent);
+void GameRules::watch_goals() {
+  const double x = world_.ball().x;
+  if (std::abs(x) > goal_line_m_) {
+    ++(x > 0.0 ? statistics_.goals_own : statistics_.goals_opponent);
     kick_off();
     return;
   }
-  if (length(ball_.position - still_at_) > kStillM) {
-    still_at_ = ball_.position;
+  watch_standing();
+}
+
+void GameRules::watch_standing() {
+  if (length(world_.ball() - still_at_) > kStillM) {
+    still_at_ = world_.ball();
     still_s_ = 0.0;
     return;
   }
-  // If neither opponents play nor an own robot gets commands, the ball stays where somebody has put it.
-  const bool is_played = parameters_.opponents == Opponents::kPlay ||
-                         std::any_of(robots_.begin(), robots_.end(),
-                                     [](const Robot& robot) { return robot.commanded_mps != std::array<double, 2>{}; });
-  if (!is_played) return;
-  still_s_ += kStepS;
-  if (still_s_ > parameters_.physics.free_ball_after_s) {
+  // If nobody drives a robot, the ball stays where somebody has put it.
+  if (!world_.is_driven()) return;
+  const double before = still_s_;
+  still_s_ += World::kStepS;
+  if (still_s_ > GameStatistics::kStandingS) {
+    statistics_.ball_stood_s += before > GameStatistics::kStandingS ? World::kStepS : still_s_;
+  }
+  if (still_s_ > free_ball_after_s_) {
     ++statistics_.free_balls;
     kick_off();
   }
 }
 
-void World::play_opponents() {
-  const Robot* nearest = nullptr;
-  const Robot* keeper = nullptr;
-  double least = 0.0;
-  for (const Robot& robot : robots_) {
-    if (robot.team == Side::kOwn) continue;
-    if (keeper == nullptr) {
-      keeper = &robot;
-      continue;
-    }
-    const double distance = length(robot.body.position - ball_.position);
-    if (nearest == nullptr || distance < least) {
-      nearest = &robot;
-      least = distance;
-    }
+std::uint64_t GameRules::hash() const {
+  Fnv1a fnv;
+  fnv.add(world_.hash());
+  for (const std::uint64_t count : statistics_.touches) fnv.add(count);
+  for (const std::uint64_t count : statistics_.contacts) fnv.add(count);
+  for (const double time_s : statistics_.possession_s) fnv.add(time_s);
+  fnv.add(statistics_.mixed_contacts);
+  fnv.add(statistics_.ball_path_m);
+  fnv.add(statistics_.ball_stood_s);
+  fnv.add(std::uint64_t{statistics_.goals_own});
+  fnv.add(std::uint64_t{statistics_.goals_opponent});
+  fnv.add(std::uint64_t{statistics_.free_balls});
+  fnv.add(still_at_);
+  fnv.add(still_s_);
+  fnv.add(std::uint64_t{touches_ball_});
+  for (std::size_t i = 0; i < world_.robots(); ++i) {
+    for (std::size_t k = 0; k < i; ++k) fnv.add(last_contact_[i][k]);
   }
-  for (Robot& robot : robots_) {
-    if (robot.team == Side::kOwn) continue;
-    if (&robot == keeper) {
-      const double reach = 0.5 * parameters_.field.goal_width_m;
-      robot.target = {0.5 * parameters_.field.length_m - parameters_.robot_side_m,
-                      std::clamp(ball_.position.y, -reach, reach)};
-    }
-    play_opponent(robot, &robot == nearest);
-  }
-}
-
-void World::play_opponent(Robot& robot, bool is_nearest) {
-  robot.decide_in_s -= kStepS;
-  if (robot.decide_in_s <= 0.0) {
-    robot.decide_in_s = random_.uniform(1.0, 3.0);
-    robot.target = {random_.uniform(-0.1, 0.4) * parameters_.field.length_m,
-                    random_.uniform(-0.4, 0.4) * parameters_.field.width_m};
-  }
-  const Vector2 way = (is_nearest ? ball_.position : robot.target) - robot.body.position;
-  const double distance = length(way);
-  const double bearing = distance > 0.0 ? std::atan2(way.y, way.x) - robot.body.theta : 0.0;
-  // Drives forward or backward, whichever needs the smaller turn.
-  const double ahead = std::abs(wrap_angle(bearing)) <= 0.5 * std::numbers::pi ? 1.0 : -1.0;
-  const double off = wrap_angle(ahead > 0.0 ? bearing : bearing + std::numbers::pi);
-  const double near = std::min(1.0, distance / 0.1);
-  const double speed = ahead * near * std::cos(off) * parameters_.opponent_speed_mps;
-  const double turn = near * std::clamp(4.0 * off, -4.0, 4.0);
-  const double half_base = 0.5 * parameters_.physics.wheel_base_m;
-  robot.commanded_mps = {speed - turn * half_base, speed + turn * half_base};
+  Random ahead = random_;
+  fnv.add(ahead.bits());
+  return fnv.value();
 }
 
 }  // namespace touchline::hal::mock

@@ -7,19 +7,20 @@
 namespace touchline::hal::mock {
 namespace {
 
-constexpr double kBitsPerByte = 10.0;  // including start and stop bit
-constexpr std::uint64_t kRadioStream = 2;
+constexpr double kBitsPerByte = 10.0;                       // including start and stop bit
+constexpr std::array<std::uint64_t, 2> kRadioStream{2, 7};  // by Side
 
 }  // namespace
 
-RadioChannel::RadioChannel(const ArenaParameters& parameters, int baud, std::uint64_t seed)
+RadioChannel::RadioChannel(const ArenaParameters& parameters, int baud, std::uint64_t seed, Side side)
     : parameters_(parameters.radio),
+      side_(side),
       byte_time_(from_seconds(kBitsPerByte / baud)),
       timeout_(from_seconds(parameters.physics.command_timeout_s)),
-      random_(seed, kRadioStream),
-      telemetry_(parameters, seed) {
+      random_(seed, kRadioStream[static_cast<std::size_t>(side)]),
+      telemetry_(parameters, seed, side) {
   for (const ArenaRobot& robot : parameters.robot) {
-    if (robot.team != Side::kOwn) continue;
+    if (robot.team != side) continue;
     receivers_.push_back({robot.id, PacketStream(layout_, static_cast<RobotId>(robot.id)), {}, {}, true});
   }
 }
@@ -77,7 +78,7 @@ void RadioChannel::deliver(Instant now, World& world) {
     receiver.timed_out = true;
     receiver.filter.reset();
     ++statistics_.timeouts;
-    world.drive(receiver.id, 0.0, 0.0);
+    world.drive(receiver.id, 0.0, 0.0, side_);
     telemetry_.on_wheel_speeds(receiver.id, {});
   }
   telemetry_.advance(now);
@@ -125,7 +126,7 @@ void RadioChannel::deliver_to(RobotReceiver& receiver, const Packet& packet, Ins
   for (const RobotCommand& command : read.commands.robots) {
     if (command.id == receiver.id) wheels = command.wheels;
   }
-  world.drive(receiver.id, static_cast<double>(wheels.left_mps), static_cast<double>(wheels.right_mps));
+  world.drive(receiver.id, static_cast<double>(wheels.left_mps), static_cast<double>(wheels.right_mps), side_);
   telemetry_.on_wheel_speeds(receiver.id, wheels);
 }
 

@@ -35,8 +35,8 @@ struct ChannelStatistics {
 /// independently, parses the bytes, checks the packets, obeys them, and stops after the time-out.
 class RadioChannel {
  public:
-  /// `baud`: speed of the serial line at 10 bits per byte.
-  RadioChannel(const ArenaParameters& parameters, int baud, std::uint64_t seed);
+  /// `baud`: speed of the serial line at 10 bits per byte. `side`: whose robots receive the packets.
+  RadioChannel(const ArenaParameters& parameters, int baud, std::uint64_t seed, Side side = Side::kOwn);
 
   /// Sets the packets that the robots understand and send. They obey packets of the layout's team alone.
   void set_layouts(const PacketLayout& commands, const PacketLayout& telemetry);
@@ -71,6 +71,7 @@ class RadioChannel {
   void deliver_to(RobotReceiver& receiver, const Packet& packet, Instant now, World& world);
 
   ChannelParameters parameters_;
+  Side side_;
   PacketLayout layout_ = touchline_layout();
   Duration byte_time_, timeout_;
   Random random_;

@@ -6,7 +6,7 @@
 namespace touchline::hal::mock {
 namespace {
 
-constexpr std::uint64_t kTelemetryStream = 5;
+constexpr std::array<std::uint64_t, 2> kTelemetryStream{5, 8};  // by Side
 // Voltage range of fully charged batteries.
 constexpr double kBatterySpreadV = 0.3;
 constexpr float kSagVPerMps = 0.3f;
@@ -15,10 +15,10 @@ constexpr float kLinkMemory = 1.0f / 32.0f;
 
 }  // namespace
 
-RobotTelemetrySource::RobotTelemetrySource(const ArenaParameters& parameters, std::uint64_t seed)
-    : parameters_(parameters.radio), random_(seed, kTelemetryStream) {
+RobotTelemetrySource::RobotTelemetrySource(const ArenaParameters& parameters, std::uint64_t seed, Side side)
+    : parameters_(parameters.radio), random_(seed, kTelemetryStream[static_cast<std::size_t>(side)]) {
   for (const ArenaRobot& robot : parameters.robot) {
-    if (robot.team != Side::kOwn) continue;
+    if (robot.team != side) continue;
     Robot own;
     own.id = robot.id;
     own.battery_v = static_cast<float>(std::max(0.0, parameters_.battery_v - random_.uniform(0.0, kBatterySpreadV)));

@@ -13,11 +13,11 @@
 
 namespace touchline::hal::mock {
 
-/// Simulates the telemetry of the own robots (docs/radio.md) and the link that carries it: packets are delayed, lost,
-/// corrupted or truncated. It uses its own random stream, so receiving telemetry does not change the game.
+/// Simulates the telemetry of the robots of one side (docs/radio.md) and the link that carries it: packets are delayed,
+/// lost, corrupted or truncated. It uses its own random stream, so receiving telemetry does not change the game.
 class RobotTelemetrySource {
  public:
-  RobotTelemetrySource(const ArenaParameters& parameters, std::uint64_t seed);
+  RobotTelemetrySource(const ArenaParameters& parameters, std::uint64_t seed, Side side = Side::kOwn);
 
   /// Sets how robots write their reports.
   void set_layout(const PacketLayout& layout) { layout_ = layout; }

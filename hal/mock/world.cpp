@@ -1,12 +1,11 @@
 #include "hal/mock/world.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
-#include <numbers>
 #include <utility>
 
 #include "core/geometry/angle.h"
+#include "hal/mock/fnv1a.h"
 
 namespace touchline::hal::mock {
 namespace {
@@ -44,22 +43,6 @@ Outline outline(const ArenaField& field) {
   return walls;
 }
 
-class Fnv1a {
- public:
-  void add(double value) { add(std::bit_cast<std::uint64_t>(value)); }
-  void add(Vector2 value) {
-    add(value.x);
-    add(value.y);
-  }
-  void add(std::uint64_t value) {
-    for (unsigned shift = 0; shift < 64; shift += 8) hash_ = (hash_ ^ ((value >> shift) & 0xFFU)) * 0x100000001B3U;
-  }
-  [[nodiscard]] std::uint64_t value() const { return hash_; }
-
- private:
-  std::uint64_t hash_ = 0xCBF29CE484222325U;
-};
-
 }  // namespace
 
 World::World(const ArenaParameters& parameters, std::uint64_t seed)
@@ -69,7 +52,6 @@ World::World(const ArenaParameters& parameters, std::uint64_t seed)
     Robot robot;
     robot.team = entry.team;
     robot.id = entry.id;
-    robot.target = {entry.x_m, entry.y_m};
     robot.body.inverse_mass = 1.0 / physics.robot_mass_kg;
     // The moment of inertia of a homogeneous square is m a^2 / 6.
     robot.body.inverse_inertia = 6.0 / (physics.robot_mass_kg * parameters_.robot_side_m * parameters_.robot_side_m);
@@ -84,7 +66,6 @@ World::World(const ArenaParameters& parameters, std::uint64_t seed)
   ball_.inverse_mass = 1.0 / physics.ball_mass_kg;
   // Spin about the vertical axis is not simulated: it is invisible, and nothing depends on it.
   ball_.inverse_inertia = 0.0;
-  kick_off();
 }
 
 void World::place(std::size_t robot, const Placement& placement) {
@@ -99,14 +80,15 @@ void World::place(std::size_t robot, const Placement& placement) {
 void World::place_ball(const Placement& placement, Vector2 velocity_mps) {
   ball_.position = {placement.x_m, placement.y_m};
   ball_.velocity = velocity_mps;
-  still_at_ = ball_.position;
-  still_s_ = 0.0;
 }
 
-void World::drive(int id, double left_mps, double right_mps) {
+void World::drive(int id, double left_mps, double right_mps, Side side) {
   const PhysicsParameters& physics = parameters_.physics;
   for (Robot& robot : robots_) {
-    if (robot.team != Side::kOwn || robot.id != id) continue;
+    if (robot.team != side || robot.id != id) continue;
+    robot.commanded_mps = {left_mps, right_mps};
+    // Only own robots are wired wrongly, so that somebody can look for the error.
+    if (side != Side::kOwn) continue;
     robot.commanded_mps = {physics.left_reversed ? -left_mps : left_mps,
                            physics.right_reversed ? -right_mps : right_mps};
     if (physics.wheels_exchanged) std::swap(robot.commanded_mps[0], robot.commanded_mps[1]);
@@ -114,20 +96,30 @@ void World::drive(int id, double left_mps, double right_mps) {
 }
 
 void World::step() {
-  if (parameters_.opponents == Opponents::kPlay) play_opponents();
   for (Robot& robot : robots_) apply_tires(robot);
   roll_ball();
   collide_all();
-  const Vector2 before = ball_.position;
   for (Robot& robot : robots_) {
     robot.body.position = robot.body.position + kStepS * robot.body.velocity;
     robot.body.theta = wrap_angle(robot.body.theta + kStepS * robot.body.w);
   }
   ball_.position = ball_.position + kStepS * ball_.velocity;
-  statistics_.ball_path_m += length(ball_.position - before);
-  count_ball_touches();
-  referee();
   ++steps_;
+}
+
+bool World::touches_ball(std::size_t robot) const {
+  // A robot this close to the ball touches it.
+  constexpr double kTouchM = 0.002;
+  const Body& body = robots_[robot].body;
+  const Vector2 at = rotated(ball_.position - body.position, -body.theta);
+  const double half = 0.5 * parameters_.robot_side_m;
+  const Vector2 outside{std::max(0.0, std::abs(at.x) - half), std::max(0.0, std::abs(at.y) - half)};
+  return length(outside) < parameters_.ball_radius_m + kTouchM;
+}
+
+bool World::is_driven() const {
+  return std::any_of(robots_.begin(), robots_.end(),
+                     [](const Robot& robot) { return robot.commanded_mps != std::array<double, 2>{}; });
 }
 
 void World::apply_tires(Robot& robot) {
@@ -181,9 +173,16 @@ void World::collide_all() {
   const Surface bouncy{physics.ball_restitution, physics.contact_friction};
   const Circle ball{&ball_, parameters_.ball_radius_m};
   contacts_.clear();
+  touching_ = {};
   for (std::size_t i = 0; i < robots_.size(); ++i) {
     const Square a = square(robots_[i]);
-    for (std::size_t k = 0; k < i; ++k) collide(a, square(robots_[k]), hard, contacts_);
+    for (std::size_t k = 0; k < i; ++k) {
+      const std::size_t before = contacts_.size();
+      collide(a, square(robots_[k]), hard, contacts_);
+      if (contacts_.size() == before) continue;
+      touching_[i] |= 1U << k;
+      touching_[k] |= 1U << i;
+    }
     collide(a, walls_, hard, contacts_);
     collide(ball, a, bouncy, contacts_);
   }
@@ -227,18 +226,8 @@ std::uint64_t World::hash() const {
       fnv.add(robot.slip[i]);
       fnv.add(robot.gain[i]);
     }
-    fnv.add(robot.target);
-    fnv.add(robot.decide_in_s);
-    fnv.add(std::uint64_t{robot.touches_ball});
   }
   add_body(ball_);
-  fnv.add(still_at_);
-  fnv.add(still_s_);
-  fnv.add(statistics_.touches);
-  fnv.add(statistics_.ball_path_m);
-  fnv.add(std::uint64_t{statistics_.goals_own});
-  fnv.add(std::uint64_t{statistics_.goals_opponent});
-  fnv.add(std::uint64_t{statistics_.free_balls});
   Random ahead = random_;
   fnv.add(ahead.bits());
   return fnv.value();

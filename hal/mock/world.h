@@ -22,13 +22,6 @@ struct Snapshot {
   Placement ball;
 };
 
-struct GameStatistics {
-  std::uint64_t touches = 0;  // number of times that an own robot began to touch the ball
-  double ball_path_m = 0.0;
-  std::uint32_t goals_own = 0, goals_opponent = 0;  // goals scored by each team
-  std::uint32_t free_balls = 0;
-};
-
 /// Simulates robots, ball and walls as rigid bodies in the plane, in steps of one millisecond. Wheels have a dead zone,
 /// a lag, a constant gain error and random slip; tires slide when their friction is exceeded; bodies in contact
 /// exchange impulses. Nothing is allocated after construction. The same seed and commands give bit-identical states.
@@ -41,14 +34,24 @@ class World {
   World& operator=(const World&) = delete;
   ~World() = default;
 
-  /// Sets the commanded wheel speeds of own robot `id`. An unknown id is ignored.
-  void drive(int id, double left_mps, double right_mps);
+  /// Sets the commanded wheel speeds of robot `id` of a side. An unknown id is ignored.
+  void drive(int id, double left_mps, double right_mps, Side side = Side::kOwn);
   /// Advances the world by kStepS.
   void step();
 
   [[nodiscard]] Snapshot snapshot() const;
-  [[nodiscard]] const GameStatistics& statistics() const { return statistics_; }
-  /// FNV-1a hash of the statistics and the complete state, including the random generator's.
+  /// The robots of this world, in the order of ArenaParameters::robot.
+  [[nodiscard]] std::size_t robots() const { return robots_.size(); }
+  [[nodiscard]] Side side(std::size_t robot) const { return robots_[robot].team; }
+  [[nodiscard]] int id(std::size_t robot) const { return robots_[robot].id; }
+  [[nodiscard]] Vector2 ball() const { return ball_.position; }
+  /// Returns whether the robot touches the ball, or is so near that nobody sees a gap.
+  [[nodiscard]] bool touches_ball(std::size_t robot) const;
+  /// Returns the robots that this one touches, as bits.
+  [[nodiscard]] std::uint32_t touching(std::size_t robot) const { return touching_[robot]; }
+  /// Returns whether somebody's command moves a robot.
+  [[nodiscard]] bool is_driven() const;
+  /// FNV-1a hash of the complete state, including the random generator's.
   [[nodiscard]] std::uint64_t hash() const;
   /// Kinetic energy of robots and ball in J.
   [[nodiscard]] double energy() const;
@@ -70,19 +73,11 @@ class World {
     Side team = Side::kOwn;
     int id = 0;
     std::array<double, 2> commanded_mps{}, wheel_mps{}, gain{1.0, 1.0}, lag_s{}, slip{};
-    Vector2 target;  // opponents: the point to which it drives
-    double decide_in_s = 0.0;
-    bool touches_ball = false;
   };
 
-  void play_opponent(Robot& robot, bool is_nearest);
-  void play_opponents();
   void apply_tires(Robot& robot);
   void roll_ball();
   void collide_all();
-  void count_ball_touches();
-  void referee();
-  void kick_off();
   [[nodiscard]] Square square(Robot& robot) const { return {&robot.body, 0.5 * parameters_.robot_side_m}; }
 
   const ArenaParameters parameters_;
@@ -91,9 +86,7 @@ class World {
   Body ball_;
   Outline walls_;
   Contacts contacts_;
-  GameStatistics statistics_;
-  double still_s_ = 0.0;
-  Vector2 still_at_;
+  std::array<std::uint32_t, kMaxRobots> touching_{};  // by robot: bits of the robots that it touches
   std::uint64_t steps_ = 0;
 };
 

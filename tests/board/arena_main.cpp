@@ -43,7 +43,7 @@ int connect_to(const std::string& path) {
 void answer(const Lockstep& game, const board::PlayResult& played, const std::string& error) {
   const hal::mock::Arena& arena = game.arena();
   const hal::mock::ChannelStatistics& radio = arena.channel().statistics();
-  const hal::mock::GameStatistics& statistics = arena.world().statistics();
+  const hal::mock::GameStatistics& statistics = arena.game().statistics();
   nlohmann::ordered_json ball = nlohmann::ordered_json::array();
   for (const hal::mock::Placement& place : played.ball) ball.push_back({place.x_m, place.y_m});
   const nlohmann::ordered_json answer{{"error", error},
@@ -62,7 +62,7 @@ void answer(const Lockstep& game, const board::PlayResult& played, const std::st
                                       {"air_damaged", radio.corrupted},
                                       {"ignored", radio.ignored},
                                       {"timeouts", radio.timeouts},
-                                      {"touches", statistics.touches},
+                                      {"touches", statistics.touches[0]},
                                       {"ball_path_m", statistics.ball_path_m},
                                       {"ball", ball}};
   // One line per answer, sent immediately.

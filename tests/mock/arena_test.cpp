@@ -68,7 +68,6 @@ TEST_F(ArenaTest, ResultDoesNotDependOnTheTimeSteps) {
 
 TEST_F(ArenaTest, AllocatesNothingWhileItRuns) {
   if (!latency::allocations_are_counted()) GTEST_SKIP() << "with a sanitizer, allocations are not counted";
-  parameters.opponents = Opponents::kPlay;
   parameters.robot = ArenaParameters{}.robot;
   parameters.physics = {};
   parameters.radio = {};

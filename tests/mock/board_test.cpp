@@ -165,13 +165,13 @@ TEST(MockBoard, FilesAreValid) {
 TEST(MockBoard, RobotsAreSeenAndReachTheBall) {
   Game game(1);
   game.run_until(2.0);
-  EXPECT_GE(game.world().statistics().touches, 1U) << "no robot touched the ball";
+  EXPECT_GE(game.arena->game().statistics().touches[0], 1U) << "no robot touched the ball";
   game.run_until(4.0);
   EXPECT_NEAR(game.frames, 240, 3);
   EXPECT_GT(game.frames_with_all, game.frames * 99 / 100);
   EXPECT_GT(game.frames_with_ball, game.frames * 90 / 100);
   EXPECT_GT(game.commanded, game.frames * 99 / 100);
-  EXPECT_GT(game.world().statistics().ball_path_m, 0.4);
+  EXPECT_GT(game.arena->game().statistics().ball_path_m, 0.4);
 }
 
 // Opponents stand: one that drives may push a robot that has stopped. Measured with 40 seeds: between 100 and 150 ms

@@ -1,140 +1,144 @@
-// Goals, free balls, touches, and the opponents.
+// Goals, free balls, touches and the other statistics.
 #include <gtest/gtest.h>
 
+#include "hal/mock/game.h"
 #include "tests/mock/noise_free_arena.h"
 
 namespace touchline::hal::mock {
 namespace {
 
-double from_center(const World& world) { return length(position(world.snapshot().ball)); }
+constexpr int kBaud = 115200;
+
+double from_center(const Game& game) { return length(position(game.world().snapshot().ball)); }
 
 TEST(Referee, CountsGoalsOfBothSidesAndKicksOff) {
-  World world(noise_free_arena(), 1);
-  world.place_ball({0.9, 0.0, 0.0}, {1.5, 0.0});
-  run(world, 0.4);
-  EXPECT_EQ(world.statistics().goals_own, 1U);
-  EXPECT_EQ(world.statistics().goals_opponent, 0U);
-  EXPECT_LT(from_center(world), 0.06);
-  world.place_ball({-0.9, 0.0, 0.0}, {-1.5, 0.0});
-  run(world, 0.4);
-  EXPECT_EQ(world.statistics().goals_own, 1U);
-  EXPECT_EQ(world.statistics().goals_opponent, 1U);
+  Game game(noise_free_arena(), kBaud, 1);
+  game.rules().place_ball({0.9, 0.0, 0.0}, {1.5, 0.0});
+  run(game, 0.4);
+  EXPECT_EQ(game.statistics().goals_own, 1U);
+  EXPECT_EQ(game.statistics().goals_opponent, 0U);
+  EXPECT_LT(from_center(game), 0.06);
+  game.rules().place_ball({-0.9, 0.0, 0.0}, {-1.5, 0.0});
+  run(game, 0.4);
+  EXPECT_EQ(game.statistics().goals_own, 1U);
+  EXPECT_EQ(game.statistics().goals_opponent, 1U);
 }
 
 TEST(Referee, BallOnTheLineIsNoGoal) {
   const ArenaParameters parameters = noise_free_arena();
-  World world(parameters, 1);
-  world.place_ball({0.5 * parameters.field.length_m + 0.9 * parameters.ball_radius_m, 0.0, 0.0});
-  run(world, 1.0);
-  EXPECT_EQ(world.statistics().goals_own, 0U);
-  world.place_ball({0.5 * parameters.field.length_m + 1.1 * parameters.ball_radius_m, 0.0, 0.0});
-  run(world, 0.001);
-  EXPECT_EQ(world.statistics().goals_own, 1U);
+  Game game(parameters, kBaud, 1);
+  game.rules().place_ball({0.5 * parameters.field.length_m + 0.9 * parameters.ball_radius_m, 0.0, 0.0});
+  run(game, 1.0);
+  EXPECT_EQ(game.statistics().goals_own, 0U);
+  game.rules().place_ball({0.5 * parameters.field.length_m + 1.1 * parameters.ball_radius_m, 0.0, 0.0});
+  run(game, 0.001);
+  EXPECT_EQ(game.statistics().goals_own, 1U);
 }
 
 TEST(Referee, ShotBesideTheGoalBouncesBack) {
-  World world(noise_free_arena(), 1);
-  world.place_ball({0.8, 0.3, 0.0}, {2.0, 0.0});
-  run(world, 1.0);
-  EXPECT_EQ(world.statistics().goals_own, 0U);
-  EXPECT_LT(world.snapshot().ball.x_m, 1.08);
+  Game game(noise_free_arena(), kBaud, 1);
+  game.rules().place_ball({0.8, 0.3, 0.0}, {2.0, 0.0});
+  run(game, 1.0);
+  EXPECT_EQ(game.statistics().goals_own, 0U);
+  EXPECT_LT(game.world().snapshot().ball.x_m, 1.08);
 }
 
 TEST(Referee, MovesABallThatStandsStill) {
   ArenaParameters parameters = noise_free_arena();
   parameters.physics.free_ball_after_s = 2.0;
-  World world(parameters, 1);
-  world.place_ball({0.9, 0.8, 0.0});
-  world.drive(0, -0.1, 0.1);  // somebody plays
-  run(world, 1.99);
-  EXPECT_EQ(world.statistics().free_balls, 0U);
-  run(world, 0.02);
-  EXPECT_EQ(world.statistics().free_balls, 1U);
-  EXPECT_LT(from_center(world), 0.06);
+  Game game(parameters, kBaud, 1);
+  game.rules().place_ball({0.9, 0.8, 0.0});
+  game.world().drive(0, -0.1, 0.1);  // somebody plays
+  run(game, 1.99);
+  EXPECT_EQ(game.statistics().free_balls, 0U);
+  run(game, 0.02);
+  EXPECT_EQ(game.statistics().free_balls, 1U);
+  EXPECT_LT(from_center(game), 0.06);
 }
 
 TEST(Referee, LeavesTheBallWhereSomebodyHasPutItWhileRobotsStand) {
   ArenaParameters parameters = noise_free_arena();
   parameters.physics.free_ball_after_s = 1.0;
-  World world(parameters, 1);
-  world.place_ball({0.9, 0.8, 0.0});
-  world.drive(0, 0.0, 0.0);
-  run(world, 3.0);
-  EXPECT_EQ(world.statistics().free_balls, 0U);
-  EXPECT_EQ(world.snapshot().ball.x_m, 0.9);
+  Game game(parameters, kBaud, 1);
+  game.rules().place_ball({0.9, 0.8, 0.0});
+  game.world().drive(0, 0.0, 0.0);
+  run(game, 3.0);
+  EXPECT_EQ(game.statistics().free_balls, 0U);
+  EXPECT_EQ(game.world().snapshot().ball.x_m, 0.9);
 }
 
 TEST(Referee, LeavesABallThatRolls) {
   ArenaParameters parameters = noise_free_arena();
   parameters.physics.free_ball_after_s = 1.0;
   parameters.physics.ball_deceleration_mps2 = parameters.physics.ball_damping_per_s = 0.0;
-  World world(parameters, 1);
-  world.place_ball({-1.0, 0.5, 0.0}, {0.2, 0.0});
-  world.drive(0, -0.1, 0.1);
-  run(world, 8.0);
-  EXPECT_EQ(world.statistics().free_balls, 0U);
+  Game game(parameters, kBaud, 1);
+  game.rules().place_ball({-1.0, 0.5, 0.0}, {0.2, 0.0});
+  game.world().drive(0, -0.1, 0.1);
+  run(game, 8.0);
+  EXPECT_EQ(game.statistics().free_balls, 0U);
 }
 
 TEST(Referee, PutsTheBallBesideARobotInTheCenter) {
   ArenaParameters parameters = noise_free_arena();
-  World world(parameters, 1);
-  world.place(0, {0.0, 0.0, 0.3});
-  world.place_ball({1.13, 0.0, 0.0});
-  world.step();
-  ASSERT_EQ(world.statistics().goals_own, 1U);
-  EXPECT_GT(from_center(world), 0.5 * parameters.robot_side_m + parameters.ball_radius_m);
-  EXPECT_LT(from_center(world), 0.3);
-  const Placement before = world.snapshot().robots[0];
-  run(world, 0.1);
-  EXPECT_NEAR(world.snapshot().robots[0].x_m, before.x_m, 1e-9) << "the ball pushed the robot";
+  Game game(parameters, kBaud, 1);
+  game.world().place(0, {0.0, 0.0, 0.3});
+  game.rules().place_ball({1.13, 0.0, 0.0});
+  game.step();
+  ASSERT_EQ(game.statistics().goals_own, 1U);
+  EXPECT_GT(from_center(game), 0.5 * parameters.robot_side_m + parameters.ball_radius_m);
+  EXPECT_LT(from_center(game), 0.3);
+  const Placement before = game.world().snapshot().robots[0];
+  run(game, 0.1);
+  EXPECT_NEAR(game.world().snapshot().robots[0].x_m, before.x_m, 1e-9) << "the ball pushed the robot";
 }
 
 TEST(Statistics, TouchCountsOnceUntilTheRobotLeavesTheBall) {
-  World world(noise_free_arena(), 1);
-  world.place(0, {-0.5, 0.0, 0.0});
-  world.place_ball({-0.3, 0.0, 0.0});
-  EXPECT_EQ(world.statistics().touches, 0U);
+  Game game(noise_free_arena(), kBaud, 1);
+  game.world().place(0, {-0.5, 0.0, 0.0});
+  game.rules().place_ball({-0.3, 0.0, 0.0});
+  EXPECT_EQ(game.statistics().touches[0], 0U);
   // Slowly, so that the ball stays in contact with the robot.
-  world.drive(0, 0.1, 0.1);
-  run(world, 3.0);
-  const std::uint64_t pushed = world.statistics().touches;
+  game.world().drive(0, 0.1, 0.1);
+  run(game, 3.0);
+  const std::uint64_t pushed = game.statistics().touches[0];
   EXPECT_GE(pushed, 1U);
   EXPECT_LE(pushed, 5U);
-  EXPECT_GT(world.statistics().ball_path_m, 0.05);
-  world.drive(0, -0.3, -0.3);
-  run(world, 0.5);
-  EXPECT_EQ(world.statistics().touches, pushed);
+  EXPECT_GT(game.statistics().ball_path_m, 0.05);
+  game.world().drive(0, -0.3, -0.3);
+  run(game, 0.5);
+  EXPECT_EQ(game.statistics().touches[0], pushed);
 }
 
-TEST(Opponents, StandOrPlayAsConfiguredAndIgnorePackets) {
-  for (const bool play : {false, true}) {
-    ArenaParameters parameters;
-    parameters.opponents = play ? Opponents::kPlay : Opponents::kStand;
-    World world(parameters, 1);
-    const Snapshot before = world.snapshot();
-    for (int id = 0; id < 5; ++id) world.drive(id, 0.0, 0.0);
-    run(world, 3.0);
-    const Snapshot after = world.snapshot();
-    double way = 0.0;
-    for (std::size_t i = 5; i < 10; ++i) way += length(position(after.robots[i]) - position(before.robots[i]));
-    if (play) {
-      EXPECT_GT(way, 0.5);
-    } else {
-      EXPECT_LT(way, 1e-9);
-      for (int id = 0; id < 5; ++id) world.drive(id, 0.3, 0.3);
-      run(world, 0.5);
-      EXPECT_LT(length(position(world.snapshot().robots[7]) - position(before.robots[7])), 1e-9);
-    }
-  }
-}
-
-TEST(Opponents, KeeperStaysAtItsGoalAndAnotherOneDrivesAtTheBall) {
-  ArenaParameters parameters;
-  World world(parameters, 2);
-  world.place_ball({0.2, 0.6, 0.0});
-  run(world, 4.0);
-  EXPECT_GT(world.snapshot().robots[5].x_m, 0.9);
-  EXPECT_GT(world.statistics().ball_path_m, 0.05) << "no robot touched the ball";
+TEST(Statistics, CountPossessionContactsAndStandingOfEachSide) {
+  ArenaParameters parameters = noise_free_arena();
+  parameters.robot.push_back({Side::kOwn, 1, -0.3, 0.5, 0.0, {"red"}});
+  parameters.robot.push_back({Side::kOpponent, 0, 0.5, -0.5, 0.0, {"red"}});
+  Game game(parameters, kBaud, 1);
+  game.rules().place_ball({-0.45, 0.0, 0.0});
+  game.world().drive(0, 0.3, 0.3);
+  run(game, 0.6);
+  EXPECT_GT(game.statistics().possession_s[0], 0.1);
+  EXPECT_EQ(game.statistics().possession_s[1], 0.0);
+  EXPECT_EQ(game.statistics().touches[1], 0U);
+  // The ball stands beside the wall while a robot turns elsewhere.
+  game.rules().place_ball({0.8, 0.85, 0.0});
+  game.world().place(1, {-0.5, 0.5, 0.0});
+  game.world().drive(0, -0.1, 0.1);
+  run(game, GameStatistics::kStandingS - 0.1);
+  EXPECT_EQ(game.statistics().ball_stood_s, 0.0);
+  run(game, 1.1);
+  EXPECT_NEAR(game.statistics().ball_stood_s, GameStatistics::kStandingS + 1.0, 0.01);
+  // Two own robots touch once, then an own and an opponent's robot.
+  EXPECT_EQ(game.statistics().contacts[0], 0U);
+  game.world().place(0, {-0.6, 0.5, 0.0});
+  game.world().drive(0, 0.3, 0.3);
+  run(game, 0.2);
+  EXPECT_GE(game.statistics().contacts[0], 1U);
+  EXPECT_EQ(game.statistics().mixed_contacts, 0U);
+  game.world().place(0, {0.4, -0.5, 0.0});
+  game.world().drive(0, 0.3, 0.3);
+  run(game, 0.2);
+  EXPECT_GE(game.statistics().mixed_contacts, 1U);
 }
 
 TEST(World, IgnoresAnUnknownId) {

@@ -35,8 +35,10 @@ inline ArenaParameters full_arena() {
   return parameters;
 }
 
-inline void run(World& world, double seconds) {
-  for (int i = 0; i < static_cast<int>(std::lround(seconds / World::kStepS)); ++i) world.step();
+/// Runs a World or a Game.
+template <class Simulation>
+void run(Simulation& simulation, double seconds) {
+  for (int i = 0; i < static_cast<int>(std::lround(seconds / World::kStepS)); ++i) simulation.step();
 }
 
 inline Vector2 position(const Placement& placement) { return {placement.x_m, placement.y_m}; }

@@ -1,0 +1,26 @@
+#include "hal/mock/game.h"
+
+#include "hal/mock/simulated_side.h"
+
+namespace touchline::hal::mock {
+
+Game::Game(const ArenaParameters& parameters, int baud, std::uint64_t seed, Instant begin)
+    : world_(parameters, seed),
+      rules_(parameters, world_, seed),
+      channels_{RadioChannel(parameters, baud, seed, Side::kOwn),
+                RadioChannel(parameters, baud, seed, Side::kOpponent)},
+      begin_(begin),
+      now_(begin) {}
+
+void Game::step() {
+  now_ += kStep;
+  world_.step();
+  rules_.update();
+  for (const Side side : {Side::kOwn, Side::kOpponent}) {
+    const auto index = static_cast<std::size_t>(side);
+    channels_[index].deliver(now_, world_);
+    if (sides_[index] != nullptr) sides_[index]->advance(now_, world_, channels_[index]);
+  }
+}
+
+}  // namespace touchline::hal::mock

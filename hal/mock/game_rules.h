@@ -1,0 +1,67 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+
+#include "core/geometry/vector2.h"
+#include "hal/mock/arena_parameters.h"
+#include "hal/mock/random.h"
+#include "hal/mock/world.h"
+
+namespace touchline::hal::mock {
+
+/// What happened in a game. The index of an array is the number of a Side.
+struct GameStatistics {
+  // The ball stands if it has stayed at a place for so long.
+  static constexpr double kStandingS = 3.0;
+
+  std::array<std::uint64_t, 2> touches{};  // number of times that a robot of the side began to touch the ball
+  double ball_path_m = 0.0;
+  std::uint32_t goals_own = 0, goals_opponent = 0;  // goals scored by each team
+  std::uint32_t free_balls = 0;
+  std::array<double, 2> possession_s{};     // time in which the side was the last to touch the ball
+  double ball_stood_s = 0.0;                // time in which the ball stood, kStandingS included
+  std::array<std::uint64_t, 2> contacts{};  // number of times that two robots of the side began to touch each other
+  std::uint64_t mixed_contacts = 0;         // the same for robots of different sides
+};
+
+/// The arena's referee: counts goals, brings the ball back after a goal or a jam, and keeps the statistics. Nothing is
+/// allocated after construction.
+class GameRules {
+ public:
+  /// Puts the ball near the center. `world` must outlive this object.
+  GameRules(const ArenaParameters& parameters, World& world, std::uint64_t seed);
+
+  /// Judges the world after each of its steps.
+  void update();
+  /// Puts the ball somewhere else; it then waits there for as long as after a kick-off.
+  void place_ball(const Placement& placement, Vector2 velocity_mps = {});
+  [[nodiscard]] const GameStatistics& statistics() const { return statistics_; }
+  /// FNV-1a hash of world, statistics and the complete state, including the random generator's.
+  [[nodiscard]] std::uint64_t hash() const;
+
+ private:
+  void count_touches();
+  void count_contacts();
+  void watch_goals();
+  void watch_standing();
+  void kick_off();
+
+  const double goal_line_m_, reach_m_, free_ball_after_s_;
+  const Vector2 quarter_;  // half of the field's half length and half width
+  const bool returns_robots_;
+  World& world_;
+  const Snapshot start_;
+  Random random_;
+  GameStatistics statistics_;
+  std::optional<Side> possession_;
+  std::uint32_t touches_ball_ = 0;  // bits of the robots
+  std::uint64_t steps_ = 0;
+  // By the numbers of two robots, the larger one first: the last step in which they touched; 0: never.
+  std::array<std::array<std::uint64_t, kMaxRobots>, kMaxRobots> last_contact_{};
+  double still_s_ = 0.0;
+  Vector2 still_at_, ball_before_;
+};
+
+}  // namespace touchline::hal::mock

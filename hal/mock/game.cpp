@@ -15,11 +15,15 @@ Game::Game(const ArenaParameters& parameters, int baud, std::uint64_t seed, Inst
 void Game::step() {
   now_ += kStep;
   world_.step();
+  const std::uint32_t restarts = rules_.restarts();
   rules_.update();
+  const bool returned = rules_.is_stopped() && rules_.restarts() != restarts;
   for (const Side side : {Side::kOwn, Side::kOpponent}) {
     const auto index = static_cast<std::size_t>(side);
     channels_[index].deliver(now_, world_);
-    if (sides_[index] != nullptr) sides_[index]->advance(now_, world_, channels_[index]);
+    if (sides_[index] == nullptr) continue;
+    sides_[index]->hold(rules_.is_stopped(), returned);
+    sides_[index]->advance(now_, world_, channels_[index]);
   }
 }
 

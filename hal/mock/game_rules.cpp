@@ -16,6 +16,8 @@ constexpr double kStillM = 0.05;
 // Two robots that touch again after a shorter gap never parted: bodies that push each other lose contact for some
 // steps.
 constexpr std::uint64_t kApartSteps = 100;
+// A second: long enough for trackers to find robots that were put elsewhere.
+constexpr int kStoppedSteps = 1000;
 
 std::size_t index_of(Side side) { return static_cast<std::size_t>(side); }
 
@@ -42,6 +44,7 @@ void GameRules::place_ball(const Placement& placement, Vector2 velocity_mps) {
 void GameRules::kick_off() {
   if (returns_robots_) {
     for (std::size_t i = 0; i < start_.robots.size(); ++i) world_.place(i, start_.robots[i]);
+    stopped_steps_ = kStoppedSteps;
   }
   // Draws a random point near the center, because from a fixed point two symmetric teams could block each other
   // forever. The area grows with each draw until the point is free of robots.
@@ -60,9 +63,11 @@ void GameRules::kick_off() {
   }
   place_ball({point.x, point.y, 0.0});
   possession_.reset();
+  ++restarts_;
 }
 
 void GameRules::update() {
+  if (stopped_steps_ > 0) --stopped_steps_;
   statistics_.ball_path_m += length(world_.ball() - ball_before_);
   ball_before_ = world_.ball();
   count_touches();
@@ -141,6 +146,7 @@ std::uint64_t GameRules::hash() const {
   fnv.add(std::uint64_t{statistics_.free_balls});
   fnv.add(still_at_);
   fnv.add(still_s_);
+  fnv.add(static_cast<std::uint64_t>(stopped_steps_));
   fnv.add(std::uint64_t{touches_ball_});
   for (std::size_t i = 0; i < world_.robots(); ++i) {
     for (std::size_t k = 0; k < i; ++k) fnv.add(last_contact_[i][k]);

@@ -37,6 +37,10 @@ class GameRules {
   void update();
   /// Puts the ball somewhere else; it then waits there for as long as after a kick-off.
   void place_ball(const Placement& placement, Vector2 velocity_mps = {});
+  /// Returns whether all robots must stand: for a second after they were put back (ArenaParameters::robots_return).
+  [[nodiscard]] bool is_stopped() const { return stopped_steps_ > 0; }
+  /// Returns the number of kick-offs and free balls so far.
+  [[nodiscard]] std::uint32_t restarts() const { return restarts_; }
   [[nodiscard]] const GameStatistics& statistics() const { return statistics_; }
   /// FNV-1a hash of world, statistics and the complete state, including the random generator's.
   [[nodiscard]] std::uint64_t hash() const;
@@ -58,6 +62,8 @@ class GameRules {
   std::optional<Side> possession_;
   std::uint32_t touches_ball_ = 0;  // bits of the robots
   std::uint64_t steps_ = 0;
+  std::uint32_t restarts_ = 0;
+  int stopped_steps_ = 0;  // until the game goes on
   // By the numbers of two robots, the larger one first: the last step in which they touched; 0: never.
   std::array<std::array<std::uint64_t, kMaxRobots>, kMaxRobots> last_contact_{};
   double still_s_ = 0.0;

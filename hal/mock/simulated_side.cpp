@@ -6,6 +6,8 @@ namespace touchline::hal::mock {
 namespace {
 
 constexpr std::array<std::uint64_t, 2> kArrivalStream{11, 12};  // by Side
+// A bit of StepInputs::halt that no reason of the firmware uses.
+constexpr std::uint32_t kHaltByRules = 1U << 31U;
 
 }  // namespace
 
@@ -24,6 +26,11 @@ Status SimulatedSide::configure(const SideSettings& settings) {
   settings_ = settings;
   pipeline_->set_strategy(settings.strategy);
   return pipeline_->configure(settings.pipeline);
+}
+
+void SimulatedSide::hold(bool stands, bool restarts) {
+  inputs_.halt = stands ? inputs_.halt | kHaltByRules : inputs_.halt & ~kHaltByRules;
+  if (restarts) inputs_.events.reset = true;
 }
 
 void SimulatedSide::advance(Instant now, const World& world, RadioChannel& channel) {

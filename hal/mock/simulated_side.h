@@ -48,6 +48,9 @@ class SimulatedSide {
   /// Inputs of the next step: commands of other programs, referee, halts. The side fills times and delays itself, and
   /// clears the events after the step.
   [[nodiscard]] StepInputs& inputs() { return inputs_; }
+  /// Tells the side before a step whether its robots must stand, and whether everything was put elsewhere, so that
+  /// tracks begin anew.
+  void hold(bool stands, bool restarts);
   /// Calls `on_step` after each step; `trace` is valid during the call. Null: nobody is called.
   void set_observer(void (*on_step)(void* context, const StepTrace& trace), void* context) {
     on_step_ = on_step;

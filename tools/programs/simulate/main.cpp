@@ -1,0 +1,145 @@
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstdio>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "hal/files/input_file.h"
+#include "hal/files/output_file.h"
+#include "tools/programs/command_line/command_line.h"
+#include "tools/programs/command_line/progress.h"
+#include "tools/programs/simulate/game_series.h"
+#include "tools/programs/simulate/series_report.h"
+
+namespace touchline::simulate {
+namespace {
+
+struct Options {
+  std::string board = "boards/mock/board.toml", own = "play", opponent = "univector", baseline, json;
+  std::vector<std::string> overrides, compare;
+  SeriesSettings series;
+  int robots = 0;
+  bool table = false;
+};
+
+Result<Series> play(const Options& options, const Team& own, const Team& opponent) {
+  Progress progress("games of " + own.name + " against " + opponent.name,
+                    static_cast<std::size_t>(options.series.seeds));
+  return play_series(fair_arena(*own.configuration, options.robots), own, opponent, options.series,
+                     [&](int) { progress.step(); });
+}
+
+Result<void> write(const Options& options, const std::vector<Series>& all) {
+  if (options.json.empty()) return {};
+  return hal::write_file(options.json, to_json(all));
+}
+
+Result<void> play_table(const Options& options) {
+  std::vector<Series> all;
+  const std::vector<std::string> names = strategy_names();
+  for (const std::string& name : names) {
+    TOUCHLINE_TRY_ASSIGN(const Team own, load_team(options.board, name, options.overrides));
+    for (const std::string& other : names) {
+      TOUCHLINE_TRY_ASSIGN(const Team opponent, load_team(options.board, other, options.overrides));
+      TOUCHLINE_TRY_ASSIGN(Series series, play(options, own, opponent));
+      all.push_back(std::move(series));
+    }
+  }
+  std::printf("%d games of %.0f s for each pair; mean goal difference of the row's team with its 95 %% interval\n%s",
+              options.series.seeds, options.series.duration_s, table_text(names, all).c_str());
+  return write(options, all);
+}
+
+Result<void> play_pair(const Options& options) {
+  TOUCHLINE_TRY_ASSIGN(const Team own, load_team(options.board, options.own, options.overrides));
+  TOUCHLINE_TRY_ASSIGN(const Team opponent, load_team(options.board, options.opponent, options.overrides));
+  std::vector<Series> all;
+  if (!options.baseline.empty()) {
+    TOUCHLINE_TRY_ASSIGN(const Team baseline, load_team(options.board, options.baseline, options.overrides));
+    TOUCHLINE_TRY_ASSIGN(Series series, play(options, baseline, opponent));
+    all.push_back(std::move(series));
+  }
+  TOUCHLINE_TRY_ASSIGN(Series series, play(options, own, opponent));
+  all.push_back(std::move(series));
+  for (const Series& each : all) std::fputs(series_text(each).c_str(), stdout);
+  if (all.size() == 2) {
+    TOUCHLINE_TRY_ASSIGN(const Comparison comparison, compare(all[0], all[1]));
+    std::fputs(comparison_text(all[0], all[1], comparison).c_str(), stdout);
+  }
+  return write(options, all);
+}
+
+Result<std::vector<Series>> read(const std::string& path) {
+  TOUCHLINE_TRY_ASSIGN(const std::string text, hal::read_file(path));
+  Result<std::vector<Series>> all = from_json(text);
+  if (!all.ok()) return prefixed(path, std::move(all).error());
+  return all;
+}
+
+// Compares each series of the second file with that of the first one against the same opponent.
+Result<void> compare_files(const std::string& first, const std::string& second) {
+  TOUCHLINE_TRY_ASSIGN(const std::vector<Series> before, read(first));
+  TOUCHLINE_TRY_ASSIGN(const std::vector<Series> after, read(second));
+  bool found = false;
+  for (const Series& b : after) {
+    for (const Series& a : before) {
+      if (a.opponent != b.opponent || (after.size() > 1 && a.own != b.own)) continue;
+      TOUCHLINE_TRY_ASSIGN(const Comparison comparison, compare(a, b));
+      std::fputs(comparison_text(a, b, comparison).c_str(), stdout);
+      found = true;
+    }
+  }
+  if (found) return {};
+  return failure(ErrorCode::kInconsistent, "%s and %s have no opponent in common", first.c_str(), second.c_str());
+}
+
+Result<void> run(const Options& options) {
+  if (!options.compare.empty()) return compare_files(options.compare[0], options.compare[1]);
+  return options.table ? play_table(options) : play_pair(options);
+}
+
+}  // namespace
+}  // namespace touchline::simulate
+
+int main(int argc, char** argv) {
+  using namespace touchline;
+  simulate::Options options;
+  options.series.jobs = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
+  CLI::App app("Plays games of the arena without pictures, many times faster than real time, and says how sure the\n"
+               "result is. Both sides have their own camera errors, tracker, radio and robots. A side is a strategy:\n" +
+                   simulate::strategies_text() + "or a team file (.toml), whose settings the built-in play uses",
+               "touchline-simulate");
+  app.add_option("--board", options.board, "Board file of the arena")->type_name("FILE")->capture_default_str();
+  app.add_option("--own", options.own, "Who plays for the own side: a strategy or a team file")
+      ->type_name("TEAM")
+      ->capture_default_str();
+  app.add_option("--opponent", options.opponent, "Who plays for the other side: a strategy or a team file")
+      ->type_name("TEAM")
+      ->capture_default_str();
+  app.add_option("--baseline", options.baseline, "Play the same seeds with this own side too, and compare")
+      ->type_name("TEAM");
+  app.add_option("--seeds", options.series.seeds, "Number of games, each with its own random numbers")
+      ->check(CLI::Range(1, 100000))
+      ->capture_default_str();
+  app.add_option("--first-seed", options.series.first_seed, "Seed of the first game")->capture_default_str();
+  app.add_option("--duration", options.series.duration_s, "Length of a game in s")
+      ->check(number_range(1.0, 36000.0))
+      ->capture_default_str();
+  app.add_option("--robots", options.robots, "Robots of each side (default: as in the board file)")
+      ->check(CLI::Range(1, 11));
+  app.add_flag("--table", options.table, "Let every strategy play against every strategy");
+  app.add_option("--jobs", options.series.jobs, "Games that are played at the same time (default: one per processor)")
+      ->check(CLI::Range(1, 256));
+  app.add_option("--json", options.json, "Write all results to this file")->type_name("FILE");
+  app.add_option("--compare", options.compare, "Compare two files of --json, for example of two builds")
+      ->type_name("FILE")
+      ->expected(2);
+  add_overrides(app, options.overrides, "the three files");
+  add_examples(app, {{"touchline-simulate --opponent univector --seeds 100", "measure the built-in play"},
+                     {"touchline-simulate --own new.toml --baseline team.toml", "compare two team files"},
+                     {"touchline-simulate --table --seeds 10 --duration 120", "everybody against everybody"}});
+  if (const auto exit_code = parse_arguments(app, argc, argv)) return *exit_code;
+  const Result<void> done = simulate::run(options);
+  return done.ok() ? kExitOk : fail("touchline-simulate", done.text());
+}

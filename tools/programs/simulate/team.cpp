@@ -1,0 +1,66 @@
+#include "tools/programs/simulate/team.h"
+
+#include <utility>
+
+#include "firmware/arena_sides.h"
+#include "hal/mock/strategies/strategy_catalog.h"
+#include "tools/programs/simulate/release_0_1/play.h"
+
+namespace touchline::simulate {
+namespace {
+
+using hal::mock::StrategyCatalog;
+using hal::mock::StrategyEntry;
+
+const StrategyCatalog& catalog() {
+  static const StrategyCatalog all = [] {
+    StrategyCatalog made;
+    made.add(release_0_1::entry());
+    return made;
+  }();
+  return all;
+}
+
+bool is_file(const std::string& team) { return team.ends_with(".toml"); }
+
+}  // namespace
+
+std::string strategies_text() { return catalog().help(); }
+
+std::vector<std::string> strategy_names() {
+  std::vector<std::string> names;
+  for (const StrategyEntry& entry : catalog().entries()) names.emplace_back(entry.name);
+  return names;
+}
+
+Result<Team> load_team(const std::string& board, const std::string& team, const std::vector<std::string>& overrides) {
+  Team out;
+  out.name = team;
+  out.strategy = is_file(team) ? "play" : team;
+  if (catalog().find(out.strategy) == nullptr) {
+    return failure(ErrorCode::kNotFound, "there is no strategy \"%s\"; there are %s, or the path of a team file (.toml)",
+                   team.c_str(), catalog().names().c_str());
+  }
+  auto configuration = std::make_shared<config::Configuration>();
+  TOUCHLINE_TRY(config::load({board, "", is_file(team) ? team : "", overrides}, *configuration));
+  out.configuration = std::move(configuration);
+  return out;
+}
+
+Result<Player> make_player(const Team& team, const hal::mock::ArenaParameters& arena, hal::mock::Side side,
+                           std::uint64_t seed) {
+  Player player;
+  hal::mock::SideSettings settings = side_settings(*team.configuration, side);
+  if (team.strategy != "play") {
+    TOUCHLINE_TRY_ASSIGN(player.strategy, catalog().create(team.strategy, seed));
+    settings.strategy = player.strategy.get();
+    settings.pipeline.control = parameters_for(*catalog().find(team.strategy), settings.pipeline.control);
+  }
+  player.side = std::make_unique<hal::mock::SimulatedSide>(arena, side, seed);
+  if (const Status status = player.side->configure(settings); !status.ok()) {
+    return failure(status.code(), "%s: its pipeline refuses the settings", team.name.c_str());
+  }
+  return player;
+}
+
+}  // namespace touchline::simulate

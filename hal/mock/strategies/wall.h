@@ -1,0 +1,15 @@
+#pragma once
+
+#include "hal/mock/strategies/team_strategy.h"
+
+namespace touchline::hal::mock {
+
+/// A goalkeeper, one robot that pushes the ball away, and a wall of all others: side by side in front of the goal area,
+/// across the line from the ball to the own goal, so near to each other that the ball does not pass between them.
+class Wall final : public TeamStrategy {
+ private:
+  Twist move(const Player& player, const Scene& scene) override;
+  [[nodiscard]] Vector2 center_of_wall(Vector2 towards) const;
+};
+
+}  // namespace touchline::hal::mock

@@ -70,8 +70,11 @@ Result<void> play_pair(const Options& options) {
   return write(options, all);
 }
 
+// A game needs 400 bytes: enough for half a million games.
+constexpr std::size_t kMaxFile = 200'000'000;
+
 Result<std::vector<Series>> read(const std::string& path) {
-  TOUCHLINE_TRY_ASSIGN(const std::string text, hal::read_file(path));
+  TOUCHLINE_TRY_ASSIGN(const std::string text, hal::read_file(path, kMaxFile));
   Result<std::vector<Series>> all = from_json(text);
   if (!all.ok()) return prefixed(path, std::move(all).error());
   return all;
@@ -106,10 +109,11 @@ int main(int argc, char** argv) {
   using namespace touchline;
   simulate::Options options;
   options.series.jobs = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
-  CLI::App app("Plays games of the arena without pictures, many times faster than real time, and says how sure the\n"
-               "result is. Both sides have their own camera errors, tracker, radio and robots. A side is a strategy:\n" +
-                   simulate::strategies_text() + "or a team file (.toml), whose settings the built-in play uses",
-               "touchline-simulate");
+  CLI::App app(
+      "Plays games of the arena without pictures, many times faster than real time, and says how sure the\n"
+      "result is. Both sides have their own camera errors, tracker, radio and robots. A side is a strategy:\n" +
+          simulate::strategies_text() + "or a team file (.toml), whose settings the built-in play uses",
+      "touchline-simulate");
   app.add_option("--board", options.board, "Board file of the arena")->type_name("FILE")->capture_default_str();
   app.add_option("--own", options.own, "Who plays for the own side: a strategy or a team file")
       ->type_name("TEAM")

@@ -21,7 +21,8 @@ TEST_F(ArenaSection, KeysAreChecked) {
   EXPECT_EQ(refusal(),
             "board.toml:19: arena.physics.wheel_lag: unknown key; did you mean \"wheel_lag_s\"?\n"
             "board.toml:21: arena.radio.loss: 2 is out of range: 0 to 1\n"
-            "board.toml:16: arena.opponents: \"sleep\" is not one of stand, play\n"
+            "board.toml:16: arena.opponents: \"sleep\" is not one of stand, follow, univector, "
+            "univector-fast, pusher, wall, play\n"
             "board.toml:17: arena.robot_side_m: 1.0 is out of range: 0.02 to 0.4 m\n"
             "board.toml:23: arena.fault[0].kind: \"fire\" is not one of camera_stall, camera_lost, frame_short, "
             "frame_corrupt, dark, picture_frozen, picture_half_frozen, picture_torn, picture_turned, picture_random, "

@@ -25,7 +25,7 @@ struct Options {
   std::vector<std::string> overrides;
   std::uint64_t seed = 1;
   double duration_s = 30.0;
-  bool spread = false;
+  bool spread = false, without_pictures = false;
   double seen_within_m = 0.02;
   PictureTolerance tolerance;
   std::vector<std::string> names;
@@ -147,7 +147,9 @@ Result<void> play_game(const Options& options) {
     return failure(ErrorCode::kOutOfRange, "--game plays a game of its own and reads no results");
   }
   const auto game = std::make_unique<RecordedGame>();
-  TOUCHLINE_TRY(game->load({options.board, {}, {}, options.overrides}, options.seed));
+  const config::FilePaths files{options.board, {}, {}, options.overrides};
+  TOUCHLINE_TRY(options.without_pictures ? game->load_without_pictures(files, options.seed)
+                                         : game->load(files, options.seed));
   TOUCHLINE_TRY(game->skip(kSettled_s));
   TOUCHLINE_TRY(game->play(options.duration_s - kSettled_s));
   const MotionReport report = evaluate_motion(*game);
@@ -186,6 +188,9 @@ int main(int argc, char** argv) {
   CLI::Option* game = app.add_option("--game", options.board, "Board file whose arena plays a game")->type_name("FILE");
   app.add_option("--duration", options.duration_s, "Duration of the game in s (30)")
       ->check(number_range(1.0, 3600.0))
+      ->needs(game);
+  app.add_flag("--without-pictures", options.without_pictures,
+               "The game's own side sees the arena without pictures, as in touchline-simulate")
       ->needs(game);
   app.add_option("--seed", options.seed, "Seed of the game (1)")->needs(game);
   add_overrides(app, options.overrides, "the board, venue and team files")->needs(game);

@@ -47,7 +47,7 @@ hal::mock::Snapshot RecordingClock::at(Instant instant) const {
   return out;
 }
 
-Result<void> RecordedGame::load(const config::FilePaths& files, std::uint64_t seed) {
+Result<void> RecordedGame::load_arena(const config::FilePaths& files, std::uint64_t seed) {
   TOUCHLINE_TRY(config::load(files, *configuration_));
   const config::BoardFile& board = configuration_->board;
   if (board.camera.backend != hal::CameraBackend::kMock || board.radio.backend != hal::RadioBackend::kMock) {
@@ -56,11 +56,32 @@ Result<void> RecordedGame::load(const config::FilePaths& files, std::uint64_t se
                    "arena knows the truth",
                    files.board.c_str());
   }
+  TOUCHLINE_TRY_ASSIGN(opponents_, make_opponents(*configuration_, seed));
+  arena_.emplace(board.arena, board.camera, board.radio, seed);
+  arena_->game().set_side(hal::mock::Side::kOpponent, opponents_.side.get());
+  clock_.emplace(*arena_);
+  return {};
+}
+
+Result<void> RecordedGame::load_without_pictures(const config::FilePaths& files, std::uint64_t seed) {
+  TOUCHLINE_TRY(load_arena(files, seed));
+  side_ = std::make_unique<hal::mock::SimulatedSide>(configuration_->board.arena, hal::mock::Side::kOwn, seed);
+  const Status status = side_->configure(side_settings(*configuration_, hal::mock::Side::kOwn));
+  if (!status.ok()) {
+    return failure(status.code(), "%s: its venue and team file cannot be used together", files.board.c_str());
+  }
+  side_->set_observer([](void* game, const StepTrace& trace) { static_cast<RecordedGame*>(game)->record(trace); },
+                      this);
+  arena_->game().set_side(hal::mock::Side::kOwn, side_.get());
+  return {};
+}
+
+Result<void> RecordedGame::load(const config::FilePaths& files, std::uint64_t seed) {
+  TOUCHLINE_TRY(load_arena(files, seed));
+  const config::BoardFile& board = configuration_->board;
   if (const Status status = pipeline_->configure(configuration_->pipeline); !status.ok()) {
     return failure(status.code(), "%s: its venue and team file cannot be used together", files.board.c_str());
   }
-  arena_.emplace(board.arena, board.camera, board.radio, seed);
-  clock_.emplace(*arena_);
   camera_.emplace(*arena_, *clock_);
   radio_.emplace(*arena_, *clock_);
   gpio_.emplace(*arena_, *clock_);
@@ -77,6 +98,10 @@ Result<void> RecordedGame::load(const config::FilePaths& files, std::uint64_t se
 Result<void> RecordedGame::play(double duration_s, bool record) {
   records_ = record;
   const Instant end = arena_->now() + from_seconds(duration_s);
+  if (side_) {
+    clock_->sleep_until(end);
+    return {};
+  }
   while (arena_->now() < end) {
     if (commands_) {
       ExternalCommands stamped = *commands_;
@@ -92,14 +117,17 @@ Result<void> RecordedGame::play(double duration_s, bool record) {
 }
 
 void RecordedGame::observe(void* context, const StepTrace& trace, const StepTiming&) {
-  RecordedGame& game = *static_cast<RecordedGame*>(context);
-  if (!game.records_) return;
+  static_cast<RecordedGame*>(context)->record(trace);
+}
+
+void RecordedGame::record(const StepTrace& trace) {
+  if (!records_) return;
   GameFrame frame;
   frame.capture_time = trace.frame.capture_time;
   frame.sightings = trace.sightings.robots;
   frame.ball = trace.sightings.ball;
   frame.tracks = trace.tracks;
-  game.frames_.push_back(frame);
+  frames_.push_back(frame);
 }
 
 }  // namespace touchline::evaluate

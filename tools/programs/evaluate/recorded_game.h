@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "firmware/arena_sides.h"
 #include "firmware/config/configuration.h"
 #include "firmware/loop.h"
 #include "hal/mock/arena.h"
@@ -37,12 +38,15 @@ class RecordingClock : public hal::Clock {
   std::vector<hal::mock::Snapshot> truth_;  // entry k: k milliseconds after the arena's start
 };
 
-/// A game in a board's arena, played by the real loop, together with its ground truth. Large: do not put it on the
-/// stack.
+/// A game in a board's arena, played by the real loop or without pictures, together with its ground truth. Large: do
+/// not put it on the stack.
 class RecordedGame {
  public:
   /// Errors of config::load(). kInconsistent: the board's camera or radio is not the arena.
   Result<void> load(const config::FilePaths& files, std::uint64_t seed);
+  /// Loads a game in which the own side sees the arena without pictures (hal::mock::SimulatedSide); drive() is ignored.
+  /// Errors as load().
+  Result<void> load_without_pictures(const config::FilePaths& files, std::uint64_t seed);
   /// Continues the game for `duration_s` and records its frames. Errors: any error of the loop's devices.
   Result<void> play(double duration_s) { return play(duration_s, true); }
   /// Continues the game without recording, for example until tracks are confirmed and robots drive.
@@ -57,7 +61,9 @@ class RecordedGame {
   [[nodiscard]] const std::vector<GameFrame>& frames() const { return frames_; }
 
  private:
+  Result<void> load_arena(const config::FilePaths& files, std::uint64_t seed);
   Result<void> play(double duration_s, bool record);
+  void record(const StepTrace& trace);
   static void observe(void* context, const StepTrace& trace, const StepTiming& timing);
 
   std::unique_ptr<config::Configuration> configuration_ = std::make_unique<config::Configuration>();
@@ -65,6 +71,8 @@ class RecordedGame {
   std::unique_ptr<ReportRing> reports_ = std::make_unique<ReportRing>();
   std::unique_ptr<Mailbox<ExternalCommands>> mailbox_ = std::make_unique<Mailbox<ExternalCommands>>();
   std::optional<ExternalCommands> commands_;
+  ArenaOpponents opponents_;
+  std::unique_ptr<hal::mock::SimulatedSide> side_;  // null: the loop plays
   std::optional<hal::mock::Arena> arena_;
   std::optional<RecordingClock> clock_;
   std::optional<hal::mock::MockCamera> camera_;

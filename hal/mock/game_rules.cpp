@@ -41,9 +41,13 @@ void GameRules::place_ball(const Placement& placement, Vector2 velocity_mps) {
   still_s_ = 0.0;
 }
 
+void GameRules::return_robots() {
+  for (std::size_t i = 0; i < start_.robots.size(); ++i) world_.place(i, start_.robots[i]);
+}
+
 void GameRules::kick_off() {
   if (returns_robots_) {
-    for (std::size_t i = 0; i < start_.robots.size(); ++i) world_.place(i, start_.robots[i]);
+    return_robots();
     stopped_steps_ = kStoppedSteps;
   }
   // Draws a random point near the center, because from a fixed point two symmetric teams could block each other
@@ -67,7 +71,11 @@ void GameRules::kick_off() {
 }
 
 void GameRules::update() {
-  if (stopped_steps_ > 0) --stopped_steps_;
+  if (stopped_steps_ > 0) {
+    // As if somebody held them: commands of the former game are still on their way.
+    return_robots();
+    --stopped_steps_;
+  }
   statistics_.ball_path_m += length(world_.ball() - ball_before_);
   ball_before_ = world_.ball();
   count_touches();

@@ -51,6 +51,7 @@ class GameRules {
   void watch_goals();
   void watch_standing();
   void kick_off();
+  void return_robots();
 
   const double goal_line_m_, reach_m_, free_ball_after_s_;
   const Vector2 quarter_;  // half of the field's half length and half width

@@ -1,0 +1,113 @@
+// A side that plays without pictures.
+#include "hal/mock/simulated_side.h"
+
+#include <gtest/gtest.h>
+#include <memory>
+
+#include "firmware/arena_sides.h"
+#include "hal/mock/game.h"
+#include "tests/results.h"
+#include "tools/programs/latency/allocation_counter.h"
+
+namespace touchline::hal::mock {
+namespace {
+
+using namespace std::chrono_literals;
+
+class SimulatedSideTest : public ::testing::Test {
+ protected:
+  void load(std::vector<std::string> overrides = {}) {
+    ASSERT_OK(config::load({TOUCHLINE_BOARDS "/mock/board.toml", "", "", std::move(overrides)}, *configuration_));
+    for (const Side side : {Side::kOwn, Side::kOpponent}) {
+      auto& player = sides_[static_cast<std::size_t>(side)];
+      player = std::make_unique<SimulatedSide>(arena(), side, 1);
+      ASSERT_TRUE(player->configure(side_settings(*configuration_, side)).ok());
+      player->set_observer(
+          [](void* test, const StepTrace& trace) { static_cast<SimulatedSideTest*>(test)->on_step(trace); }, this);
+    }
+    game_ = std::make_unique<Game>(arena(), configuration_->board.radio.baud, 1);
+    for (const Side side : {Side::kOwn, Side::kOpponent}) {
+      game_->set_side(side, sides_[static_cast<std::size_t>(side)].get());
+    }
+  }
+  [[nodiscard]] const ArenaParameters& arena() const { return configuration_->board.arena; }
+  void run(double seconds) { game_->advance_to(game_->now() + from_seconds(seconds)); }
+  void on_step(const StepTrace& trace) {
+    ++steps_;
+    stop_packets_ += trace.commands.stop ? 1 : 0;
+    tracks_ = trace.tracks;
+  }
+
+  std::unique_ptr<config::Configuration> configuration_ = std::make_unique<config::Configuration>();
+  std::array<std::unique_ptr<SimulatedSide>, 2> sides_;
+  std::unique_ptr<Game> game_;
+  int steps_ = 0, stop_packets_ = 0;
+  Tracks tracks_;  // of the last step of any side
+};
+
+TEST_F(SimulatedSideTest, BothSidesPlayAtTheCamerasRateOverTheirOwnRadio) {
+  load();
+  run(10.0);
+  for (const auto& side : sides_) EXPECT_NEAR(static_cast<double>(side->frames()), 600.0, 3.0);
+  for (const Side side : {Side::kOwn, Side::kOpponent}) {
+    EXPECT_NEAR(static_cast<double>(game_->channel(side).statistics().sent), 600.0, 3.0);
+    EXPECT_GT(game_->channel(side).statistics().obeyed, 2500U);
+    EXPECT_GT(game_->channel(side).statistics().lost, 20U);
+    EXPECT_GT(game_->statistics().touches[static_cast<std::size_t>(side)], 0U);
+  }
+}
+
+TEST_F(SimulatedSideTest, ASidesHaltStopsItsRobotsAlone) {
+  load();
+  sides_[0]->inputs().halt = 4;
+  const Snapshot before = game_->world().snapshot();
+  run(2.0);
+  const Snapshot after = game_->world().snapshot();
+  double others = 0.0;
+  for (std::size_t i = 0; i < after.robots.size(); ++i) {
+    const double way =
+        std::hypot(after.robots[i].x_m - before.robots[i].x_m, after.robots[i].y_m - before.robots[i].y_m);
+    if (game_->world().side(i) == Side::kOpponent) others += way;
+  }
+  EXPECT_GT(others, 0.3);
+  EXPECT_NEAR(stop_packets_, steps_ / 2, 2);
+}
+
+TEST_F(SimulatedSideTest, ARestartHoldsBothSidesForASecondAndForgetsTracks) {
+  load({"arena.robots_return=true"});
+  run(3.0);
+  game_->rules().place_ball({1.0, 0.0, 0.0}, {3.0, 0.0});
+  stop_packets_ = 0;
+  run(0.5);
+  ASSERT_EQ(game_->statistics().goals_own, 1U);
+  EXPECT_TRUE(game_->rules().is_stopped());
+  EXPECT_GT(stop_packets_, 30);
+  for (std::size_t i = 0; i < arena().robot.size(); ++i) {
+    EXPECT_NEAR(game_->world().snapshot().robots[i].x_m, arena().robot[i].x_m, 1e-9);
+  }
+  run(1.0);
+  EXPECT_FALSE(game_->rules().is_stopped());
+  EXPECT_EQ(tracks_.robots.size(), 10U);
+}
+
+TEST_F(SimulatedSideTest, LateFramesArriveInOrder) {
+  load({"arena.view.late=0.3", "arena.view.late_s=0.05"});
+  run(5.0);
+  EXPECT_NEAR(static_cast<double>(sides_[0]->frames()), 300.0, 8.0);
+  EXPECT_EQ(tracks_.robots.size(), 10U);
+}
+
+TEST_F(SimulatedSideTest, NothingIsAllocatedWhileTheyPlay) {
+  if (!latency::allocations_are_counted()) GTEST_SKIP() << "with a sanitizer, allocations are not counted";
+  load({"arena.robots_return=true", "arena.view.miss=0.02", "arena.view.late=0.1"});
+  run(1.0);
+  const std::uint64_t before = latency::allocations_of_this_thread();
+  run(5.0);
+  game_->rules().place_ball({1.0, 0.0, 0.0}, {3.0, 0.0});
+  run(3.0);
+  EXPECT_EQ(latency::allocations_of_this_thread() - before, 0U);
+  EXPECT_EQ(game_->statistics().goals_own, 1U);
+}
+
+}  // namespace
+}  // namespace touchline::hal::mock

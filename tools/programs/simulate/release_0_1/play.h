@@ -15,6 +15,8 @@ namespace touchline::release_0_1 {
 /// the others stand still.
 class Play final : public Strategy {
  public:
+  virtual ~Play() = default;
+
   /// Takes the parameters that release 0.1 has from `parameters`.
   void configure(const touchline::ControlParameters& parameters, const FieldParameters& field) override;
   void reset() override;

@@ -26,7 +26,6 @@ StrategyPointer configured(std::string_view name, std::uint64_t seed, const Aren
 
 ArenaParameters arena_of(const std::vector<Placement>& robots) {
   ArenaParameters arena;
-  arena.opponents = Opponents::kStand;
   arena.robot.clear();
   for (const Placement& place : robots) {
     arena.robot.push_back(
@@ -37,17 +36,21 @@ ArenaParameters arena_of(const std::vector<Placement>& robots) {
 
 StrategyGame::StrategyGame(const ArenaParameters& arena, std::string_view strategy, std::uint64_t seed)
     : arena_(arena),
-      world_(std::make_unique<World>(arena, seed)),
-      strategy_(configured(strategy, seed, arena.field, controller_)) {
-  placed();
-}
+      world_(std::make_unique<World>(arena, 1)),
+      rules_(std::make_unique<GameRules>(arena, *world_, 1)),
+      strategy_(configured(strategy, seed, arena.field, controller_)),
+      before_(world_->snapshot()),
+      snapshot_(before_) {}
 
 void StrategyGame::play_frame() {
   controller_.decide(tracks(), false, commands_);
   for (const RobotCommand& robot : commands_.robots) {
     world_->drive(robot.id, static_cast<double>(robot.wheels.left_mps), static_cast<double>(robot.wheels.right_mps));
   }
-  for (int step = 0; step < kStepsPerFrame; ++step) world_->step();
+  for (int step = 0; step < kStepsPerFrame; ++step) {
+    world_->step();
+    rules_->update();
+  }
   before_ = snapshot_;
   snapshot_ = world_->snapshot();
   time_s_ += kFrameS;

@@ -2,8 +2,11 @@
 
 #include <cstdint>
 #include <memory>
+#include <string_view>
+#include <vector>
 
 #include "core/control/controller.h"
+#include "hal/mock/game_rules.h"
 #include "hal/mock/strategies/strategy_catalog.h"
 #include "hal/mock/world.h"
 
@@ -18,25 +21,28 @@ class StrategyGame {
  public:
   static constexpr int kStepsPerFrame = 16;
 
-  StrategyGame(const ArenaParameters& arena, std::string_view strategy, std::uint64_t seed);
+  /// `seed`: of the strategy.
+  StrategyGame(const ArenaParameters& arena, std::string_view strategy, std::uint64_t seed = 1);
 
   void play_frame();
-  [[nodiscard]] World& world() { return *world_; }
+  [[nodiscard]] const World& world() const { return *world_; }
   [[nodiscard]] Vector2 ball() const { return at(snapshot_.ball); }
   [[nodiscard]] Vector2 robot(std::size_t index) const { return at(snapshot_.robots[index]); }
-  [[nodiscard]] const GameStatistics& statistics() const { return world_->statistics(); }
+  [[nodiscard]] const GameStatistics& statistics() const { return rules_->statistics(); }
   [[nodiscard]] double time_s() const { return time_s_; }
-  /// Tells the tracks that robots or ball were placed.
-  void placed() { before_ = snapshot_ = world_->snapshot(); }
+  [[nodiscard]] Tracks tracks() const;
+  void place_ball(const Placement& place, Vector2 velocity_mps = {}) {
+    rules_->place_ball(place, velocity_mps);
+    before_ = snapshot_ = world_->snapshot();
+  }
   /// Last commands.
   [[nodiscard]] const Commands& commands() const { return commands_; }
 
  private:
   static Vector2 at(const Placement& place) { return {place.x_m, place.y_m}; }
-  [[nodiscard]] Tracks tracks() const;
-
   ArenaParameters arena_;
   std::unique_ptr<World> world_;
+  std::unique_ptr<GameRules> rules_;
   Controller controller_;
   StrategyPointer strategy_;  // after the controller, which it configures
   Snapshot before_, snapshot_;

@@ -52,7 +52,8 @@ void JamRelease::apply(const Players& players, Instant now, const FieldParameter
       const double side = static_cast<double>(robot.side), back = std::copysign(kBackMps, -v);
       // Every second time a robot at a wall drives back, because one whose side touches the wall cannot spin.
       const bool spins = is_at_wall(position(pose), field, radius_m) && side > 0.0;
-      robot.escape = spins ? to_twist(0.0, std::copysign(kSpinRadps, -position(pose).y)) : to_twist(back, side * kBackRadps);
+      robot.escape =
+          spins ? to_twist(0.0, std::copysign(kSpinRadps, -position(pose).y)) : to_twist(back, side * kBackRadps);
     }
   }
 }

@@ -1,14 +1,22 @@
 #pragma once
 
-#include "hal/mock/strategies/team_strategy.h"
+#include "hal/mock/strategies/univector_team.h"
 
 namespace touchline::hal::mock {
 
-/// Drives behind the ball at the full speed of the drive and through it towards the goal, straight at it if there is no
-/// room behind it, and pushes whatever is in its way.
-class Pusher final : public TeamStrategy {
+/// The attacker of several robots at once: each drives behind the ball and through it at full speed, and pushes
+/// whatever is in its way.
+class Pusher final : public UnivectorTeam {
+ public:
+  // The fastest wheels of rSim's VSSS robot: 440 rpm, radius 26 mm (robocin/rSim, _robosim/src/vssconfig.h).
+  static constexpr UnivectorGains kGains{1.2, 6.0, 0.4};
+
+  Pusher() : UnivectorTeam(kGains) {}
+
  private:
-  Twist move(const Player& player, const Scene& scene) override;
+  Twist move(const Player& player, const Scene& scene) override {
+    return scene.ball_known ? attack(player, scene, Avoid::kNothing) : Twist{};
+  }
 };
 
 }  // namespace touchline::hal::mock

@@ -7,6 +7,8 @@ namespace touchline::hal::mock {
 /// No robot moves.
 class Stand final : public Strategy {
  public:
+  virtual ~Stand() = default;
+
   void configure(const ControlParameters& /*parameters*/, const FieldParameters& /*field*/) override {}
   void reset() override {}
   void decide(const Tracks& /*tracks*/, const Players& /*players*/, Twists& wanted) override { wanted = {}; }

@@ -26,16 +26,18 @@ DriveParameters published_drive(const UnivectorGains& gains) {
 
 StrategyCatalog::StrategyCatalog() {
   add({"stand", "no robot moves", [](std::uint64_t) { return make_strategy<Stand>(); }, {}});
-  add({"follow", "the nearest robot drives straight at the ball, the others wander, 0.35 m/s",
-       [](std::uint64_t seed) { return make_strategy<Follow>(seed); }, {}});
+  add({"follow",
+       "the nearest robot drives straight at the ball, the others wander, 0.35 m/s",
+       [](std::uint64_t seed) { return make_strategy<Follow>(seed); },
+       {}});
   add({"univector", "univector fields as VSSS teams publish them: attacker, goalkeeper, assistants, 0.8 m/s",
        [](std::uint64_t) { return make_strategy<Univector>(kUnivector); }, published_drive(kUnivector)});
   add({"univector-fast", "the same with the published limit of 2.0 m/s",
        [](std::uint64_t) { return make_strategy<Univector>(kUnivectorFast); }, published_drive(kUnivectorFast)});
-  add({"pusher", "all robots but the goalkeeper push the ball, and other robots, at full speed",
-       [](std::uint64_t) { return make_strategy<Pusher>(); }, {}});
-  add({"wall", "a wall of defenders in front of the goal; one robot pushes the ball away",
-       [](std::uint64_t) { return make_strategy<Wall>(); }, {}});
+  add({"pusher", "all robots but the goalkeeper push the ball, and other robots, at 1.2 m/s",
+       [](std::uint64_t) { return make_strategy<Pusher>(); }, published_drive(Pusher::kGains)});
+  add({"wall", "a wall of defenders in front of the goal; one robot pushes the ball away, 0.8 m/s",
+       [](std::uint64_t) { return make_strategy<Wall>(); }, published_drive(Wall::kGains)});
   add({"play", "the built-in play of this version", [](std::uint64_t) { return make_strategy<Play>(); }, {}});
 }
 

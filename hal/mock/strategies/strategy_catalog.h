@@ -17,7 +17,8 @@ using StrategyPointer = std::unique_ptr<Strategy, void (*)(Strategy*)>;
 /// Makes a strategy of this class, which the pointer owns.
 template <class Kind, class... Arguments>
 StrategyPointer make_strategy(Arguments&&... arguments) {
-  return {new Kind(std::forward<Arguments>(arguments)...), [](Strategy* strategy) { delete static_cast<Kind*>(strategy); }};
+  return {new Kind(std::forward<Arguments>(arguments)...),
+          [](Strategy* strategy) { delete static_cast<Kind*>(strategy); }};
 }
 
 /// A strategy that can be chosen by its name.
@@ -43,8 +44,8 @@ class StrategyCatalog {
   [[nodiscard]] std::string names() const;
   /// Returns one line per strategy, with its description, for --help.
   [[nodiscard]] std::string help() const;
-  /// Makes a strategy. Only strategies that draw random numbers use the seed. kNotFound: no such name; the message lists
-  /// the names. Allocates; the strategy itself does not.
+  /// Makes a strategy. Only strategies that draw random numbers use the seed. kNotFound: no such name; the message
+  /// lists the names. Allocates; the strategy itself does not.
   [[nodiscard]] Result<StrategyPointer> create(std::string_view name, std::uint64_t seed) const;
 
  private:

@@ -35,8 +35,8 @@ void TeamRoles::assign(const Players& players, int goalkeeper_id, Vector2 own_go
   } else if (players.size() < 2) {
     goalkeeper_ = kUnknownId;
   } else if (!plays(players, goalkeeper_)) {
-    goalkeeper_ = cheapest(players, kUnknownId,
-                           [&](const Player& player) { return distance(position(player.pose), own_goal); });
+    goalkeeper_ =
+        cheapest(players, kUnknownId, [&](const Player& player) { return distance(position(player.pose), own_goal); });
   }
   if (ball == nullptr) {
     attacker_ = kUnknownId;

@@ -14,21 +14,21 @@ struct Scene {
   const Players& players;
   bool ball_known = false;
   Vector2 ball{}, ball_velocity{};  // zero if the ball is not known
-  double frame_s = 0.0;         // time since the last frame, at most 0.1 s
+  double frame_s = 0.0;             // time since the last frame, at most 0.1 s
 };
 
 /// A team of goalkeeper, attacker and assistants: the base of the reference opponents. It assigns the roles, asks for
 /// the velocities of each robot, and frees robots that are jammed.
 class TeamStrategy : public Strategy {
  public:
+  virtual ~TeamStrategy() = default;
+
   void configure(const ControlParameters& parameters, const FieldParameters& field) final;
   void reset() final;
   void decide(const Tracks& tracks, const Players& players, Twists& wanted) final;
   [[nodiscard]] PlayRole role_of(RobotId id) const final { return roles_.role_of(id); }
 
  protected:
-  ~TeamStrategy() = default;
-
   /// Prepares the decisions of a frame.
   virtual void begin(const Scene& /*scene*/) {}
   /// Returns the velocities of a robot that is not the goalkeeper. Called in the order of the players.
@@ -41,8 +41,6 @@ class TeamStrategy : public Strategy {
   /// Keeps the goal line: follows the ball, or the place at which an approaching ball will cross the line, and hits a
   /// near ball by spinning.
   [[nodiscard]] Twist guard_goal(const Player& player, const Scene& scene, double speed_mps) const;
-  /// Full speed of the drive, without slowing down at the target.
-  [[nodiscard]] DriveLaw fast_law() const { return {max_speed_mps(), kTurnPerS, max_turn_radps(), 0.0}; }
   /// Slows down where a robot that decelerates by 4 m/s^2, after the delay of camera and radio, stops at the target.
   [[nodiscard]] DriveLaw stopping_law(double speed_mps) const;
   /// Turns on the spot until the heading is along the direction, or opposite to it.
@@ -57,6 +55,9 @@ class TeamStrategy : public Strategy {
   [[nodiscard]] double half_goal_m() const { return 0.5 * static_cast<double>(field_.goal_width_m); }
   [[nodiscard]] Vector2 own_goal() const { return {-half_length_m(), 0.0}; }
   [[nodiscard]] Vector2 far_goal() const { return {half_length_m(), 0.0}; }
+  /// Ratio of the robots' size to that of a VSSS or MiroSot robot of 75 mm, for which the published teams state
+  /// lengths.
+  [[nodiscard]] double scale() const { return radius_m_ / 0.0375; }
   /// Half the side of a robot.
   [[nodiscard]] double radius_m() const { return radius_m_; }
   /// Speed and angular velocity that the team's drive parameters allow.

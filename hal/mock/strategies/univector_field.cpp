@@ -12,8 +12,8 @@ constexpr double kQuarterTurn = 0.5 * std::numbers::pi;
 // Unit vector of the hyperbolic spiral around the origin. `sign`: 1: it turns counter-clockwise, -1: clockwise.
 Vector2 spiral(Vector2 from_center, double sign, const FieldTarget& target) {
   const double rho = norm(from_center), radius = target.radius_m;
-  const double turn = rho > radius ? 2.0 - (radius + target.transition_m) / (rho + target.transition_m)
-                                   : std::sqrt(rho / radius);
+  const double turn =
+      rho > radius ? 2.0 - (radius + target.transition_m) / (rho + target.transition_m) : std::sqrt(rho / radius);
   return unit_vector(bearing(from_center) + sign * kQuarterTurn * turn);
 }
 

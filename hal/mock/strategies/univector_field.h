@@ -35,7 +35,8 @@ struct AvoidanceParameters {
 /// Direction to the target from p. It is continuous except far in front of the target, where the sides part.
 [[nodiscard]] double direction_to_target(Vector2 p, const FieldTarget& target);
 
-/// Returns `direction_rad`, turned away from the obstacle that is the nearest after its shift. `velocity`: of the robot.
+/// Returns `direction_rad`, turned away from the obstacle that is the nearest after its shift. `velocity`: of the
+/// robot.
 [[nodiscard]] double avoiding_direction(Vector2 p, double direction_rad, Vector2 velocity,
                                         std::span<const MovingObstacle> obstacles,
                                         const AvoidanceParameters& parameters);

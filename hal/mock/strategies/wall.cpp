@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "hal/mock/strategies/ball_push.h"
 #include "hal/mock/strategies/drive_law.h"
 
 namespace touchline::hal::mock {
@@ -23,7 +22,7 @@ Vector2 Wall::center_of_wall(Vector2 towards) const {
 
 Twist Wall::move(const Player& player, const Scene& scene) {
   if (!scene.ball_known) return {};
-  if (player.id == roles().attacker()) return push_ball(player.pose, scene.ball, field(), radius_m(), fast_law());
+  if (player.id == roles().attacker()) return attack(player, scene, Avoid::kNothing);
   Vector2 towards = scene.ball - own_goal();
   towards.x = std::max(towards.x, 0.0);
   if (norm(towards) < 1e-6) towards = {1.0, 0.0};
@@ -45,7 +44,8 @@ Twist Wall::move(const Player& player, const Scene& scene) {
 
   const double line = bearing(across);
   if (distance(here, place) < 0.4 * radius_m()) return turn_along(player.pose, line);
-  if (std::abs(dot(place - here, towards)) > radius_m()) return drive_to(player.pose, place, stopping_law(max_speed_mps()));
+  if (std::abs(dot(place - here, towards)) > radius_m())
+    return drive_to(player.pose, place, stopping_law(max_speed_mps()));
   return drive_along(player.pose, place, line, stopping_law(max_speed_mps()));
 }
 

@@ -44,9 +44,8 @@ void Loop::acknowledge_start() {
 }
 
 void Loop::note_times_on_line(const OutgoingPackets& packets) {
-  Duration line_time{};
   for (std::size_t i = 0; i < packets.size(); ++i) {
-    line_time += static_cast<Duration::rep>(packets[i].packet.size()) * settings_.radio_byte_time;
+    const Duration line_time = settings_.radio_line.until_sent(packets, i);
     if (i == 0) packet_time_ = line_time;
     const std::size_t receiver = packets[i].receiver;
     if (receiver < inputs_.lateness.size()) inputs_.lateness[receiver] = line_time - packet_time_;

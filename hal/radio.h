@@ -8,6 +8,7 @@
 
 #include "core/fixed_vector.h"
 #include "core/types.h"
+#include "hal/line_time.h"
 #include "hal/result.h"
 
 namespace touchline::hal {
@@ -20,16 +21,17 @@ struct RadioCounters {
   std::uint64_t unreachable = 0;  // packets that the network did not pass on to their receiver
 };
 
-/// Where bytes leave this computer: a file descriptor, and for a datagram its destination.
+/// Where bytes leave this computer: a file descriptor, for a datagram its destination, for a serial port its line.
 struct RadioRoute {
   int descriptor = -1;
   bool is_datagram = false;
   std::uint32_t ipv4 = 0;  // 127.0.0.1 is 0x7f000001
   std::uint16_t port = 0;
+  LineTime line{};
 };
-/// A datagram for each robot, and one for each of several radios.
+/// Each of several radios may send a packet to each robot as a datagram of its own.
 constexpr std::size_t kMaxRadios = 4;
-using RadioRoutes = FixedVector<RadioRoute, kMaxRobotsPerTeam + kMaxRadios>;
+using RadioRoutes = FixedVector<RadioRoute, kMaxRobotsPerTeam * kMaxRadios>;
 
 /// The link to the robots. Only open() and drain() may block, and only open() may allocate.
 class Radio {

@@ -192,9 +192,9 @@ std::string radio_warnings(const Configuration& configuration) {
   }
   const std::size_t robots = layout.receivers.size();
   const std::size_t bytes = largest_packet(layout, robots) * (layout.one_each ? robots : 1);
-  const double pauses_s = port.pause_s * static_cast<double>(layout.one_each ? robots : 1);
-  const bool has_line = hal::byte_time(port) > Duration{};
-  const double line_s = has_line ? seconds(hal::byte_time(port)) * static_cast<double>(bytes) + pauses_s : 0.0;
+  const hal::LineTime line = hal::line_time(port);
+  const double pauses_s = seconds(line.pause) * static_cast<double>(layout.one_each ? robots : 1);
+  const double line_s = seconds(line.of(bytes)) + pauses_s;
   const double rate_hz = configuration.board.camera.rate_hz;
   if (rate_hz > 0.0 && line_s > 1.0 / rate_hz) {
     text += "a frame's packets of up to " + std::to_string(bytes) + " bytes take " +

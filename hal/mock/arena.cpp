@@ -35,7 +35,7 @@ Arena::Arena(const ArenaParameters& parameters, const CameraSettings& camera, co
     : parameters_(parameters),
       camera_(camera),
       world_(parameters, seed),
-      channel_(parameters, radio.baud, seed),
+      channel_(parameters, radio.baud, seed, from_seconds(radio.pause_s)),
       renderer_(parameters, camera.width_px, camera.height_px),
       sensor_(parameters.sensor, pixel_format(camera.format), camera.width_px, camera.height_px, seed),
       picture_faults_(parameters, camera, seed),

@@ -189,7 +189,7 @@ Result<Duration> MockRadio::do_serve() {
   TOUCHLINE_TRY(slot_.serve(*this));
   if (slot_.bytes() == 0) return Duration::max();
   constexpr Duration kMinPause = std::chrono::milliseconds(1);
-  return std::max(kMinPause, arena_.channel().drained() - arena_.now());
+  return std::max(kMinPause, arena_.channel().line_free() - arena_.now());
 }
 
 Result<std::size_t> MockRadio::do_receive(std::span<std::byte> into) {

@@ -12,9 +12,10 @@ constexpr std::uint64_t kRadioStream = 2;
 
 }  // namespace
 
-RadioChannel::RadioChannel(const ArenaParameters& parameters, int baud, std::uint64_t seed)
+RadioChannel::RadioChannel(const ArenaParameters& parameters, int baud, std::uint64_t seed, Duration pause)
     : parameters_(parameters.radio),
       byte_time_(from_seconds(kBitsPerByte / baud)),
+      pause_(pause),
       timeout_(from_seconds(parameters.physics.command_timeout_s)),
       random_(seed, kRadioStream),
       telemetry_(parameters, seed) {
@@ -44,9 +45,9 @@ Result<void> RadioChannel::send(std::span<const std::byte> bytes, Instant now, s
     return failure(ErrorCode::kBusy, "the queue is full");
   }
   for (const std::byte byte : bytes) in_flight.packet.push_back(byte);
-  line_free_ = begin + byte_time_ * static_cast<int>(bytes.size());
+  line_free_ = begin + byte_time_ * static_cast<int>(bytes.size()) + pause_;
   in_flight.arrival =
-      line_free_ + from_seconds(parameters_.delay_s) + from_seconds(parameters_.jitter_s * random_.exponential());
+      drained() + from_seconds(parameters_.delay_s) + from_seconds(parameters_.jitter_s * random_.exponential());
   in_flight_.push_back(in_flight);
   ++statistics_.sent;
   return {};

@@ -169,7 +169,7 @@ void UdpRadio::add_routes(std::size_t receiver, RadioRoutes& out) const {
   if (!is_open_) return;
   for_each_endpoint(receiver, [&](std::size_t index) {
     const Endpoint& endpoint = endpoints_[index];
-    out.push_back({endpoint.socket.get(), true, endpoint.to.ipv4, endpoint.to.port});
+    out.push_back({endpoint.socket.get(), true, endpoint.to.ipv4, endpoint.to.port, {}});
   });
 }
 

@@ -412,8 +412,9 @@ class LayoutResolver {
 
 Result<void> resolve_radio(const TeamFile& team, const Locations& where, PipelineParameters& out) {
   ErrorList errors;
-  LayoutResolver resolver(team, where, errors);
   const std::string& format = team.radio.format;
+  const Locations places = locations_with_preset(where, format);
+  LayoutResolver resolver(team, places, errors);
   if (format == "touchline" && team.radio.field.empty()) {
     out.radio = touchline_layout(static_cast<TeamNumber>(team.team_number));
     resolver.add_receivers(out.radio);

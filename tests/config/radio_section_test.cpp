@@ -74,6 +74,22 @@ check = "crc16-ccitt-false"
   EXPECT_TRUE(std::equal(own[0].packet.begin(), own[0].packet.end(), touchline[0].packet.begin()));
 }
 
+TEST_F(RadioSection, AnErrorInAPresetNamesItsFileAndKeyAndWhoChoseIt) {
+  write("team.toml",
+        "radio.format = \"ger\"\nradio.first_id = 0\nradio.wheel_radius_m = 0.03\n" + read(path("team.toml")));
+  EXPECT_EQ(refusal(),
+            "boards/radios/ger.toml:15 (radio.format = \"ger\" of team.toml:1): radio.field[3].unit: needs "
+            "radio.steps_per_turn\n"
+            "boards/radios/ger.toml:16 (radio.format = \"ger\" of team.toml:1): radio.field[4].unit: needs "
+            "radio.steps_per_turn\n");
+}
+
+TEST_F(RadioSection, AnErrorInTheTeamFilesOwnKeysNamesTheTeamFileDespiteAPreset) {
+  write("team.toml", "radio.format = \"erus\"\nradio.pwm_share = [0.1]\n" + read(path("team.toml")));
+  EXPECT_EQ(refusal(),
+            "team.toml:2: radio.pwm_share: pwm_speed_mps and pwm_share have the same number of values, 2 to 8\n");
+}
+
 TEST_F(RadioSection, WithoutItRobotsGetTouchlinesPacket) {
   ASSERT_OK(load());
   EXPECT_EQ(configuration_->pipeline.radio.fields.size(), touchline_layout().fields.size());

@@ -106,7 +106,8 @@ void Pipeline::apply(const StepInputs& inputs) {
   Status control;
   if (events.control) {
     control = controller_.set_parameters(*events.control);
-    if (control.ok()) radio_.wheel_base_m = events.control->drive.wheel_base_m;
+    const DriveParameters& drive = events.control->drive;
+    if (control.ok()) radio_.set_drive(drive.wheel_base_m, drive.max_wheel_speed_mps);
   }
   const Status teams = assign_teams(inputs_.teams);
   trace_.inputs_status = teams.ok() ? control : teams;

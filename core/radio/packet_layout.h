@@ -143,8 +143,11 @@ struct PacketLayout {
   double start_period_s = 0.0;
   double wheel_base_m = 0.1;                 // of robots that get forward speed and turn rate
   FixedVector<PwmPoint, kMaxPwmPoints> pwm;  // ascending from (0, share at which the wheel starts to turn)
+  bool pwm_is_assumed = false;               // nobody measured `pwm`: a share of 1 gives the largest wheel speed
   FixedVector<Receiver, kMaxRobotsPerTeam> receivers;
 
+  /// Sets what the packets depend on of the drive, which can change while robots play.
+  void set_drive(double base_m, double max_wheel_speed_mps);
   /// Returns whether a field carries `value`.
   [[nodiscard]] bool has(FieldValue value) const;
   /// Address of the robot's radio module; 0: none is known.

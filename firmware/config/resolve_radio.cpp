@@ -136,7 +136,7 @@ class LayoutResolver {
     PacketLayout layout;
     layout.team = static_cast<TeamNumber>(team_.team_number);
     layout.framing = radio_.framing;
-    layout.wheel_base_m = team_.control.drive.wheel_base_m;
+    layout.set_drive(team_.control.drive.wheel_base_m, team_.control.drive.max_wheel_speed_mps);
     if (entries.size() > kMaxPacketFields) {
       add(list, std::to_string(entries.size()) + " fields; a packet has at most " + std::to_string(kMaxPacketFields));
       return layout;
@@ -349,10 +349,8 @@ class LayoutResolver {
       if (quantity_of(radio_.field[i].value) != Quantity::kWheel || radio_.field[i].unit == WireUnit::kShare) continue;
       add(element("radio.field", i) + ".unit", "is not \"share\" as that of the other wheel speeds");
     }
-    if (speeds.empty()) {
-      layout.pwm.push_back({0.0f, 0.0f});
-      layout.pwm.push_back({static_cast<float>(team_.control.drive.max_wheel_speed_mps), 1.0f});
-    }
+    layout.pwm_is_assumed = speeds.empty();
+    layout.set_drive(team_.control.drive.wheel_base_m, team_.control.drive.max_wheel_speed_mps);
     for (std::size_t i = 0; i < speeds.size(); ++i) {
       layout.pwm.push_back({static_cast<float>(speeds[i]), static_cast<float>(shares[i])});
     }

@@ -321,5 +321,28 @@ field = [
   EXPECT_TRUE(pipeline->has_receivers());
 }
 
+TEST_F(RadioSection, ANewLargestWheelSpeedIsFullPowerUnlessTheCurveWasMeasured) {
+  const std::string team = read(path("team.toml"));
+  for (const bool is_measured : {false, true}) {
+    SCOPED_TRACE(is_measured);
+    write("team.toml", "radio.format = \"uerjbotz\"\n" +
+                           std::string(is_measured ? "radio.pwm_speed_mps = [0.0, 0.9]\n"
+                                                     "radio.pwm_share = [0.1, 0.9]\n"
+                                                   : "") +
+                           team);
+    ASSERT_OK(load());
+    const auto pipeline = std::make_unique<Pipeline>();
+    ASSERT_TRUE(pipeline->configure(configuration_->pipeline).ok());
+    const double former = pwm_share(pipeline->radio(), 0.4);
+    StepInputs inputs;
+    inputs.events.control = configuration_->pipeline.control;
+    inputs.events.control->drive.max_wheel_speed_mps = 0.5;
+    static_cast<void>(pipeline->stop(inputs));
+    const double share = pwm_share(pipeline->radio(), 0.4);
+    EXPECT_NEAR(share, is_measured ? former : 0.8, 1e-6) << "before: " << former;
+    EXPECT_NEAR(speed_of_share(pipeline->radio(), share), 0.4, 1e-6);
+  }
+}
+
 }  // namespace
 }  // namespace touchline::config

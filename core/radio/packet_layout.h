@@ -69,14 +69,30 @@ inline constexpr std::array<Choice<FieldValue>, 22> kFieldValues{{{"constant", F
                                                                   {"link", FieldValue::kLink}}};
 
 /// How a number is written.
-enum class FieldType : std::uint8_t { kBytes, kU8, kI8, kU16, kI16, kU32, kI32, kF32, kBits, kSignedBits, kDigits };
-inline constexpr std::array<Choice<FieldType>, 11> kFieldTypes{{{"bytes", FieldType::kBytes},
+enum class FieldType : std::uint8_t {
+  kBytes,
+  kU8,
+  kI8,
+  kU16,
+  kI16,
+  kU32,
+  kI32,
+  kU48,  // of addresses alone, as kU64: other numbers are doubles
+  kU64,
+  kF32,
+  kBits,
+  kSignedBits,
+  kDigits
+};
+inline constexpr std::array<Choice<FieldType>, 13> kFieldTypes{{{"bytes", FieldType::kBytes},
                                                                 {"u8", FieldType::kU8},
                                                                 {"i8", FieldType::kI8},
                                                                 {"u16", FieldType::kU16},
                                                                 {"i16", FieldType::kI16},
                                                                 {"u32", FieldType::kU32},
                                                                 {"i32", FieldType::kI32},
+                                                                {"u48", FieldType::kU48},
+                                                                {"u64", FieldType::kU64},
                                                                 {"f32", FieldType::kF32},
                                                                 {"bits", FieldType::kBits},
                                                                 {"signed-bits", FieldType::kSignedBits},

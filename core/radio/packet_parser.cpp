@@ -81,15 +81,18 @@ class PacketParser {
     const PacketField& field = layout_.fields[index];
     if (!is_bits(field.type)) align();
     const auto begin = static_cast<std::uint16_t>(at_);
-    FieldReading reading{static_cast<std::uint16_t>(index), static_cast<std::uint16_t>(robot), begin, begin, 0.0};
+    FieldReading reading{static_cast<std::uint16_t>(index), static_cast<std::uint16_t>(robot), begin, begin, 0.0, 0};
     if (field.type == FieldType::kBytes) {
       read_text(field);
     } else if (field.type == FieldType::kDigits) {
       reading.number = read_digits(field);
     } else if (is_bits(field.type)) {
-      reading.number = read_bits(field);
+      reading.number = extended(reading.address = read_bits(field), field);
     } else {
-      reading.number = read_bytes(field);
+      reading.address = read_bytes(field);
+      reading.number = field.type == FieldType::kF32
+                           ? static_cast<double>(std::bit_cast<float>(static_cast<std::uint32_t>(reading.address)))
+                           : extended(reading.address, field);
     }
     if (state_ != State::kFine) return;
     reading.end = static_cast<std::uint16_t>(is_bits(field.type) && bit_ > 0 ? at_ + 1 : at_);
@@ -155,40 +158,40 @@ class PacketParser {
     return (negative ? -number : number) / unit;
   }
 
-  double read_bits(const PacketField& field) {
+  std::uint32_t read_bits(const PacketField& field) {
     std::uint32_t number = 0;
     for (unsigned i = 0; i < field.bits; ++i) {
       if (at_ >= bytes_.size()) {
         state_ = State::kShort;
-        return 0.0;
+        return 0;
       }
       number |= ((std::to_integer<std::uint32_t>(bytes_[at_]) >> bit_) & 1u) << i;
       if (++bit_ == 8) align();
     }
-    return extended(number, field);
+    return number;
   }
 
-  double read_bytes(const PacketField& field) {
+  std::uint64_t read_bytes(const PacketField& field) {
     const std::size_t count = byte_count(field.type);
     if (bytes_.size() - at_ < count) {
       state_ = State::kShort;
-      return 0.0;
+      return 0;
     }
-    std::uint32_t number = 0;
+    std::uint64_t number = 0;
     for (std::size_t i = 0; i < count; ++i) {
       const std::size_t place = field.big_endian ? count - 1 - i : i;
-      number |= std::to_integer<std::uint32_t>(bytes_[at_ + i]) << (8 * place);
+      number |= std::to_integer<std::uint64_t>(bytes_[at_ + i]) << (8 * place);
     }
     at_ += count;
-    return field.type == FieldType::kF32 ? static_cast<double>(std::bit_cast<float>(number)) : extended(number, field);
+    return number;
   }
 
   // With the sign of signed types.
-  static double extended(std::uint32_t number, const PacketField& field) {
-    if (integer_range(field).low == 0) return number;
+  static double extended(std::uint64_t number, const PacketField& field) {
+    if (integer_range(field).low == 0) return static_cast<double>(number);
     const unsigned bits = is_bits(field.type) ? field.bits : static_cast<unsigned>(8 * byte_count(field.type));
     const std::int64_t sign = std::int64_t{1} << (bits - 1u);
-    return static_cast<double>((std::int64_t{number} ^ sign) - sign);
+    return static_cast<double>((static_cast<std::int64_t>(number) ^ sign) - sign);
   }
 
   void align() {
@@ -275,7 +278,7 @@ class PacketDecoder {
         packet_.telemetry.id = robot(reading).id;
         return true;
       case FieldValue::kAddress:
-        return take_address(robot(reading), field, reading.number);
+        return take_address(robot(reading), field, reading.address);
       case FieldValue::kLeft:
         robot(reading).left = value;
         return std::isfinite(value);
@@ -342,11 +345,10 @@ class PacketDecoder {
   }
 
   // The field may carry the lowest bits only, such as the last bytes of a MAC address.
-  bool take_address(RobotReading& robot, const PacketField& field, double number) {
-    const auto bits = static_cast<std::uint64_t>(integer_range(field).high);
+  bool take_address(RobotReading& robot, const PacketField& field, std::uint64_t address) {
     robot.known = false;
     for (const Receiver& receiver : layout_.receivers) {
-      if (static_cast<double>(receiver.address & bits) != number) continue;
+      if ((receiver.address & address_bits(field)) != address) continue;
       robot.id = receiver.id;
       robot.known = true;
     }

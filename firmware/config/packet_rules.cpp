@@ -113,12 +113,11 @@ class PacketRules {
   void check_address(std::size_t index) {
     const PacketField& field = layout_.fields[index];
     if (field.type == FieldType::kF32 || field.type == FieldType::kDigits || integer_range(field).low < 0) {
-      return add(element(list_, index) + ".type", "an address is a number of u8, u16, u32 or bits");
+      return add(element(list_, index) + ".type", "an address is a number of u8, u16, u32, u48, u64 or bits");
     }
-    const auto bits = static_cast<std::uint64_t>(integer_range(field).high);
     std::set<std::uint64_t> known;
     for (std::size_t i = 0; i < layout_.receivers.size(); ++i) {
-      if (layout_.one_each || known.insert(layout_.receivers[i].address & bits).second) continue;
+      if (layout_.one_each || known.insert(layout_.receivers[i].address & address_bits(field)).second) continue;
       add(element("own.robot", i) + ".address",
           "ends as that of another robot: " + element(list_, index) + " carries the last bits only");
     }

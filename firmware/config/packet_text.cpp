@@ -94,9 +94,13 @@ std::string section_of(std::string_view preset) {
   return text;
 }
 
-std::string number_on_wire(double number) {
+std::string number_on_wire(const PacketField& field, const FieldReading& reading) {
   std::array<char, 32> text{};
-  std::snprintf(text.data(), text.size(), "%.10g", number);
+  if (field.type == FieldType::kU48 || field.type == FieldType::kU64) {
+    std::snprintf(text.data(), text.size(), "0x%llX", static_cast<unsigned long long>(reading.address));
+    return text.data();
+  }
+  std::snprintf(text.data(), text.size(), "%.10g", reading.number);
   return text.data();
 }
 
@@ -117,7 +121,7 @@ std::string packet_text(const PacketLayout& layout, std::span<const std::byte> b
     text.append(place.data()).append(shown).append("  ").append(word_of(field.value, kFieldValues));
     const std::optional<int> robot = field.block > 0 ? robot_of(layout, readings, reading) : std::nullopt;
     if (robot && field.value != FieldValue::kId) text += " of robot " + std::to_string(*robot);
-    if (field.type != FieldType::kBytes) text += ": " + number_on_wire(reading.number) + unit_text(layout, reading);
+    if (field.type != FieldType::kBytes) text += ": " + number_on_wire(field, reading) + unit_text(layout, reading);
     text += "\n";
   }
   return text;

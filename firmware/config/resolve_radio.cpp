@@ -109,7 +109,8 @@ class LayoutResolver {
       if (layout.has(FieldValue::kAddress) && robot.address.empty()) {
         add(element("own.robot", i), "has no address, which the packets of \"" + radio_.format + "\" contain");
       } else if (layout.has(FieldValue::kAddress) && !address) {
-        add(key, "\"" + robot.address + "\" is no address: 81, 0x35D0, 24:6F:28:AA:0B:01 or 192.168.1.11");
+        add(key, "\"" + robot.address +
+                     "\" is no address: 81, 0x35D0, 24:6F:28:AA:0B:01, 00:13:A2:00:40:0A:01:27 or 192.168.1.11");
       }
       layout.receivers.push_back({static_cast<RobotId>(robot.id), address.value_or(0)});
     }
@@ -185,6 +186,8 @@ class LayoutResolver {
     if (entry.value == FieldValue::kCheck && byte_count(entry.type) != check_bytes(entry.check)) {
       add(key + ".type", "this check has " + std::to_string(check_bytes(entry.check)) + " bytes");
     }
+    const bool is_long = entry.type == FieldType::kU48 || entry.type == FieldType::kU64;
+    if (is_long && entry.value != FieldValue::kAddress) add(key + ".type", "only an address has this type");
     if (entry.between && entry.block == 0) add(key + ".between", "only a field of a block lies between robots");
     if (entry.between && entry.type != FieldType::kBytes) add(key + ".between", "only constant bytes separate robots");
   }

@@ -17,8 +17,8 @@ namespace touchline::config {
 /// its file.
 Result<void> resolve_radio(const TeamFile& team, const Locations& where, PipelineParameters& out);
 
-/// Reads the address of a robot's radio module: a number ("81", "0x35D0"), six hexadecimal bytes
-/// ("24:6F:28:AA:0B:01"), or an IPv4 address with or without a port. Nothing: it is none of these.
+/// Reads the address of a robot's radio module: a number ("81", "0x35D0"), six or eight
+/// hexadecimal bytes ("24:6F:28:AA:0B:01"), or an IPv4 address with or without a port. Nothing: it is none of these.
 std::optional<std::uint64_t> radio_address(std::string_view text);
 
 }  // namespace touchline::config

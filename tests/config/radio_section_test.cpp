@@ -194,9 +194,12 @@ TEST_F(RadioSection, AddressesAreNumbersBytesOrNetworkAddresses) {
   EXPECT_EQ(radio_address("81"), 81U);
   EXPECT_EQ(radio_address("0x35D0"), 0x35D0U);
   EXPECT_EQ(radio_address("24:6F:28:AA:0B:01"), 0x246F28AA0B01U);
+  EXPECT_EQ(radio_address("00:13:A2:00:40:0A:01:27"), 0x0013A200400A0127U);
+  EXPECT_EQ(radio_address("0x0013A200400A0127"), 0x0013A200400A0127U);
   EXPECT_EQ(radio_address("192.168.1.11"), 0xC0A8010BU);
   EXPECT_EQ(radio_address("192.168.1.11:8081"), 0xC0A8010BU);
-  for (const char* wrong : {"", "x", "1.2.3", "1.2.3.4.5", "24:6F:28:AA:0B", "300.1.1.1", "12ab", "0xG"}) {
+  for (const char* wrong :
+       {"", "x", "1.2.3", "1.2.3.4.5", "24:6F:28:AA:0B", "24:6F:28:AA:0B:01:02", "300.1.1.1", "12ab", "0xG"}) {
     EXPECT_FALSE(radio_address(wrong)) << wrong;
   }
 }

@@ -77,6 +77,7 @@ class Pipeline {
   static constexpr int kStarts = 3;
 
   void apply(const StepInputs& inputs);
+  void listen(const StepEvents& events);
   Status assign_teams(const TeamAssignment& assignment);
   Status teams_of(const TeamAssignment& assignment, TeamMarkings& out) const;
   void reset();

@@ -56,15 +56,17 @@ void Loop::receive_telemetry(Instant now) {
   if (!settings_.telemetry || !devices_.is_open(Device::kRadio)) return;
   // What does not fit before the next step remains in the driver.
   auto& telemetry = inputs_.events.telemetry;
-  const std::size_t former = telemetry.size();
-  if (telemetry.full()) return;
-  telemetry.resize(kMaxTelemetryBytes);
-  const Result<std::size_t> count =
-      devices_.radio().receive(std::span(telemetry.data(), telemetry.size()).subspan(former));
-  telemetry.resize(former + (count.ok() ? count.value() : 0));
-  if (!count.ok()) {
-    on_fault(Device::kRadio, count.error(), now);
-  } else if (count.value() > 0) {
+  auto& parts = inputs_.events.telemetry_parts;
+  while (!telemetry.full() && !parts.full()) {
+    const std::size_t former = telemetry.size();
+    std::size_t sender = kAllRobots;
+    telemetry.resize(kMaxTelemetryBytes);
+    const Result<std::size_t> count =
+        devices_.radio().receive(std::span(telemetry.data(), telemetry.size()).subspan(former), sender);
+    telemetry.resize(former + (count.ok() ? count.value() : 0));
+    if (!count.ok()) return on_fault(Device::kRadio, count.error(), now);
+    if (count.value() == 0) return;
+    parts.push_back({count.value(), sender});
     inputs_.events.telemetry_received = now;
   }
 }

@@ -166,10 +166,12 @@ struct PacketLayout {
   void set_drive(double base_m, double max_wheel_speed_mps);
   /// Returns whether a field carries `value`.
   [[nodiscard]] bool has(FieldValue value) const;
+  /// Returns whether packets contain the id or address of each robot.
+  [[nodiscard]] bool names_robots() const { return has(FieldValue::kId) || has(FieldValue::kAddress); }
   /// Address of the robot's radio module; 0: none is known.
   [[nodiscard]] std::uint64_t address_of(RobotId id) const;
   /// Returns whether a robot's place in the packet stands for its id.
-  [[nodiscard]] bool is_by_place() const { return slots > 0 && !has(FieldValue::kId) && !has(FieldValue::kAddress); }
+  [[nodiscard]] bool is_by_place() const { return slots > 0 && !names_robots(); }
 };
 
 /// Touchline's own packets (docs/radio.md): version 1 without a team number, version 2 with one.

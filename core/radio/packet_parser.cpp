@@ -230,7 +230,8 @@ struct RobotReading {
   bool known = true;  // it is one of the receivers
   RobotId id = kUnknownId;
   double left = 0.0, right = 0.0, forward = 0.0, turn = 0.0;
-  bool has_twist = false, left_backward = false, right_backward = false, backward = false, to_the_right = false;
+  bool has_left = false, has_right = false, has_twist = false, left_backward = false, right_backward = false,
+       backward = false, to_the_right = false;
 };
 
 // Index of the code; 4: none.
@@ -250,6 +251,9 @@ class PacketDecoder {
       if (!take(reading)) return ErrorCode::kCorruptFrame;
     }
     packet_.commands.stop = packet_.stop;
+    if (!robots_.empty() && (robots_[0].has_twist || (robots_[0].has_left && robots_[0].has_right))) {
+      packet_.telemetry.wheels = command_of(robots_[0]).wheels;
+    }
     const bool has_places = layout_.slots > 0 || layout_.one_each;
     for (std::size_t i = 0; i < robots_.size(); ++i) {
       RobotReading& robot = robots_[i];
@@ -281,9 +285,11 @@ class PacketDecoder {
         return take_address(robot(reading), field, reading.address);
       case FieldValue::kLeft:
         robot(reading).left = value;
+        robot(reading).has_left = true;
         return std::isfinite(value);
       case FieldValue::kRight:
         robot(reading).right = value;
+        robot(reading).has_right = true;
         return std::isfinite(value);
       case FieldValue::kForward:
         robot(reading).forward = value;
@@ -349,7 +355,7 @@ class PacketDecoder {
     robot.known = false;
     for (const Receiver& receiver : layout_.receivers) {
       if ((receiver.address & address_bits(field)) != address) continue;
-      robot.id = receiver.id;
+      packet_.telemetry.id = robot.id = receiver.id;
       robot.known = true;
     }
     return true;

@@ -94,10 +94,13 @@ class LayoutResolver {
   PacketLayout telemetry() {
     PacketLayout layout = common(radio_.telemetry, "radio.telemetry");
     layout.one_each = true;
-    if (errors_.empty()) check_fields(layout, "radio.telemetry", where_, errors_);
-    if (!layout.fields.empty() && !layout.has(FieldValue::kId)) {
-      add("radio.telemetry", "no field carries the id, so nobody knows whose report it is");
+    for (std::size_t i = 0; i < radio_.telemetry.size(); ++i) {
+      if (radio_.telemetry[i].unit != WireUnit::kShare) continue;
+      add(element("radio.telemetry", i) + ".unit", "a share of full power is no measured speed");
     }
+    add_receivers(layout);
+    if (errors_.empty()) check_fields(layout, "radio.telemetry", where_, errors_);
+    if (errors_.empty()) check_telemetry(layout, "radio.telemetry", where_, errors_);
     return layout;
   }
 

@@ -192,10 +192,10 @@ Result<Duration> MockRadio::do_serve() {
   return std::max(kMinPause, arena_.channel().line_free() - arena_.now());
 }
 
-Result<std::size_t> MockRadio::do_receive(std::span<std::byte> into) {
+Result<std::size_t> MockRadio::do_receive(std::span<std::byte> into, std::size_t& sender) {
   const std::scoped_lock lock(arena_.mutex());
   TOUCHLINE_TRY(check_usable());
-  return arena_.channel().receive(into);
+  return arena_.channel().receive(into, sender);
 }
 
 Result<void> MockRadio::do_drain(Instant deadline) {

@@ -81,7 +81,18 @@ void RadioChannel::deliver(Instant now, World& world) {
     world.drive(receiver.id, 0.0, 0.0);
     telemetry_.on_wheel_speeds(receiver.id, {});
   }
+  for (const RobotReceiver& receiver : receivers_) telemetry_.measure(receiver.id, world.wheel_speeds(receiver.id));
   telemetry_.advance(now);
+}
+
+std::size_t RadioChannel::receive(std::span<std::byte> into, std::size_t& sender) {
+  int id = 0;
+  const std::size_t count = telemetry_.read(into, id);
+  if (count == 0 || telemetry_.names_robots()) return count;
+  for (std::size_t i = 0; i < layout_.receivers.size(); ++i) {
+    if (layout_.receivers[i].id == id) sender = i;
+  }
+  return count;
 }
 
 bool RadioChannel::is_for(const PacketInFlight& packet, const RobotReceiver& receiver) const {

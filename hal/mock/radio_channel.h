@@ -49,8 +49,9 @@ class RadioChannel {
   [[nodiscard]] Instant line_free() const { return line_free_; }
   /// Returns the number of bytes that the line still needs time for: those that are not sent yet, and the pause.
   [[nodiscard]] std::size_t queued_bytes(Instant now) const;
-  /// Moves the oldest bytes that the robots have sent into `into`; returns their number.
-  std::size_t receive(std::span<std::byte> into) { return telemetry_.read(into); }
+  /// Moves the oldest bytes that the robots have sent into `into`; returns their number. If reports do not name their
+  /// robots, `sender` is the index of the receiver that has sent them, because such robots have a port each.
+  std::size_t receive(std::span<std::byte> into, std::size_t& sender);
   /// Processes all arrivals and time-outs until `now` and sets the wheel speeds of the robots in `world`.
   void deliver(Instant now, World& world);
   [[nodiscard]] const ChannelStatistics& statistics() const { return statistics_; }

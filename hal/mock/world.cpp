@@ -103,6 +103,14 @@ void World::place_ball(const Placement& placement, Vector2 velocity_mps) {
   still_s_ = 0.0;
 }
 
+WheelSpeeds World::wheel_speeds(int id) const {
+  for (const Robot& robot : robots_) {
+    if (robot.team != Side::kOwn || robot.id != id) continue;
+    return {static_cast<float>(robot.wheel_mps[0]), static_cast<float>(robot.wheel_mps[1])};
+  }
+  return {};
+}
+
 void World::drive(int id, double left_mps, double right_mps) {
   const PhysicsParameters& physics = parameters_.physics;
   for (Robot& robot : robots_) {

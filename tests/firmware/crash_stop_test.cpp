@@ -326,7 +326,9 @@ class ManyRoutes final : public hal::Radio {
   Result<void> do_open() override { return {}; }
   Result<void> do_send(const Packet& /*packet*/, std::size_t /*receiver*/) override { return {}; }
   Result<Duration> do_serve() override { return Duration::max(); }
-  Result<std::size_t> do_receive(std::span<std::byte> /*into*/) override { return std::size_t{0}; }
+  Result<std::size_t> do_receive(std::span<std::byte> /*into*/, std::size_t& /*sender*/) override {
+    return std::size_t{0};
+  }
   Result<void> do_drain(Instant /*deadline*/) override { return {}; }
   void do_close() override {}
   int descriptor_;

@@ -217,7 +217,7 @@ Result<Duration> SerialRadio::do_serve() {
   return std::max(time_of(before), kMinPause);
 }
 
-Result<std::size_t> SerialRadio::do_receive(std::span<std::byte> into) {
+Result<std::size_t> SerialRadio::do_receive(std::span<std::byte> into, std::size_t& /*sender*/) {
   TOUCHLINE_TRY(check_usable());
   if (port_ == nullptr) {
     const int count = terminal::read(file_, into);

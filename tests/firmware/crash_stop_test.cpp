@@ -12,6 +12,7 @@
 #include <csignal>
 #include <cstdlib>
 #include <cstring>
+#include <ctime>
 #include <memory>
 #include <string>
 #include <vector>
@@ -208,6 +209,15 @@ class TimedLine {
     EXPECT_EQ(::bind(robots_.get(), reinterpret_cast<const sockaddr*>(&at), size), 0);
     EXPECT_EQ(::getsockname(robots_.get(), reinterpret_cast<sockaddr*>(&at), &size), 0);
     EXPECT_EQ(::connect(port_.get(), reinterpret_cast<const sockaddr*>(&at), size), 0);
+    // The kernel begins to stamp some time later; until then it gives the time at which a packet is read.
+    for (bool is_stamping = false; !is_stamping;) {
+      EXPECT_EQ(::write(port_.get(), "", 1), 1);
+      timespec sent{};
+      ::clock_gettime(CLOCK_REALTIME, &sent);
+      ::usleep(1000);
+      is_stamping =
+          arrivals().back().at_s <= static_cast<double>(sent.tv_sec) + 1e-9 * static_cast<double>(sent.tv_nsec);
+    }
   }
   [[nodiscard]] int port() const { return port_.get(); }
 

@@ -95,6 +95,16 @@ Status Pipeline::assign_teams(const TeamAssignment& assignment) {
   return {};
 }
 
+void Pipeline::listen(const StepEvents& events) {
+  std::span<const std::byte> rest{events.telemetry.data(), events.telemetry.size()};
+  for (const TelemetryPart& part : events.telemetry_parts) {
+    const std::size_t count = std::min(part.bytes, rest.size());
+    monitor_.listen(rest.first(count), events.telemetry_received, trace_.reports, part.sender);
+    rest = rest.subspan(count);
+  }
+  if (!rest.empty()) monitor_.listen(rest, events.telemetry_received, trace_.reports);
+}
+
 void Pipeline::apply(const StepInputs& inputs) {
   inputs_ = inputs;
   trace_.inputs = &inputs_;
@@ -110,16 +120,18 @@ void Pipeline::apply(const StepInputs& inputs) {
   Status control;
   if (events.control) {
     control = controller_.set_parameters(*events.control);
-    if (control.ok()) radio_.wheel_base_m = events.control->drive.wheel_base_m;
+    const DriveParameters& drive = events.control->drive;
+    if (control.ok()) {
+      radio_.set_drive(drive.wheel_base_m, drive.max_wheel_speed_mps);
+      monitor_.set_drive(drive.wheel_base_m, drive.max_wheel_speed_mps);
+    }
   }
   const Status teams = assign_teams(inputs_.teams);
   trace_.inputs_status = teams.ok() ? control : teams;
   if (events.reset) reset();
   if (events.picture_acknowledged) picture_check_.acknowledge();
   if (events.radio_opened) starts_left_ = kStarts;
-  if (!events.telemetry.empty()) {
-    monitor_.listen({events.telemetry.data(), events.telemetry.size()}, events.telemetry_received, trace_.reports);
-  }
+  listen(events);
   picture_check_.set(inputs_.picture_check);
   for (std::size_t i = 0; i < radio_.receivers.size(); ++i) {
     const RobotId id = radio_.receivers[i].id;

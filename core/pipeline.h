@@ -89,6 +89,7 @@ class Pipeline {
   void recognize(const Frame& frame);
   // Takes the sightings of a source that recognizes robots and ball itself.
   void adopt(const Sightings& sightings);
+  void listen(const StepEvents& events);
   Status assign_teams(const TeamAssignment& assignment);
   Status teams_of(const TeamAssignment& assignment, TeamMarkings& out) const;
   void reset();

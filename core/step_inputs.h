@@ -18,6 +18,15 @@ namespace touchline {
 // At 30 frames per second more than 115200 baud can deliver.
 constexpr std::size_t kMaxTelemetryBytes = 512;
 
+// Reports of all robots in one frame, five times over for reports that came in parts.
+constexpr std::size_t kMaxTelemetryParts = 5 * kMaxRobotsPerTeam;
+
+/// Consecutive bytes of telemetry that one robot has sent.
+struct TelemetryPart {
+  std::size_t bytes = 0;
+  std::size_t sender = kAllRobots;  // index of the layout's receivers; kAllRobots: unknown
+};
+
 /// The referee's assignment of colors and sides to the teams.
 struct TeamAssignment {
   bool colors_exchanged = false;    // each team has the team color of the other one
@@ -44,8 +53,10 @@ struct StepEvents {
   bool picture_acknowledged = false;
   // The radio was opened, so the next packets contain the layout's bytes for the start.
   bool radio_opened = false;
-  // Bytes of the robots' telemetry, and the time at which the last of them were received.
+  // Bytes of the robots' telemetry, who has sent them (bytes beyond the parts: unknown), and the time at which the last
+  // of them were received.
   FixedVector<std::byte, kMaxTelemetryBytes> telemetry;
+  FixedVector<TelemetryPart, kMaxTelemetryParts> telemetry_parts;
   Instant telemetry_received{};
 };
 

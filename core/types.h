@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <optional>
 
 #include "core/fixed_vector.h"
 #include "core/pixel_format.h"
@@ -328,6 +329,7 @@ struct RobotTelemetry {
   std::uint8_t sequence = 0;
   float battery_v = 0.0f;                   // 0: not measured
   std::int8_t link_percent = kLinkUnknown;  // percentage of our packets that the robot received recently
+  std::optional<WheelSpeeds> wheels{};      // as its encoders measure them
 };
 
 /// Telemetry state of one robot.

@@ -22,7 +22,7 @@ hal::mock::SideSettings side_settings(const config::Configuration& configuration
   settings.rate_hz = board.camera.rate_hz;
   settings.frame_latency = hal::mock::frame_latency(board.arena.sensor);
   settings.radio_delay = from_seconds(board.radio.delay_s);
-  settings.byte_time = hal::byte_time(board.radio);
+  settings.line = hal::line_time(board.radio);
   return settings;
 }
 

@@ -4,9 +4,11 @@
 #include <sys/ioctl.h>
 #include <sys/socket.h>
 #include <unistd.h>
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <cerrno>
+#include <chrono>
 #include <csignal>
 #include <cstdlib>
 #include <ctime>
@@ -17,7 +19,12 @@ namespace {
 
 // Number of stop packets, as at a normal end (firmware/loop.cpp).
 constexpr int kStopPackets = 5;
-constexpr long kPacketPause_ms = 20, kRetryPause_ms = 1, kDrainTime_ms = 500, kOtherThreadTime_ms = 1000;
+constexpr long kPacketPause_ms = 20, kRetryPause_ms = 1, kDrainTime_ms = 500;
+// No round but the first one begins if it would end later than this, which is well before the 5 s after which the
+// service's watchdog kills this process (toolchain/package/touchline.service).
+constexpr long kRoundsTime_ms = 1000;
+// What another thread waits for the first one: its rounds without their first one, the pauses, and the drain time.
+constexpr long kOtherThreadTime_ms = kRoundsTime_ms + kDrainTime_ms + 500;
 // A datagram fails without effect if an error of an earlier one is pending, perhaps one for each robot.
 constexpr std::size_t kDatagramAttempts = 1 + kMaxRobotsPerTeam;
 
@@ -49,30 +56,96 @@ void send_datagram(const StopTarget& target) noexcept {
   }
 }
 
-// Writes a packet. While the port is full, tries again for at most `time_ms`, which it reduces.
-void write_packet(const StopTarget& target, long& time_ms) noexcept {
-  const Packet& packet = target.bytes;
-  for (std::size_t written = 0; written < packet.size();) {
-    const ssize_t count = ::write(target.route.descriptor, packet.data() + written, packet.size() - written);
-    if (count > 0) {
-      written += static_cast<std::size_t>(count);
-    } else if ((count < 0 && errno != EAGAIN && errno != EINTR) || time_ms <= 0) {
-      return;
-    } else {
-      pause_ms(kRetryPause_ms);
-      time_ms -= kRetryPause_ms;
-    }
+Instant now() noexcept {
+  timespec time{};
+  ::clock_gettime(CLOCK_MONOTONIC, &time);
+  return Instant(std::chrono::seconds(time.tv_sec) + std::chrono::nanoseconds(time.tv_nsec));
+}
+
+/// A serial port while stop packets are written to it.
+struct Line {
+  int descriptor = -1;
+  hal::LineTime time;
+  Duration round{};    // what the packets of a round take
+  Instant free_at{};   // when its robots can tell the next packet from the one before
+  bool waits = false;  // its next packet cannot be written yet
+};
+using Lines = FixedVector<Line, StopTargets::capacity()>;
+
+Line& line_of(Lines& lines, const StopTarget& target) noexcept {
+  for (Line& line : lines) {
+    if (line.descriptor == target.route.descriptor) return line;
+  }
+  lines.push_back({target.route.descriptor, target.route.line});
+  return lines.back();
+}
+
+/// Finds the ports. Those with pauses begin with one: the last byte of the loop's packets may just have left, or one
+/// packet may still be in the driver, because SerialRadio gives it no second one.
+void find_lines(const StopTargets& targets, Lines& lines) noexcept {
+  const Instant begin = now();
+  for (const StopTarget& target : targets) {
+    if (target.route.is_datagram) continue;
+    Line& line = line_of(lines, target);
+    if (line.time.pause <= Duration::zero()) continue;
+    const Duration time = line.time.of(target.bytes.size()) + line.time.pause;
+    line.round += time;
+    line.free_at = std::max(line.free_at, begin + time);
   }
 }
 
-void send_round(const StopTargets& targets) noexcept {
-  // A port that is full must not delay the packets of the others.
-  long time_ms = kPacketPause_ms;
+Duration longest_round(const Lines& lines) noexcept {
+  Duration longest{};
+  for (const Line& line : lines) longest = std::max(longest, line.round);
+  return longest;
+}
+
+enum class Written : std::uint8_t { kPart, kAll, kFailed };
+
+Written write_packet(const StopTarget& target, std::size_t& written) noexcept {
+  const Packet& packet = target.bytes;
+  while (written < packet.size()) {
+    const ssize_t count = ::write(target.route.descriptor, packet.data() + written, packet.size() - written);
+    if (count > 0) {
+      written += static_cast<std::size_t>(count);
+    } else if (count == 0 || errno == EAGAIN || errno == EINTR) {
+      return Written::kPart;
+    } else {
+      return Written::kFailed;
+    }
+  }
+  return Written::kAll;
+}
+
+/// Writes each packet once. Each line gets its packets in their order, with its pauses; lines do not wait for each
+/// other. A full port is tried again for at most 20 ms more than the pauses take.
+void send_round(const StopTargets& targets, Lines& lines, Duration round) noexcept {
   for (const StopTarget& target : targets) {
     if (target.route.is_datagram) send_datagram(target);
   }
-  for (const StopTarget& target : targets) {
-    if (!target.route.is_datagram) write_packet(target, time_ms);
+  std::array<std::size_t, StopTargets::capacity()> written{};
+  std::array<bool, StopTargets::capacity()> done{};
+  Instant begin = now();
+  for (const Line& line : lines) begin = std::max(begin, line.free_at);
+  for (const Instant end = begin + round + std::chrono::milliseconds(kPacketPause_ms);;) {
+    bool waits = false;
+    for (Line& line : lines) line.waits = false;
+    for (std::size_t i = 0; i < targets.size(); ++i) {
+      if (targets[i].route.is_datagram || done[i]) continue;
+      Line& line = line_of(lines, targets[i]);
+      line.waits = line.waits || now() < line.free_at;
+      if (!line.waits) {
+        const Written result = write_packet(targets[i], written[i]);
+        done[i] = result != Written::kPart;
+        line.waits = !done[i];
+        if (result == Written::kAll && line.time.pause > Duration::zero()) {
+          line.free_at = now() + line.time.of(targets[i].bytes.size()) + line.time.pause;
+        }
+      }
+      waits = waits || line.waits;
+    }
+    if (!waits || now() >= end) return;
+    pause_ms(kRetryPause_ms);
   }
 }
 
@@ -149,17 +222,25 @@ void prepare(const hal::Radio& radio, const OutgoingPackets& stops) {
 bool is_stopping() { return state.load() != State::kIdle; }
 
 void send_stop_packets() noexcept {
-  if (prepared[newest.load()].empty()) return;
+  const StopTargets& latest = prepared[newest.load()];
+  if (latest.empty()) return;
   State expected = State::kIdle;
   if (!state.compare_exchange_strong(expected, State::kStopping)) {
-    for (long waited = 0; state.load() == State::kStopping && waited < kOtherThreadTime_ms; ++waited) pause_ms(1);
+    Lines lines;
+    find_lines(latest, lines);
+    const Instant end = now() + std::chrono::milliseconds(kOtherThreadTime_ms) + 2 * longest_round(lines);
+    while (state.load() == State::kStopping && now() < end) pause_ms(kRetryPause_ms);
     return;
   }
   const int interrupted_errno = errno;
   const StopTargets& targets = prepared[newest.load()];
-  for (int i = 0; i < kStopPackets; ++i) {
+  Lines lines;
+  find_lines(targets, lines);
+  const Duration round = longest_round(lines);
+  const Instant last_begin = now() + std::chrono::milliseconds(kRoundsTime_ms) - round;
+  for (int i = 0; i < kStopPackets && (i == 0 || now() <= last_begin); ++i) {
     if (i > 0) pause_ms(kPacketPause_ms);
-    send_round(targets);
+    send_round(targets, lines, round);
   }
   wait_until_sent(targets);
   state.store(State::kStopped);

@@ -25,19 +25,22 @@ struct StopTarget {
   hal::RadioRoute route;
   Packet bytes;
 };
-/// Each robot has a packet of its own, which each radio may send, or a packet for all of them leaves on each route.
-using StopTargets = FixedVector<StopTarget, kMaxRobotsPerTeam * hal::kMaxRadios + hal::RadioRoutes::capacity()>;
+/// Each robot has a packet of its own, which leaves on one route of each radio, or a packet for all of them leaves on
+/// each route of each radio.
+using StopTargets = FixedVector<StopTarget, hal::RadioRoutes::capacity()>;
 
 /// Replaces the stop packets; with none, a crash sends nothing. Their routes must stay open until the next call. For
 /// the loop's thread: wait-free, without allocation. Has no effect after send_stop_packets() has started.
 void prepare(const StopTargets& targets);
 
-/// The same for packets of Pipeline::prepare_stop(), by the routes of an open radio.
+/// The same for packets of Pipeline::prepare_stop(), by the routes of an open radio. Routes beyond the capacity, which
+/// no radios of a board file have, get nothing.
 void prepare(const hal::Radio& radio, const OutgoingPackets& stops);
 
 /// Writes all prepared packets five times, 20 ms apart, and waits until they have left the ports, half a second at
-/// most. Only the first call sends packets; a call on another thread meanwhile waits for the first one.
-/// Async-signal-safe.
+/// most. A line with a pause (LineTime) gets its packets with this pause between them and before the first one; if five
+/// rounds would take more than a second, there are fewer of them, at least one. Only the first call sends packets; a
+/// call on another thread meanwhile waits for the first one. Async-signal-safe.
 void send_stop_packets() noexcept;
 /// Returns whether send_stop_packets() has started. Once it has, no other packets may be sent.
 [[nodiscard]] bool is_stopping();

@@ -34,8 +34,8 @@ struct ScoreSource {
 
 struct LoopSettings {
   config::FaultSettings faults;
-  Duration radio_delay{};      // time from the last byte sent until the wheels react
-  Duration radio_byte_time{};  // duration of a byte on the radio's line; zero without a line
+  Duration radio_delay{};    // time from the last byte sent until the wheels react
+  hal::LineTime radio_line;  // of the slowest radio
   Duration status_interval = std::chrono::seconds(1);
   std::uint64_t frames = 0;                        // ends after this number of frames; 0: no limit
   Duration duration{};                             // ends after this time; 0: no limit

@@ -44,9 +44,8 @@ void Loop::acknowledge_start() {
 }
 
 void Loop::note_times_on_line(const OutgoingPackets& packets) {
-  Duration line_time{};
   for (std::size_t i = 0; i < packets.size(); ++i) {
-    line_time += static_cast<Duration::rep>(packets[i].packet.size()) * settings_.radio_byte_time;
+    const Duration line_time = settings_.radio_line.until_sent(packets, i);
     if (i == 0) packet_time_ = line_time;
     const std::size_t receiver = packets[i].receiver;
     if (receiver < inputs_.lateness.size()) inputs_.lateness[receiver] = line_time - packet_time_;
@@ -57,15 +56,17 @@ void Loop::receive_telemetry(Instant now) {
   if (!settings_.telemetry || !devices_.is_open(Device::kRadio)) return;
   // What does not fit before the next step remains in the driver.
   auto& telemetry = inputs_.events.telemetry;
-  const std::size_t former = telemetry.size();
-  if (telemetry.full()) return;
-  telemetry.resize(kMaxTelemetryBytes);
-  const Result<std::size_t> count =
-      devices_.radio().receive(std::span(telemetry.data(), telemetry.size()).subspan(former));
-  telemetry.resize(former + (count.ok() ? count.value() : 0));
-  if (!count.ok()) {
-    on_fault(Device::kRadio, count.error(), now);
-  } else if (count.value() > 0) {
+  auto& parts = inputs_.events.telemetry_parts;
+  while (!telemetry.full() && !parts.full()) {
+    const std::size_t former = telemetry.size();
+    std::size_t sender = kAllRobots;
+    telemetry.resize(kMaxTelemetryBytes);
+    const Result<std::size_t> count =
+        devices_.radio().receive(std::span(telemetry.data(), telemetry.size()).subspan(former), sender);
+    telemetry.resize(former + (count.ok() ? count.value() : 0));
+    if (!count.ok()) return on_fault(Device::kRadio, count.error(), now);
+    if (count.value() == 0) return;
+    parts.push_back({count.value(), sender});
     inputs_.events.telemetry_received = now;
   }
 }

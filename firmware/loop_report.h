@@ -39,6 +39,7 @@ struct RobotStatus {
   std::int8_t link_percent = kLinkUnknown;  // percentage of our packets that the robot received recently
   double age_s = 0.0;
   bool battery_low = false;
+  std::optional<WheelSpeeds> wheels{};  // as its encoders measure them
 };
 
 // Maximum length of an error text; longer texts are cut off.

@@ -16,7 +16,9 @@ class NullRadio final : public hal::Radio {
   Result<void> do_open() override { return {}; }
   Result<void> do_send(const Packet&, std::size_t) override { return {}; }
   Result<Duration> do_serve() override { return Duration::max(); }
-  Result<std::size_t> do_receive(std::span<std::byte>) override { return std::size_t{0}; }
+  Result<std::size_t> do_receive(std::span<std::byte> /*into*/, std::size_t& /*sender*/) override {
+    return std::size_t{0};
+  }
   Result<void> do_drain(Instant) override { return {}; }
   void do_close() override {}
   const std::string description_ = "no radio is configured";

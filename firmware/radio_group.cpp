@@ -14,6 +14,17 @@ Result<void> reopen_port(void* device) {
   return radio.open();
 }
 
+/// The robot whose port it is; kAllRobots: several may use it.
+std::size_t only_robot(const GroupMember& member) {
+  std::size_t robot = kAllRobots;
+  for (std::size_t i = 0; i < kMaxRobotsPerTeam; ++i) {
+    if (!member.reaches[i]) continue;
+    if (robot != kAllRobots) return kAllRobots;
+    robot = i;
+  }
+  return robot;
+}
+
 }  // namespace
 
 RadioGroup::RadioGroup(std::vector<GroupMember> members, hal::Clock& clock, Duration first_pause, bool wait_for_driver)
@@ -115,18 +126,21 @@ Result<Duration> RadioGroup::do_serve() {
   return due;
 }
 
-Result<std::size_t> RadioGroup::do_receive(std::span<std::byte> into) {
-  std::size_t count = 0;
-  for (Port& port : ports_) {
-    if (!is_open(port) || count == into.size()) continue;
-    Result<std::size_t> received = port.member.radio->receive(into.subspan(count));
-    if (received.ok()) {
-      count += received.value();
-    } else {
+Result<std::size_t> RadioGroup::do_receive(std::span<std::byte> into, std::size_t& sender) {
+  // The ports take turns, because the bytes of one call come from one robot.
+  for (std::size_t i = 0; i < ports_.size(); ++i) {
+    Port& port = ports_[next_port_];
+    next_port_ = (next_port_ + 1) % ports_.size();
+    if (!is_open(port)) continue;
+    Result<std::size_t> received = port.member.radio->receive(into, sender);
+    if (!received.ok()) {
       TOUCHLINE_TRY(lose_if_broken(port, std::move(received).error()));
+    } else if (received.value() > 0) {
+      if (sender == kAllRobots) sender = only_robot(port.member);
+      return received;
     }
   }
-  return count;
+  return std::size_t{0};
 }
 
 Result<void> RadioGroup::do_drain(Instant deadline) {

@@ -49,7 +49,7 @@ class RadioGroup final : public hal::Radio {
   Result<void> do_open() override;
   Result<void> do_send(const Packet& packet, std::size_t receiver) override;
   Result<Duration> do_serve() override;
-  Result<std::size_t> do_receive(std::span<std::byte> into) override;
+  Result<std::size_t> do_receive(std::span<std::byte> into, std::size_t& sender) override;
   Result<void> do_drain(Instant deadline) override;
   void do_close() override;
 
@@ -59,6 +59,7 @@ class RadioGroup final : public hal::Radio {
   void mark_lost(Port& port, Error error);
 
   std::vector<Port> ports_;
+  std::size_t next_port_ = 0;  // from which bytes are received first
   hal::Clock& clock_;
   const Duration first_pause_;
   const bool wait_for_driver_;

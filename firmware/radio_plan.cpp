@@ -25,6 +25,7 @@ class RadioPlanner {
     radio.settings = settings;
     find_robots(radio);
     if (settings.backend == hal::RadioBackend::kUdp) find_endpoints(radio);
+    check_telemetry(radio);
     plan_.push_back(std::move(radio));
   }
 
@@ -101,6 +102,32 @@ class RadioPlanner {
       }
       radio.udp.robots[i] = {parsed.value().ipv4, parsed.value().port};
     }
+  }
+
+  // Reports without id and address are those of the robot that the port or the network address belongs to.
+  void check_telemetry(const PlannedRadio& radio) {
+    const PacketLayout& layout = configuration_.pipeline.telemetry;
+    const bool is_line = radio.settings.backend == hal::RadioBackend::kSerial;
+    const bool is_network = radio.settings.backend == hal::RadioBackend::kUdp;
+    if (!configuration_.board.radio.telemetry || layout.fields.empty() || layout.names_robots()) return;
+    std::size_t count = 0, told = 0;
+    for (std::size_t i = 0; i < std::min(robots().size(), kMaxRobotsPerTeam); ++i) {
+      if (!radio.reaches[i]) continue;
+      ++count;
+      const auto& endpoints = radio.udp.robots;
+      const auto is_same = [&](const hal::UdpEndpoint& other) {
+        return other.ipv4 == endpoints[i].ipv4 && other.port == endpoints[i].port;
+      };
+      told += endpoints[i].exists() && std::count_if(endpoints.begin(), endpoints.end(), is_same) == 1 ? 1U : 0U;
+    }
+    if (!(is_line || is_network) || count <= 1 || told == count) return;
+    const std::string key = "radio.telemetry";
+    errors_.add(configuration_.team_where.of(key), key,
+                "no field carries the id or the address, and " + radio.key + " of " +
+                    configuration_.board_where.file() +
+                    " does not tell which robot has sent a report: give each robot "
+                    "a port of its own ([[radio.more]] and robots), or an address of its own with backend = \"udp\"; "
+                    "or set radio.telemetry = false there");
   }
 
   const config::Configuration& configuration_;

@@ -82,8 +82,9 @@ void ReportWriter::report_status_if_due(const LoopStatistics& statistics, std::u
     status.brightness = last_trace_->light.brightness;
   }
   for (const RobotReport& robot : statistics.robots.robots) {
+    const RobotTelemetry& last = robot.last;
     status.robot_status.push_back(
-        {robot.last.id, robot.last.battery_v, robot.last.link_percent, seconds(now - robot.heard), robot.battery_low});
+        {last.id, last.battery_v, last.link_percent, seconds(now - robot.heard), robot.battery_low, last.wheels});
   }
   report_.kind = Report::Kind::kStatus;
   ring_.push(report_);

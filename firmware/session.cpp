@@ -49,7 +49,7 @@ Result<void> Session::open(LoopObserver observer) {
   LoopSettings settings;
   settings.faults = configuration_->board.faults;
   settings.radio_delay = from_seconds(configuration_->board.radio.delay_s);
-  settings.radio_byte_time = hal::byte_time(configuration_->board.radio);
+  settings.radio_line = hal::line_time(configuration_->board.radio);
   settings.status_interval = options_.status_interval;
   settings.frames = options_.frames;
   settings.duration = options_.duration;

@@ -82,9 +82,11 @@ std::uint64_t bytes_of_damaged_reports(const RobotReports& reports) {
 }
 
 // Omits values that a robot does not measure.
-void print_robot_status(std::string& out, float battery_v, int link_percent) {
+void print_robot_status(std::string& out, float battery_v, int link_percent, const std::optional<WheelSpeeds>& wheels) {
   if (battery_v > 0.0f) print(out, " %.2f V", static_cast<double>(battery_v));
   if (link_percent >= 0) print(out, " %d %%", link_percent);
+  if (!wheels) return;
+  print(out, " wheels %.2f %.2f m/s", static_cast<double>(wheels->left_mps), static_cast<double>(wheels->right_mps));
 }
 
 const char* consequence(FaultAction action) {
@@ -153,7 +155,7 @@ std::string status_line(const StatusReport& status, const Expectation& expected)
   for (std::size_t i = 0; i < status.robot_status.size(); ++i) {
     const RobotStatus& robot = status.robot_status[i];
     print(line, "%s%d:", i == 0 ? "  robots " : ", ", robot.id);
-    print_robot_status(line, robot.battery_v, robot.link_percent);
+    print_robot_status(line, robot.battery_v, robot.link_percent, robot.wheels);
     if (robot.battery_low) line += " LOW";
     if (robot.age_s > kStaleRobotStatusS) print(line, " (%.0f s ago)", robot.age_s);
   }
@@ -226,7 +228,7 @@ std::string summary(const LoopStatistics& statistics, LoopEnd end) {
   }
   for (const RobotReport& robot : statistics.robots.robots) {
     print(text, "robot %-2d ", robot.last.id);
-    print_robot_status(text, robot.last.battery_v, robot.last.link_percent);
+    print_robot_status(text, robot.last.battery_v, robot.last.link_percent, robot.last.wheels);
     print(text, " %.1f s before the end; %u reports, %u missed%s\n", seconds(statistics.end - robot.heard),
           robot.packets, robot.missed, robot.battery_low ? "; BATTERY LOW" : "");
   }

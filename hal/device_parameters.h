@@ -9,6 +9,7 @@
 
 #include "core/parameter_copy.h"
 #include "core/types.h"
+#include "hal/line_time.h"
 
 // Sections [camera], [radio] and [gpio] of the board file (docs/files.md), shared by the backends.
 namespace touchline::hal {
@@ -221,15 +222,16 @@ struct RadioSettings : RadioPortSettings {
   }
 };
 
-/// Returns the duration of a byte on the radio's line: 8 data bits, start and stop bit. Zero without a line; of several
-/// lines that of the slowest.
-inline Duration byte_time(const RadioSettings& radio) {
-  const auto of_port = [](const RadioPortSettings& port) {
-    const bool has_line = port.backend == RadioBackend::kMock || port.backend == RadioBackend::kSerial;
-    return has_line ? from_seconds(10.0 / port.baud) : Duration{};
+/// Returns the times of the radio's line; of several lines those of the slowest.
+inline LineTime line_time(const RadioSettings& radio) {
+  LineTime slowest;
+  const auto add = [&slowest](const RadioPortSettings& port) {
+    if (port.backend != RadioBackend::kMock && port.backend != RadioBackend::kSerial) return;
+    slowest.byte = std::max(slowest.byte, from_seconds(10.0 / port.baud));
+    slowest.pause = std::max(slowest.pause, from_seconds(port.pause_s));
   };
-  Duration slowest = of_port(radio);
-  for (const RadioPortSettings& port : radio.more) slowest = std::max(slowest, of_port(port));
+  add(radio);
+  for (const RadioPortSettings& port : radio.more) add(port);
   return slowest;
 }
 

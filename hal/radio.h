@@ -8,6 +8,7 @@
 
 #include "core/fixed_vector.h"
 #include "core/types.h"
+#include "hal/line_time.h"
 #include "hal/result.h"
 
 namespace touchline::hal {
@@ -20,16 +21,17 @@ struct RadioCounters {
   std::uint64_t unreachable = 0;  // packets that the network did not pass on to their receiver
 };
 
-/// Where bytes leave this computer: a file descriptor, and for a datagram its destination.
+/// Where bytes leave this computer: a file descriptor, for a datagram its destination, for a serial port its line.
 struct RadioRoute {
   int descriptor = -1;
   bool is_datagram = false;
   std::uint32_t ipv4 = 0;  // 127.0.0.1 is 0x7f000001
   std::uint16_t port = 0;
+  LineTime line{};
 };
-/// A datagram for each robot, and one for each of several radios.
+/// Each of several radios may send a packet to each robot as a datagram of its own.
 constexpr std::size_t kMaxRadios = 4;
-using RadioRoutes = FixedVector<RadioRoute, kMaxRobotsPerTeam + kMaxRadios>;
+using RadioRoutes = FixedVector<RadioRoute, kMaxRobotsPerTeam * kMaxRadios>;
 
 /// The link to the robots. Only open() and drain() may block, and only open() may allocate.
 class Radio {
@@ -57,11 +59,17 @@ class Radio {
   /// Sends a waiting packet if the line is free; call it in each iteration of the loop. Returns the time after which
   /// the next call is useful; Duration::max(): no packet waits.
   Result<Duration> serve() { return do_serve(); }
-  /// Copies bytes received from the robots to `into`; returns their number, 0 if there are none.
-  Result<std::size_t> receive(std::span<std::byte> into) {
-    Result<std::size_t> received = do_receive(into);
+  /// Copies bytes received from the robots to `into`; returns their number, 0 if there are none. `sender`: the robot
+  /// that has sent all of them, as an index as in send(), or kAllRobots if the radio cannot tell.
+  Result<std::size_t> receive(std::span<std::byte> into, std::size_t& sender) {
+    sender = kAllRobots;
+    Result<std::size_t> received = do_receive(into, sender);
     if (received.ok()) counters_.received_bytes += received.value();
     return received;
+  }
+  Result<std::size_t> receive(std::span<std::byte> into) {
+    std::size_t sender = kAllRobots;
+    return receive(into, sender);
   }
   /// Waits until all packets are sent, at most until `deadline` (kTimeout). Used for the stop packets at the exit.
   Result<void> drain(Instant deadline) { return do_drain(deadline); }
@@ -85,7 +93,7 @@ class Radio {
   virtual Result<void> do_open() = 0;
   virtual Result<void> do_send(const Packet& packet, std::size_t receiver) = 0;
   virtual Result<Duration> do_serve() = 0;
-  virtual Result<std::size_t> do_receive(std::span<std::byte> into) = 0;
+  virtual Result<std::size_t> do_receive(std::span<std::byte> into, std::size_t& sender) = 0;
   virtual Result<void> do_drain(Instant deadline) = 0;
   virtual void do_close() = 0;
   RadioCounters counters_;

@@ -29,6 +29,10 @@ constexpr std::size_t byte_count(FieldType type) {
     case FieldType::kI32:
     case FieldType::kF32:
       return 4;
+    case FieldType::kU48:
+      return 6;
+    case FieldType::kU64:
+      return 8;
     default:
       return 0;
   }
@@ -40,11 +44,18 @@ struct IntegerRange {
 
 /// Range of an integer. Signed ones are symmetric, so that forward and backward saturate alike.
 constexpr IntegerRange integer_range(const PacketField& field) {
+  if (field.type == FieldType::kU64) return {0, std::numeric_limits<std::int64_t>::max()};
   const unsigned bits = is_bits(field.type) ? field.bits : static_cast<unsigned>(8 * byte_count(field.type));
   const bool is_signed = field.type == FieldType::kI8 || field.type == FieldType::kI16 ||
                          field.type == FieldType::kI32 || field.type == FieldType::kSignedBits;
   const std::int64_t high = (std::int64_t{1} << (is_signed ? bits - 1u : bits)) - 1;
   return {is_signed ? -high : 0, high};
+}
+
+/// The bits of an address that the field carries: the lowest ones.
+constexpr std::uint64_t address_bits(const PacketField& field) {
+  if (field.type == FieldType::kU64) return std::numeric_limits<std::uint64_t>::max();
+  return static_cast<std::uint64_t>(integer_range(field).high);
 }
 
 constexpr std::int64_t power_of_ten(unsigned exponent) {

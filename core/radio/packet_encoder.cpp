@@ -138,8 +138,8 @@ class PacketEncoder {
     return 0.0;
   }
 
-  [[nodiscard]] std::uint32_t integer_of(const PacketField& field, const RobotValues& robot) const {
-    if (field.value == FieldValue::kAddress) return static_cast<std::uint32_t>(robot.address);
+  [[nodiscard]] std::uint64_t integer_of(const PacketField& field, const RobotValues& robot) const {
+    if (field.value == FieldValue::kAddress) return robot.address;
     const double number = number_of(field, robot);
     // Counters wrap around instead of staying at their limit.
     if (field.value == FieldValue::kTime || field.value == FieldValue::kSequence) {
@@ -148,19 +148,19 @@ class PacketEncoder {
     return static_cast<std::uint32_t>(std::llround(sent_number(field, number)));
   }
 
-  void write_integer(const PacketField& field, std::uint32_t number) {
+  void write_integer(const PacketField& field, std::uint64_t number) {
     if (is_bits(field.type)) {
-      for (unsigned bit = 0; bit < field.bits; ++bit) push_bit((number >> bit) & 1u);
+      for (unsigned bit = 0; bit < field.bits; ++bit) push_bit(static_cast<unsigned>((number >> bit) & 1u));
     } else {
       write_bytes(number, byte_count(field.type), field.big_endian);
     }
   }
 
-  void write_bytes(std::uint32_t number, std::size_t count, bool big_endian) {
+  void write_bytes(std::uint64_t number, std::size_t count, bool big_endian) {
     for (std::size_t i = 0; i < count; ++i) packet_.push_back(byte_of(number, big_endian ? count - 1 - i : i));
   }
 
-  static std::byte byte_of(std::uint32_t number, std::size_t place) {
+  static std::byte byte_of(std::uint64_t number, std::size_t place) {
     return static_cast<std::byte>((number >> (8 * place)) & 0xFFu);
   }
 

@@ -68,6 +68,14 @@ constexpr double kStepsPerMps = 1000.0, kStepsPerVolt = 1000.0;
 
 }  // namespace
 
+void PacketLayout::set_drive(double base_m, double max_wheel_speed_mps) {
+  wheel_base_m = base_m;
+  if (!pwm_is_assumed) return;
+  pwm.clear();
+  pwm.push_back({0.0f, 0.0f});
+  pwm.push_back({static_cast<float>(max_wheel_speed_mps), 1.0f});
+}
+
 bool PacketLayout::has(FieldValue value) const {
   return std::any_of(fields.begin(), fields.end(), [&](const PacketField& field) { return field.value == value; });
 }

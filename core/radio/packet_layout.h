@@ -69,14 +69,30 @@ inline constexpr std::array<Choice<FieldValue>, 22> kFieldValues{{{"constant", F
                                                                   {"link", FieldValue::kLink}}};
 
 /// How a number is written.
-enum class FieldType : std::uint8_t { kBytes, kU8, kI8, kU16, kI16, kU32, kI32, kF32, kBits, kSignedBits, kDigits };
-inline constexpr std::array<Choice<FieldType>, 11> kFieldTypes{{{"bytes", FieldType::kBytes},
+enum class FieldType : std::uint8_t {
+  kBytes,
+  kU8,
+  kI8,
+  kU16,
+  kI16,
+  kU32,
+  kI32,
+  kU48,  // of addresses alone, as kU64: other numbers are doubles
+  kU64,
+  kF32,
+  kBits,
+  kSignedBits,
+  kDigits
+};
+inline constexpr std::array<Choice<FieldType>, 13> kFieldTypes{{{"bytes", FieldType::kBytes},
                                                                 {"u8", FieldType::kU8},
                                                                 {"i8", FieldType::kI8},
                                                                 {"u16", FieldType::kU16},
                                                                 {"i16", FieldType::kI16},
                                                                 {"u32", FieldType::kU32},
                                                                 {"i32", FieldType::kI32},
+                                                                {"u48", FieldType::kU48},
+                                                                {"u64", FieldType::kU64},
                                                                 {"f32", FieldType::kF32},
                                                                 {"bits", FieldType::kBits},
                                                                 {"signed-bits", FieldType::kSignedBits},
@@ -143,14 +159,19 @@ struct PacketLayout {
   double start_period_s = 0.0;
   double wheel_base_m = 0.1;                 // of robots that get forward speed and turn rate
   FixedVector<PwmPoint, kMaxPwmPoints> pwm;  // ascending from (0, share at which the wheel starts to turn)
+  bool pwm_is_assumed = false;               // nobody measured `pwm`: a share of 1 gives the largest wheel speed
   FixedVector<Receiver, kMaxRobotsPerTeam> receivers;
 
+  /// Sets what the packets depend on of the drive, which can change while robots play.
+  void set_drive(double base_m, double max_wheel_speed_mps);
   /// Returns whether a field carries `value`.
   [[nodiscard]] bool has(FieldValue value) const;
+  /// Returns whether packets contain the id or address of each robot.
+  [[nodiscard]] bool names_robots() const { return has(FieldValue::kId) || has(FieldValue::kAddress); }
   /// Address of the robot's radio module; 0: none is known.
   [[nodiscard]] std::uint64_t address_of(RobotId id) const;
   /// Returns whether a robot's place in the packet stands for its id.
-  [[nodiscard]] bool is_by_place() const { return slots > 0 && !has(FieldValue::kId) && !has(FieldValue::kAddress); }
+  [[nodiscard]] bool is_by_place() const { return slots > 0 && !names_robots(); }
 };
 
 /// Touchline's own packets (docs/radio.md): version 1 without a team number, version 2 with one.

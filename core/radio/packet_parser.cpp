@@ -81,15 +81,18 @@ class PacketParser {
     const PacketField& field = layout_.fields[index];
     if (!is_bits(field.type)) align();
     const auto begin = static_cast<std::uint16_t>(at_);
-    FieldReading reading{static_cast<std::uint16_t>(index), static_cast<std::uint16_t>(robot), begin, begin, 0.0};
+    FieldReading reading{static_cast<std::uint16_t>(index), static_cast<std::uint16_t>(robot), begin, begin, 0.0, 0};
     if (field.type == FieldType::kBytes) {
       read_text(field);
     } else if (field.type == FieldType::kDigits) {
       reading.number = read_digits(field);
     } else if (is_bits(field.type)) {
-      reading.number = read_bits(field);
+      reading.number = extended(reading.address = read_bits(field), field);
     } else {
-      reading.number = read_bytes(field);
+      reading.address = read_bytes(field);
+      reading.number = field.type == FieldType::kF32
+                           ? static_cast<double>(std::bit_cast<float>(static_cast<std::uint32_t>(reading.address)))
+                           : extended(reading.address, field);
     }
     if (state_ != State::kFine) return;
     reading.end = static_cast<std::uint16_t>(is_bits(field.type) && bit_ > 0 ? at_ + 1 : at_);
@@ -155,40 +158,40 @@ class PacketParser {
     return (negative ? -number : number) / unit;
   }
 
-  double read_bits(const PacketField& field) {
+  std::uint32_t read_bits(const PacketField& field) {
     std::uint32_t number = 0;
     for (unsigned i = 0; i < field.bits; ++i) {
       if (at_ >= bytes_.size()) {
         state_ = State::kShort;
-        return 0.0;
+        return 0;
       }
       number |= ((std::to_integer<std::uint32_t>(bytes_[at_]) >> bit_) & 1u) << i;
       if (++bit_ == 8) align();
     }
-    return extended(number, field);
+    return number;
   }
 
-  double read_bytes(const PacketField& field) {
+  std::uint64_t read_bytes(const PacketField& field) {
     const std::size_t count = byte_count(field.type);
     if (bytes_.size() - at_ < count) {
       state_ = State::kShort;
-      return 0.0;
+      return 0;
     }
-    std::uint32_t number = 0;
+    std::uint64_t number = 0;
     for (std::size_t i = 0; i < count; ++i) {
       const std::size_t place = field.big_endian ? count - 1 - i : i;
-      number |= std::to_integer<std::uint32_t>(bytes_[at_ + i]) << (8 * place);
+      number |= std::to_integer<std::uint64_t>(bytes_[at_ + i]) << (8 * place);
     }
     at_ += count;
-    return field.type == FieldType::kF32 ? static_cast<double>(std::bit_cast<float>(number)) : extended(number, field);
+    return number;
   }
 
   // With the sign of signed types.
-  static double extended(std::uint32_t number, const PacketField& field) {
-    if (integer_range(field).low == 0) return number;
+  static double extended(std::uint64_t number, const PacketField& field) {
+    if (integer_range(field).low == 0) return static_cast<double>(number);
     const unsigned bits = is_bits(field.type) ? field.bits : static_cast<unsigned>(8 * byte_count(field.type));
     const std::int64_t sign = std::int64_t{1} << (bits - 1u);
-    return static_cast<double>((std::int64_t{number} ^ sign) - sign);
+    return static_cast<double>((static_cast<std::int64_t>(number) ^ sign) - sign);
   }
 
   void align() {
@@ -227,7 +230,8 @@ struct RobotReading {
   bool known = true;  // it is one of the receivers
   RobotId id = kUnknownId;
   double left = 0.0, right = 0.0, forward = 0.0, turn = 0.0;
-  bool has_twist = false, left_backward = false, right_backward = false, backward = false, to_the_right = false;
+  bool has_left = false, has_right = false, has_twist = false, left_backward = false, right_backward = false,
+       backward = false, to_the_right = false;
 };
 
 // Index of the code; 4: none.
@@ -247,6 +251,9 @@ class PacketDecoder {
       if (!take(reading)) return ErrorCode::kCorruptFrame;
     }
     packet_.commands.stop = packet_.stop;
+    if (!robots_.empty() && (robots_[0].has_twist || (robots_[0].has_left && robots_[0].has_right))) {
+      packet_.telemetry.wheels = command_of(robots_[0]).wheels;
+    }
     const bool has_places = layout_.slots > 0 || layout_.one_each;
     for (std::size_t i = 0; i < robots_.size(); ++i) {
       RobotReading& robot = robots_[i];
@@ -275,12 +282,14 @@ class PacketDecoder {
         packet_.telemetry.id = robot(reading).id;
         return true;
       case FieldValue::kAddress:
-        return take_address(robot(reading), field, reading.number);
+        return take_address(robot(reading), field, reading.address);
       case FieldValue::kLeft:
         robot(reading).left = value;
+        robot(reading).has_left = true;
         return std::isfinite(value);
       case FieldValue::kRight:
         robot(reading).right = value;
+        robot(reading).has_right = true;
         return std::isfinite(value);
       case FieldValue::kForward:
         robot(reading).forward = value;
@@ -342,12 +351,11 @@ class PacketDecoder {
   }
 
   // The field may carry the lowest bits only, such as the last bytes of a MAC address.
-  bool take_address(RobotReading& robot, const PacketField& field, double number) {
-    const auto bits = static_cast<std::uint64_t>(integer_range(field).high);
+  bool take_address(RobotReading& robot, const PacketField& field, std::uint64_t address) {
     robot.known = false;
     for (const Receiver& receiver : layout_.receivers) {
-      if (static_cast<double>(receiver.address & bits) != number) continue;
-      robot.id = receiver.id;
+      if ((receiver.address & address_bits(field)) != address) continue;
+      packet_.telemetry.id = robot.id = receiver.id;
       robot.known = true;
     }
     return true;

@@ -16,6 +16,7 @@ struct FieldReading {
   std::uint16_t robot = 0;           // repetition of its block
   std::uint16_t begin = 0, end = 0;  // bytes that it touches
   double number = 0.0;               // as it stands on the wire; 0 for constant bytes
+  std::uint64_t address = 0;         // the same of kAddress, with all bits
 };
 // Largest packet: 11 robots in blocks of ten fields, and fields around them.
 using FieldReadings = FixedVector<FieldReading, 160>;

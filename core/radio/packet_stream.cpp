@@ -2,7 +2,7 @@
 
 namespace touchline {
 
-void PacketStream::push(std::byte byte) {
+void PacketFinder::push(std::byte byte) {
   switch (frames_.push(byte)) {
     case FrameReader::Event::kNone:
       return;
@@ -24,13 +24,13 @@ void PacketStream::push(std::byte byte) {
   }
 }
 
-bool PacketStream::next(ParsedPacket& packet) {
+bool PacketFinder::next(ParsedPacket& packet, FieldReadings& readings) {
   bool is_own = false;
-  const auto length = [&](std::span<const std::byte> bytes) { return parse_packet(*layout_, bytes, readings_); };
+  const auto length = [&](std::span<const std::byte> bytes) { return parse_packet(*layout_, bytes, readings); };
   // A foreign packet is valid too: its bytes are not searched for another one.
   const auto take = [&](std::span<const std::byte>) {
     ParsedPacket read;
-    if (!decode_packet(*layout_, readings_, receiver_, read).ok()) return false;
+    if (!decode_packet(*layout_, readings, receiver_, read).ok()) return false;
     is_own = read.team == layout_->team;
     if (is_own) packet = read;
     return true;
@@ -48,7 +48,7 @@ bool PacketStream::next(ParsedPacket& packet) {
   return false;
 }
 
-void PacketStream::reset() {
+void PacketFinder::reset() {
   sync_.reset();
   frames_.reset();
   frame_complete_ = false;

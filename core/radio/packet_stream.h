@@ -11,21 +11,22 @@ namespace touchline {
 
 /// Finds packets of a layout in the bytes of a line that loses, inserts and corrupts bytes. After any error, the first
 /// complete packet is found at the latest after kMaxPacketBytes more bytes, because a corrupt header may announce that
-/// many.
+/// many. Several finders can share the memory for the fields of a packet, which is much larger than a finder.
 ///
-///   stream.push(byte);
-///   while (stream.next(packet)) ...
-class PacketStream {
+///   finder.push(byte);
+///   while (finder.next(packet, readings)) ...
+class PacketFinder {
  public:
   /// `receiver`: the robot that listens, for layouts without ids. Packets of other teams than layout.team are not
   /// returned. The layout must outlive the stream.
-  explicit PacketStream(const PacketLayout& layout, RobotId receiver = kUnknownId)
+  PacketFinder() = default;
+  explicit PacketFinder(const PacketLayout& layout, RobotId receiver = kUnknownId)
       : layout_(&layout), receiver_(receiver), frames_(layout.framing) {}
 
   /// If the buffer is full because next() was not called, the oldest byte is dropped and counted as skipped.
   void push(std::byte byte);
   /// Returns the oldest complete packet of the own team. False if more bytes are needed.
-  bool next(ParsedPacket& packet);
+  bool next(ParsedPacket& packet, FieldReadings& readings);
   /// Drops buffered bytes. Call it after a pause on the line that is longer than a packet.
   void reset();
 
@@ -35,13 +36,22 @@ class PacketStream {
   [[nodiscard]] std::uint64_t foreign_packets() const { return foreign_packets_; }
 
  private:
-  const PacketLayout* layout_;
-  RobotId receiver_;
-  FrameReader frames_;
+  const PacketLayout* layout_ = nullptr;
+  RobotId receiver_ = kUnknownId;
+  FrameReader frames_{Framing::kNone};
   PacketSync<2 * kMaxPacketBytes> sync_;  // room for two packets: a corrupt one and the next one
   bool frame_complete_ = false;
-  FieldReadings readings_;
   std::uint64_t foreign_packets_ = 0;
+};
+
+/// A finder with memory of its own for the fields.
+class PacketStream : public PacketFinder {
+ public:
+  using PacketFinder::PacketFinder;
+  bool next(ParsedPacket& packet) { return PacketFinder::next(packet, readings_); }
+
+ private:
+  FieldReadings readings_;
 };
 
 /// Decides which packets a robot obeys: stop packets always; others if their sequence number is newer than the last one

@@ -19,6 +19,7 @@ Status encode_telemetry(const PacketLayout& layout, const RobotTelemetry& teleme
   robot.id = telemetry.id;
   robot.battery_v = telemetry.battery_v;
   robot.link_percent = telemetry.link_percent;
+  robot.wheels = telemetry.wheels.value_or(WheelSpeeds{});
   PacketValues values;
   values.sequence = telemetry.sequence;
   return encode_packet(layout, {&robot, 1}, values, out);
@@ -27,23 +28,33 @@ Status encode_telemetry(const PacketLayout& layout, const RobotTelemetry& teleme
 void RobotMonitor::configure(const PacketLayout& layout, float low_battery_v) {
   low_battery_v_ = low_battery_v;
   layout_ = layout;
-  stream_ = PacketStream(layout_);
+  finders_.fill(PacketFinder(layout_));
   contradictions_.fill(0);
 }
 
-void RobotMonitor::listen(std::span<const std::byte> bytes, Instant now, RobotReports& reports) {
+void RobotMonitor::listen(std::span<const std::byte> bytes, Instant now, RobotReports& reports, std::size_t sender) {
   if (layout_.fields.empty()) return;
+  const bool is_shared = layout_.names_robots() || sender >= kAllRobots;
+  PacketFinder& finder = finders_[is_shared ? kAllRobots : sender];
   ParsedPacket packet;
   for (const std::byte byte : bytes) {
-    stream_.push(byte);
-    while (stream_.next(packet)) process(packet, now, reports);
+    finder.push(byte);
+    while (finder.next(packet, readings_)) process(packet, sender, now, reports);
   }
-  reports.foreign_bytes = stream_.skipped_bytes();
+  reports.foreign_bytes = 0;
+  for (const PacketFinder& each : finders_) reports.foreign_bytes += each.skipped_bytes();
   reports.report_bytes = largest_packet(layout_, 1);
 }
 
-void RobotMonitor::process(const ParsedPacket& packet, Instant now, RobotReports& reports) {
-  const RobotTelemetry& telemetry = packet.telemetry;
+RobotId RobotMonitor::sender_id(std::size_t sender) const {
+  const auto& receivers = layout_.receivers;
+  if (receivers.size() == 1) return receivers[0].id;
+  return sender < receivers.size() ? receivers[sender].id : kUnknownId;
+}
+
+void RobotMonitor::process(const ParsedPacket& packet, std::size_t sender, Instant now, RobotReports& reports) {
+  RobotTelemetry telemetry = packet.telemetry;
+  if (!layout_.names_robots()) telemetry.id = sender_id(sender);
   if (telemetry.id < 0) return;
   auto& robots = reports.robots;
   ++reports.packets;

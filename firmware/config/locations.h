@@ -19,6 +19,8 @@ class Locations {
   [[nodiscard]] const std::string& of(std::string_view key_path) const;
   [[nodiscard]] bool has(std::string_view key_path) const { return where_.find(key_path) != where_.end(); }
   [[nodiscard]] const std::string& file() const { return file_; }
+  /// Paths of the keys, with their "file:line".
+  [[nodiscard]] const std::map<std::string, std::string, std::less<>>& all() const { return where_; }
 
  private:
   std::string file_;

@@ -110,15 +110,14 @@ class PacketRules {
     }
   }
 
-  void check_address(std::size_t index) {
+  void check_address(std::size_t index, bool has_own_receiver) {
     const PacketField& field = layout_.fields[index];
     if (field.type == FieldType::kF32 || field.type == FieldType::kDigits || integer_range(field).low < 0) {
-      return add(element(list_, index) + ".type", "an address is a number of u8, u16, u32 or bits");
+      return add(element(list_, index) + ".type", "an address is a number of u8, u16, u32, u48, u64 or bits");
     }
-    const auto bits = static_cast<std::uint64_t>(integer_range(field).high);
     std::set<std::uint64_t> known;
     for (std::size_t i = 0; i < layout_.receivers.size(); ++i) {
-      if (layout_.one_each || known.insert(layout_.receivers[i].address & bits).second) continue;
+      if (has_own_receiver || known.insert(layout_.receivers[i].address & address_bits(field)).second) continue;
       add(element("own.robot", i) + ".address",
           "ends as that of another robot: " + element(list_, index) + " carries the last bits only");
     }
@@ -237,10 +236,18 @@ void check_robots(const PacketLayout& layout, const std::string& list, const Loc
     const FieldValue value = layout.fields[i].value;
     if (is_speed(value)) rules.check_speed(i);
     if (value == FieldValue::kId) rules.check_id(i);
-    if (value == FieldValue::kAddress) rules.check_address(i);
+    if (value == FieldValue::kAddress) rules.check_address(i, layout.one_each);
     rules.check_direction(i);
   }
   rules.check_counts();
+}
+
+void check_telemetry(const PacketLayout& layout, const std::string& list, const Locations& where, ErrorList& errors) {
+  PacketRules rules(layout, list, where, errors);
+  for (std::size_t i = 0; i < layout.fields.size(); ++i) {
+    if (layout.fields[i].value == FieldValue::kId) rules.check_id(i);
+    if (layout.fields[i].value == FieldValue::kAddress) rules.check_address(i, false);
+  }
 }
 
 }  // namespace touchline::config

@@ -15,4 +15,7 @@ void check_fields(const PacketLayout& layout, const std::string& list, const Loc
 /// Refuses packets that cannot stop each robot, drive it both ways, or name it and no other one.
 void check_robots(const PacketLayout& layout, const std::string& list, const Locations& where, ErrorList& errors);
 
+/// Refuses reports whose id or address is not that of one robot.
+void check_telemetry(const PacketLayout& layout, const std::string& list, const Locations& where, ErrorList& errors);
+
 }  // namespace touchline::config

@@ -94,9 +94,13 @@ std::string section_of(std::string_view preset) {
   return text;
 }
 
-std::string number_on_wire(double number) {
+std::string number_on_wire(const PacketField& field, const FieldReading& reading) {
   std::array<char, 32> text{};
-  std::snprintf(text.data(), text.size(), "%.10g", number);
+  if (field.type == FieldType::kU48 || field.type == FieldType::kU64) {
+    std::snprintf(text.data(), text.size(), "0x%llX", static_cast<unsigned long long>(reading.address));
+    return text.data();
+  }
+  std::snprintf(text.data(), text.size(), "%.10g", reading.number);
   return text.data();
 }
 
@@ -117,7 +121,7 @@ std::string packet_text(const PacketLayout& layout, std::span<const std::byte> b
     text.append(place.data()).append(shown).append("  ").append(word_of(field.value, kFieldValues));
     const std::optional<int> robot = field.block > 0 ? robot_of(layout, readings, reading) : std::nullopt;
     if (robot && field.value != FieldValue::kId) text += " of robot " + std::to_string(*robot);
-    if (field.type != FieldType::kBytes) text += ": " + number_on_wire(reading.number) + unit_text(layout, reading);
+    if (field.type != FieldType::kBytes) text += ": " + number_on_wire(field, reading) + unit_text(layout, reading);
     text += "\n";
   }
   return text;
@@ -192,9 +196,9 @@ std::string radio_warnings(const Configuration& configuration) {
   }
   const std::size_t robots = layout.receivers.size();
   const std::size_t bytes = largest_packet(layout, robots) * (layout.one_each ? robots : 1);
-  const double pauses_s = port.pause_s * static_cast<double>(layout.one_each ? robots : 1);
-  const bool has_line = hal::byte_time(port) > Duration{};
-  const double line_s = has_line ? seconds(hal::byte_time(port)) * static_cast<double>(bytes) + pauses_s : 0.0;
+  const hal::LineTime line = hal::line_time(port);
+  const double pauses_s = seconds(line.pause) * static_cast<double>(layout.one_each ? robots : 1);
+  const double line_s = seconds(line.of(bytes)) + pauses_s;
   const double rate_hz = configuration.board.camera.rate_hz;
   if (rate_hz > 0.0 && line_s > 1.0 / rate_hz) {
     text += "a frame's packets of up to " + std::to_string(bytes) + " bytes take " +

@@ -25,7 +25,8 @@ std::optional<std::uint64_t> radio_address(std::string_view text) {
     }
     return value;
   };
-  if (std::count(text.begin(), text.end(), ':') == 5) return parts(':', 16, 6);
+  const auto colons = std::count(text.begin(), text.end(), ':');
+  if (colons == 5 || colons == 7) return parts(':', 16, static_cast<std::size_t>(colons + 1));
   if (text.find('.') != std::string_view::npos) {
     text = text.substr(0, text.find(':'));
     return parts('.', 10, 4);

@@ -25,7 +25,7 @@ struct PresetFile {
 
 }  // namespace
 
-bool read_radio_preset(std::string_view name, RadioEntry& out) {
+bool read_radio_preset(std::string_view name, RadioEntry& out, Locations* where) {
   const auto presets = radio_presets();
   const auto found =
       std::find_if(presets.begin(), presets.end(), [&](const RadioPreset& preset) { return preset.name == name; });
@@ -34,10 +34,27 @@ bool read_radio_preset(std::string_view name, RadioEntry& out) {
   Result<toml::table> root = parse_text(found->toml, path);
   if (!root.ok()) return false;
   PresetFile file;
-  Locations locations(path);
+  Locations own_locations;
+  Locations& locations = where != nullptr ? *where : own_locations;
+  locations = Locations(path);
   if (!read_table(root.value(), {}, file, locations).ok()) return false;
   out = file.radio;
   return true;
+}
+
+Locations locations_with_preset(const Locations& team, std::string_view name) {
+  Locations all = team, preset;
+  RadioEntry read;
+  if (!read_radio_preset(name, read, &preset)) return all;
+  const std::string chosen = " (radio.format = \"" + std::string(name) + "\" of " + team.of("radio.format") + ")";
+  for (const auto& [key, where] : preset.all()) {
+    const std::size_t begin = key.find('.');
+    if (begin == std::string::npos) continue;
+    // A list of the team file replaces that of the preset.
+    const std::string member = key.substr(0, key.find_first_of(".[", begin + 1));
+    if (!team.has(member) && !team.has(member + "[0]")) all.note(key, where + chosen);
+  }
+  return all;
 }
 
 void read_preset(std::string_view name, TeamFile& out) { read_radio_preset(name, out.radio); }

@@ -94,10 +94,13 @@ class LayoutResolver {
   PacketLayout telemetry() {
     PacketLayout layout = common(radio_.telemetry, "radio.telemetry");
     layout.one_each = true;
-    if (errors_.empty()) check_fields(layout, "radio.telemetry", where_, errors_);
-    if (!layout.fields.empty() && !layout.has(FieldValue::kId)) {
-      add("radio.telemetry", "no field carries the id, so nobody knows whose report it is");
+    for (std::size_t i = 0; i < radio_.telemetry.size(); ++i) {
+      if (radio_.telemetry[i].unit != WireUnit::kShare) continue;
+      add(element("radio.telemetry", i) + ".unit", "a share of full power is no measured speed");
     }
+    add_receivers(layout);
+    if (errors_.empty()) check_fields(layout, "radio.telemetry", where_, errors_);
+    if (errors_.empty()) check_telemetry(layout, "radio.telemetry", where_, errors_);
     return layout;
   }
 
@@ -109,7 +112,8 @@ class LayoutResolver {
       if (layout.has(FieldValue::kAddress) && robot.address.empty()) {
         add(element("own.robot", i), "has no address, which the packets of \"" + radio_.format + "\" contain");
       } else if (layout.has(FieldValue::kAddress) && !address) {
-        add(key, "\"" + robot.address + "\" is no address: 81, 0x35D0, 24:6F:28:AA:0B:01 or 192.168.1.11");
+        add(key, "\"" + robot.address +
+                     "\" is no address: 81, 0x35D0, 24:6F:28:AA:0B:01, 00:13:A2:00:40:0A:01:27 or 192.168.1.11");
       }
       layout.receivers.push_back({static_cast<RobotId>(robot.id), address.value_or(0)});
     }
@@ -136,7 +140,7 @@ class LayoutResolver {
     PacketLayout layout;
     layout.team = static_cast<TeamNumber>(team_.team_number);
     layout.framing = radio_.framing;
-    layout.wheel_base_m = team_.control.drive.wheel_base_m;
+    layout.set_drive(team_.control.drive.wheel_base_m, team_.control.drive.max_wheel_speed_mps);
     if (entries.size() > kMaxPacketFields) {
       add(list, std::to_string(entries.size()) + " fields; a packet has at most " + std::to_string(kMaxPacketFields));
       return layout;
@@ -185,6 +189,8 @@ class LayoutResolver {
     if (entry.value == FieldValue::kCheck && byte_count(entry.type) != check_bytes(entry.check)) {
       add(key + ".type", "this check has " + std::to_string(check_bytes(entry.check)) + " bytes");
     }
+    const bool is_long = entry.type == FieldType::kU48 || entry.type == FieldType::kU64;
+    if (is_long && entry.value != FieldValue::kAddress) add(key + ".type", "only an address has this type");
     if (entry.between && entry.block == 0) add(key + ".between", "only a field of a block lies between robots");
     if (entry.between && entry.type != FieldType::kBytes) add(key + ".between", "only constant bytes separate robots");
   }
@@ -349,10 +355,8 @@ class LayoutResolver {
       if (quantity_of(radio_.field[i].value) != Quantity::kWheel || radio_.field[i].unit == WireUnit::kShare) continue;
       add(element("radio.field", i) + ".unit", "is not \"share\" as that of the other wheel speeds");
     }
-    if (speeds.empty()) {
-      layout.pwm.push_back({0.0f, 0.0f});
-      layout.pwm.push_back({static_cast<float>(team_.control.drive.max_wheel_speed_mps), 1.0f});
-    }
+    layout.pwm_is_assumed = speeds.empty();
+    layout.set_drive(team_.control.drive.wheel_base_m, team_.control.drive.max_wheel_speed_mps);
     for (std::size_t i = 0; i < speeds.size(); ++i) {
       layout.pwm.push_back({static_cast<float>(speeds[i]), static_cast<float>(shares[i])});
     }
@@ -412,8 +416,9 @@ class LayoutResolver {
 
 Result<void> resolve_radio(const TeamFile& team, const Locations& where, PipelineParameters& out) {
   ErrorList errors;
-  LayoutResolver resolver(team, where, errors);
   const std::string& format = team.radio.format;
+  const Locations places = locations_with_preset(where, format);
+  LayoutResolver resolver(team, places, errors);
   if (format == "touchline" && team.radio.field.empty()) {
     out.radio = touchline_layout(static_cast<TeamNumber>(team.team_number));
     resolver.add_receivers(out.radio);

@@ -59,6 +59,10 @@ void write_telemetry(JsonWriter& json, const StatusReport& report) {
     } else {
       json.integer(robot.link_percent);
     }
+    if (robot.wheels) {
+      write_number(json, "left_mps", static_cast<double>(robot.wheels->left_mps), report::kSpeedStep);
+      write_number(json, "right_mps", static_cast<double>(robot.wheels->right_mps), report::kSpeedStep);
+    }
     write_number(json, "age_s", robot.age_s, 1e-3);
     json.end_object();
   }

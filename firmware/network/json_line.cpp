@@ -92,6 +92,10 @@ void write_telemetry(JsonWriter& json, const Snapshot& snapshot) {
     } else {
       json.integer(report.last.link_percent);
     }
+    if (report.last.wheels) {
+      write_number(json, "left", report.last.wheels->left_mps, report::kSpeedStep);
+      write_number(json, "right", report.last.wheels->right_mps, report::kSpeedStep);
+    }
     write_number(json, "age", seconds(snapshot.sent - report.heard), report::kSecondStep);
     json.end_object();
   }

@@ -31,7 +31,7 @@ Arena::Arena(const ArenaParameters& parameters, const CameraSettings& camera, co
              std::uint64_t seed, Instant begin)
     : parameters_(parameters),
       camera_(camera),
-      game_(parameters, radio.baud, seed, begin),
+      game_(parameters, radio.baud, seed, begin, from_seconds(radio.pause_s)),
       renderer_(parameters, camera.width_px, camera.height_px),
       sensor_(parameters.sensor, pixel_format(camera.format), camera.width_px, camera.height_px, seed),
       picture_faults_(parameters, camera, seed),

@@ -4,11 +4,11 @@
 
 namespace touchline::hal::mock {
 
-Game::Game(const ArenaParameters& parameters, int baud, std::uint64_t seed, Instant begin)
+Game::Game(const ArenaParameters& parameters, int baud, std::uint64_t seed, Instant begin, Duration pause)
     : world_(parameters, seed),
       rules_(parameters, world_, seed),
-      channels_{RadioChannel(parameters, baud, seed, Side::kOwn),
-                RadioChannel(parameters, baud, seed, Side::kOpponent)},
+      channels_{RadioChannel(parameters, baud, seed, pause, Side::kOwn),
+                RadioChannel(parameters, baud, seed, {}, Side::kOpponent)},
       begin_(begin),
       now_(begin) {}
 

@@ -23,9 +23,10 @@ class Game {
   static constexpr Duration kStep = std::chrono::milliseconds(1);
   static_assert(seconds(kStep) == World::kStepS);
 
-  /// `baud`: speed of the lines to both sides' radios; `begin`: the instant of arena time 0. The parameters must have
+  /// `baud`: speed of the lines to both sides' radios; `begin`: the instant of arena time 0;
+  /// `pause`: after each packet of the own side (LineTime). The parameters must have
   /// no violation (find_violation()).
-  Game(const ArenaParameters& parameters, int baud, std::uint64_t seed, Instant begin = kBegin);
+  Game(const ArenaParameters& parameters, int baud, std::uint64_t seed, Instant begin = kBegin, Duration pause = {});
   Game(const Game&) = delete;
   Game& operator=(const Game&) = delete;
   ~Game() = default;

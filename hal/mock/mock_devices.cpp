@@ -189,13 +189,13 @@ Result<Duration> MockRadio::do_serve() {
   TOUCHLINE_TRY(slot_.serve(*this));
   if (slot_.bytes() == 0) return Duration::max();
   constexpr Duration kMinPause = std::chrono::milliseconds(1);
-  return std::max(kMinPause, arena_.channel().drained() - arena_.now());
+  return std::max(kMinPause, arena_.channel().line_free() - arena_.now());
 }
 
-Result<std::size_t> MockRadio::do_receive(std::span<std::byte> into) {
+Result<std::size_t> MockRadio::do_receive(std::span<std::byte> into, std::size_t& sender) {
   const std::scoped_lock lock(arena_.mutex());
   TOUCHLINE_TRY(check_usable());
-  return arena_.channel().receive(into);
+  return arena_.channel().receive(into, sender);
 }
 
 Result<void> MockRadio::do_drain(Instant deadline) {

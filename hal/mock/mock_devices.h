@@ -74,7 +74,7 @@ class MockRadio : public Radio, private ByteLine {
   Result<void> do_open() override;
   Result<void> do_send(const Packet& packet, std::size_t receiver) override;
   Result<Duration> do_serve() override;
-  Result<std::size_t> do_receive(std::span<std::byte> into) override;
+  Result<std::size_t> do_receive(std::span<std::byte> into, std::size_t& sender) override;
   Result<void> do_drain(Instant deadline) override;
   void do_close() override;
   // Functions of ByteLine; the caller has locked the arena.

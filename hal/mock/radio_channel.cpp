@@ -12,10 +12,11 @@ constexpr std::array<std::uint64_t, 2> kRadioStream{2, 7};  // by Side
 
 }  // namespace
 
-RadioChannel::RadioChannel(const ArenaParameters& parameters, int baud, std::uint64_t seed, Side side)
+RadioChannel::RadioChannel(const ArenaParameters& parameters, int baud, std::uint64_t seed, Duration pause, Side side)
     : parameters_(parameters.radio),
       side_(side),
       byte_time_(from_seconds(kBitsPerByte / baud)),
+      pause_(pause),
       timeout_(from_seconds(parameters.physics.command_timeout_s)),
       random_(seed, kRadioStream[static_cast<std::size_t>(side)]),
       telemetry_(parameters, seed, side) {
@@ -45,9 +46,9 @@ Result<void> RadioChannel::send(std::span<const std::byte> bytes, Instant now, s
     return failure(ErrorCode::kBusy, "the queue is full");
   }
   for (const std::byte byte : bytes) in_flight.packet.push_back(byte);
-  line_free_ = begin + byte_time_ * static_cast<int>(bytes.size());
+  line_free_ = begin + byte_time_ * static_cast<int>(bytes.size()) + pause_;
   in_flight.arrival =
-      line_free_ + from_seconds(parameters_.delay_s) + from_seconds(parameters_.jitter_s * random_.exponential());
+      drained() + from_seconds(parameters_.delay_s) + from_seconds(parameters_.jitter_s * random_.exponential());
   in_flight_.push_back(in_flight);
   ++statistics_.sent;
   return {};
@@ -81,7 +82,19 @@ void RadioChannel::deliver(Instant now, World& world) {
     world.drive(receiver.id, 0.0, 0.0, side_);
     telemetry_.on_wheel_speeds(receiver.id, {});
   }
+  for (const RobotReceiver& receiver : receivers_)
+    telemetry_.measure(receiver.id, world.wheel_speeds(receiver.id, side_));
   telemetry_.advance(now);
+}
+
+std::size_t RadioChannel::receive(std::span<std::byte> into, std::size_t& sender) {
+  int id = 0;
+  const std::size_t count = telemetry_.read(into, id);
+  if (count == 0 || telemetry_.names_robots()) return count;
+  for (std::size_t i = 0; i < layout_.receivers.size(); ++i) {
+    if (layout_.receivers[i].id == id) sender = i;
+  }
+  return count;
 }
 
 bool RadioChannel::is_for(const PacketInFlight& packet, const RobotReceiver& receiver) const {

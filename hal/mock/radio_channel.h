@@ -35,8 +35,10 @@ struct ChannelStatistics {
 /// independently, parses the bytes, checks the packets, obeys them, and stops after the time-out.
 class RadioChannel {
  public:
-  /// `baud`: speed of the serial line at 10 bits per byte. `side`: whose robots receive the packets.
-  RadioChannel(const ArenaParameters& parameters, int baud, std::uint64_t seed, Side side = Side::kOwn);
+  /// `baud`: speed of the serial line at 10 bits per byte. `pause`: after each packet (LineTime). `side`: whose robots
+  /// receive the packets.
+  RadioChannel(const ArenaParameters& parameters, int baud, std::uint64_t seed, Duration pause = {},
+               Side side = Side::kOwn);
 
   /// Sets the packets that the robots understand and send. They obey packets of the layout's team alone.
   void set_layouts(const PacketLayout& commands, const PacketLayout& telemetry);
@@ -44,11 +46,14 @@ class RadioChannel {
   /// and nothing was queued. kOutOfRange: `bytes` is empty or larger than a packet.
   Result<void> send(std::span<const std::byte> bytes, Instant now, std::size_t receiver = kAllRobots);
   /// The time at which the last queued byte will be sent.
-  [[nodiscard]] Instant drained() const { return line_free_; }
-  /// Returns the number of queued bytes that are not sent yet.
+  [[nodiscard]] Instant drained() const { return line_free_ - pause_; }
+  /// The time at which the line is free for the next packet.
+  [[nodiscard]] Instant line_free() const { return line_free_; }
+  /// Returns the number of bytes that the line still needs time for: those that are not sent yet, and the pause.
   [[nodiscard]] std::size_t queued_bytes(Instant now) const;
-  /// Moves the oldest bytes that the robots have sent into `into`; returns their number.
-  std::size_t receive(std::span<std::byte> into) { return telemetry_.read(into); }
+  /// Moves the oldest bytes that the robots have sent into `into`; returns their number. If reports do not name their
+  /// robots, `sender` is the index of the receiver that has sent them, because such robots have a port each.
+  std::size_t receive(std::span<std::byte> into, std::size_t& sender);
   /// Processes all arrivals and time-outs until `now` and sets the wheel speeds of the robots in `world`.
   void deliver(Instant now, World& world);
   [[nodiscard]] const ChannelStatistics& statistics() const { return statistics_; }
@@ -73,7 +78,7 @@ class RadioChannel {
   ChannelParameters parameters_;
   Side side_;
   PacketLayout layout_ = touchline_layout();
-  Duration byte_time_, timeout_;
+  Duration byte_time_, pause_, timeout_;
   Random random_;
   Instant line_free_{};
   // Packets in flight: at 60 packets per second, with one second of delay and one second of mean jitter, they are 120

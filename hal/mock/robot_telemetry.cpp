@@ -43,6 +43,10 @@ void RobotTelemetrySource::on_wheel_speeds(int id, const WheelSpeeds& wheels) {
   }
 }
 
+void RobotTelemetrySource::measure(int id, const WheelSpeeds& wheels) {
+  if (Robot* const robot = find(id); robot != nullptr) robot->measured = wheels;
+}
+
 void RobotTelemetrySource::advance(Instant now) {
   if (parameters_.telemetry_hz <= 0.0) return;
   const Duration period = from_seconds(1.0 / parameters_.telemetry_hz);
@@ -75,8 +79,10 @@ void RobotTelemetrySource::send_report(Robot& robot, Instant now) {
   report.sequence = ++robot.sequence;
   report.battery_v = robot.battery_v - static_cast<float>(parameters_.battery_drop_v_per_min) * minutes -
                      kSagVPerMps * robot.speed_mps;
+  report.wheels = robot.measured;
   report.link_percent = static_cast<std::int8_t>(std::lround(100.0f * std::clamp(robot.link, 0.0f, 1.0f)));
   PacketInFlight in_flight;
+  in_flight.id = robot.id;
   if (!encode_telemetry(layout_, report, in_flight.packet).ok() || in_flight.packet.empty()) return;
   in_flight.arrival =
       now + from_seconds(parameters_.delay_s) + from_seconds(parameters_.jitter_s * random_.exponential());
@@ -93,14 +99,28 @@ void RobotTelemetrySource::send_report(Robot& robot, Instant now) {
 }
 
 void RobotTelemetrySource::append_received(const PacketInFlight& in_flight) {
-  for (const std::byte byte : in_flight.packet) received_.push_back(byte);
+  if (in_flight.packet.empty()) return;
+  std::size_t count = 0;
+  for (const std::byte byte : in_flight.packet) count += received_.push_back(byte) ? 1U : 0U;
+  if (count > 0) received_from_.push_back({in_flight.id, count});
 }
 
-std::size_t RobotTelemetrySource::read(std::span<std::byte> into) {
-  const std::size_t count = std::min(into.size(), received_.size());
+std::size_t RobotTelemetrySource::read(std::span<std::byte> into, int& id) {
+  std::size_t count = 0, parts = 0;
+  for (; parts < received_from_.size() && count < into.size(); ++parts) {
+    ReceivedBytes& part = received_from_[parts];
+    if (!names_robots() && parts > 0 && part.id != received_from_[0].id) break;
+    const std::size_t taken = std::min(into.size() - count, part.count);
+    count += taken;
+    part.count -= taken;
+    id = part.id;
+    if (part.count > 0) break;
+  }
   std::copy_n(received_.begin(), count, into.begin());
   std::copy(received_.begin() + count, received_.end(), received_.begin());
   received_.resize(received_.size() - count);
+  std::copy(received_from_.begin() + parts, received_from_.end(), received_from_.begin());
+  received_from_.resize(received_from_.size() - parts);
   return count;
 }
 

@@ -27,8 +27,17 @@ class RobotTelemetrySource {
   void on_wheel_speeds(int id, const WheelSpeeds& wheels);
   /// Sends all reports that are due until `now`, and receives those that have arrived.
   void advance(Instant now);
-  /// Moves the oldest received bytes into `into`; returns their number.
-  std::size_t read(std::span<std::byte> into);
+  /// Sets what the encoders of robot `id` measure.
+  void measure(int id, const WheelSpeeds& wheels);
+  /// Moves the oldest received bytes into `into`; returns their number. If reports do not name their robots, all bytes
+  /// are those of robot `id`.
+  std::size_t read(std::span<std::byte> into, int& id);
+  std::size_t read(std::span<std::byte> into) {
+    int id = 0;
+    return read(into, id);
+  }
+  /// Returns whether reports contain ids or addresses.
+  [[nodiscard]] bool names_robots() const { return layout_.names_robots(); }
 
  private:
   struct Robot {
@@ -36,10 +45,16 @@ class RobotTelemetrySource {
     Instant next{};  // time of the next report
     std::uint8_t sequence = 0;
     float battery_v = 0.0f, speed_mps = 0.0f, link = 1.0f;
+    WheelSpeeds measured;
   };
   struct PacketInFlight {
     Instant arrival{};
+    int id = 0;
     Packet packet;
+  };
+  struct ReceivedBytes {
+    int id = 0;
+    std::size_t count = 0;
   };
 
   void send_report(Robot& robot, Instant now);
@@ -52,7 +67,8 @@ class RobotTelemetrySource {
   FixedVector<Robot, kMaxRobots> robots_;
   // This is enough for five robots at 50 Hz with one second of delay. A packet that does not fit is lost.
   FixedVector<PacketInFlight, 256> in_flight_;
-  FixedVector<std::byte, 4096> received_;  // as large as the kernel's serial buffer
+  FixedVector<std::byte, 4096> received_;           // as large as the kernel's serial buffer
+  FixedVector<ReceivedBytes, 4096> received_from_;  // whose bytes these are, oldest first
   Instant begin_{};
   bool begun_ = false;
 };

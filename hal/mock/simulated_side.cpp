@@ -67,12 +67,12 @@ void SimulatedSide::process(const PendingFrame& pending, Instant now, RadioChann
   inputs_.action_delay = settings_.frame_latency + packet_time_ + settings_.radio_delay;
   const StepTrace& trace = pipeline_->step(frame, inputs_);
   inputs_.events = {};
-  Duration on_line{};
+  packet_time_ = settings_.line.until_sent(trace.packets, 0);
   for (std::size_t i = 0; i < trace.packets.size(); ++i) {
     const OutgoingPacket& outgoing = trace.packets[i];
-    on_line += static_cast<Duration::rep>(outgoing.packet.size()) * settings_.byte_time;
-    if (i == 0) packet_time_ = on_line;
-    if (outgoing.receiver < inputs_.lateness.size()) inputs_.lateness[outgoing.receiver] = on_line - packet_time_;
+    if (outgoing.receiver < inputs_.lateness.size()) {
+      inputs_.lateness[outgoing.receiver] = settings_.line.until_sent(trace.packets, i) - packet_time_;
+    }
     // A full queue rejects the packet, and the channel counts it.
     static_cast<void>(channel.send({outgoing.packet.data(), outgoing.packet.size()}, now, outgoing.receiver));
   }

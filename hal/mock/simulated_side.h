@@ -8,6 +8,7 @@
 #include "core/pipeline.h"
 #include "core/step_inputs.h"
 #include "core/types.h"
+#include "hal/line_time.h"
 #include "hal/mock/arena_parameters.h"
 #include "hal/mock/observer.h"
 #include "hal/mock/radio_channel.h"
@@ -23,8 +24,9 @@ struct SideSettings {
   double rate_hz = 60.0;         // of its camera
   // Time from the capture of a frame until it is in memory.
   Duration frame_latency{};
-  // What the side believes: time from the last byte sent until the wheels react, and of a byte on the line.
-  Duration radio_delay{}, byte_time{};
+  // What the side believes: time from the last byte sent until the wheels react, and times on the line.
+  Duration radio_delay{};
+  LineTime line{};
 };
 
 /// Time from the middle of the exposure until a picture of this sensor is in memory.

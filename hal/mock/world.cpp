@@ -82,6 +82,14 @@ void World::place_ball(const Placement& placement, Vector2 velocity_mps) {
   ball_.velocity = velocity_mps;
 }
 
+WheelSpeeds World::wheel_speeds(int id, Side side) const {
+  for (const Robot& robot : robots_) {
+    if (robot.team != side || robot.id != id) continue;
+    return {static_cast<float>(robot.wheel_mps[0]), static_cast<float>(robot.wheel_mps[1])};
+  }
+  return {};
+}
+
 void World::drive(int id, double left_mps, double right_mps, Side side) {
   const PhysicsParameters& physics = parameters_.physics;
   for (Robot& robot : robots_) {

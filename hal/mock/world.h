@@ -60,6 +60,8 @@ class World {
   struct Motors {
     std::array<double, 2> gain{1.0, 1.0}, lag_s{};
   };
+  /// Returns the speeds of the wheels' rims of own robot `id`, as its encoders measure them; 0 for an unknown id.
+  [[nodiscard]] WheelSpeeds wheel_speeds(int id, Side side = Side::kOwn) const;
   /// Robots are numbered as in ArenaParameters::robot.
   [[nodiscard]] Motors motors(std::size_t robot) const { return {robots_[robot].gain, robots_[robot].lag_s}; }
 

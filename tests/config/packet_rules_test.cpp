@@ -157,7 +157,8 @@ TEST_F(PacketRulesTest, AddressesAreBitsOfDifferentRobots) {
   expect_success("places = 2", places("u16"));
   expect_refusal("places = 2", places("u8"), "own.robot[1].address: ends as that of another robot");
   for (const char* type : {"digits", "f32", "i16"}) {
-    expect_refusal("places = 2", places(type), "radio.field[0].type: an address is a number of u8, u16, u32 or bits");
+    expect_refusal("places = 2", places(type),
+                   "radio.field[0].type: an address is a number of u8, u16, u32, u48, u64 or bits");
   }
 }
 

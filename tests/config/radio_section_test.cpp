@@ -74,6 +74,22 @@ check = "crc16-ccitt-false"
   EXPECT_TRUE(std::equal(own[0].packet.begin(), own[0].packet.end(), touchline[0].packet.begin()));
 }
 
+TEST_F(RadioSection, AnErrorInAPresetNamesItsFileAndKeyAndWhoChoseIt) {
+  write("team.toml",
+        "radio.format = \"ger\"\nradio.first_id = 0\nradio.wheel_radius_m = 0.03\n" + read(path("team.toml")));
+  EXPECT_EQ(refusal(),
+            "boards/radios/ger.toml:15 (radio.format = \"ger\" of team.toml:1): radio.field[3].unit: needs "
+            "radio.steps_per_turn\n"
+            "boards/radios/ger.toml:16 (radio.format = \"ger\" of team.toml:1): radio.field[4].unit: needs "
+            "radio.steps_per_turn\n");
+}
+
+TEST_F(RadioSection, AnErrorInTheTeamFilesOwnKeysNamesTheTeamFileDespiteAPreset) {
+  write("team.toml", "radio.format = \"erus\"\nradio.pwm_share = [0.1]\n" + read(path("team.toml")));
+  EXPECT_EQ(refusal(),
+            "team.toml:2: radio.pwm_share: pwm_speed_mps and pwm_share have the same number of values, 2 to 8\n");
+}
+
 TEST_F(RadioSection, WithoutItRobotsGetTouchlinesPacket) {
   ASSERT_OK(load());
   EXPECT_EQ(configuration_->pipeline.radio.fields.size(), touchline_layout().fields.size());
@@ -178,9 +194,12 @@ TEST_F(RadioSection, AddressesAreNumbersBytesOrNetworkAddresses) {
   EXPECT_EQ(radio_address("81"), 81U);
   EXPECT_EQ(radio_address("0x35D0"), 0x35D0U);
   EXPECT_EQ(radio_address("24:6F:28:AA:0B:01"), 0x246F28AA0B01U);
+  EXPECT_EQ(radio_address("00:13:A2:00:40:0A:01:27"), 0x0013A200400A0127U);
+  EXPECT_EQ(radio_address("0x0013A200400A0127"), 0x0013A200400A0127U);
   EXPECT_EQ(radio_address("192.168.1.11"), 0xC0A8010BU);
   EXPECT_EQ(radio_address("192.168.1.11:8081"), 0xC0A8010BU);
-  for (const char* wrong : {"", "x", "1.2.3", "1.2.3.4.5", "24:6F:28:AA:0B", "300.1.1.1", "12ab", "0xG"}) {
+  for (const char* wrong :
+       {"", "x", "1.2.3", "1.2.3.4.5", "24:6F:28:AA:0B", "24:6F:28:AA:0B:01:02", "300.1.1.1", "12ab", "0xG"}) {
     EXPECT_FALSE(radio_address(wrong)) << wrong;
   }
 }
@@ -303,6 +322,29 @@ field = [
   static_cast<void>(pipeline->stop(inputs));
   EXPECT_EQ(pipeline->radio().wheel_base_m, 0.111);
   EXPECT_TRUE(pipeline->has_receivers());
+}
+
+TEST_F(RadioSection, ANewLargestWheelSpeedIsFullPowerUnlessTheCurveWasMeasured) {
+  const std::string team = read(path("team.toml"));
+  for (const bool is_measured : {false, true}) {
+    SCOPED_TRACE(is_measured);
+    write("team.toml", "radio.format = \"uerjbotz\"\n" +
+                           std::string(is_measured ? "radio.pwm_speed_mps = [0.0, 0.9]\n"
+                                                     "radio.pwm_share = [0.1, 0.9]\n"
+                                                   : "") +
+                           team);
+    ASSERT_OK(load());
+    const auto pipeline = std::make_unique<Pipeline>();
+    ASSERT_TRUE(pipeline->configure(configuration_->pipeline).ok());
+    const double former = pwm_share(pipeline->radio(), 0.4);
+    StepInputs inputs;
+    inputs.events.control = configuration_->pipeline.control;
+    inputs.events.control->drive.max_wheel_speed_mps = 0.5;
+    static_cast<void>(pipeline->stop(inputs));
+    const double share = pwm_share(pipeline->radio(), 0.4);
+    EXPECT_NEAR(share, is_measured ? former : 0.8, 1e-6) << "before: " << former;
+    EXPECT_NEAR(speed_of_share(pipeline->radio(), share), 0.4, 1e-6);
+  }
 }
 
 }  // namespace

@@ -47,7 +47,9 @@ class TerminalRadio final : public hal::Radio {
     return failure(ErrorCode::kIo, "the terminal is full");
   }
   Result<Duration> do_serve() override { return Duration::max(); }
-  Result<std::size_t> do_receive(std::span<std::byte>) override { return std::size_t{0}; }
+  Result<std::size_t> do_receive(std::span<std::byte> /*into*/, std::size_t& /*sender*/) override {
+    return std::size_t{0};
+  }
   Result<void> do_drain(Instant) override { return {}; }
   void do_close() override {}
   int file_;

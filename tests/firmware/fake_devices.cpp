@@ -137,7 +137,8 @@ Result<Duration> FakeRadio::do_serve() {
   return waiting_ ? line_free_ - clock_.now() : Duration::max();
 }
 
-Result<std::size_t> FakeRadio::do_receive(std::span<std::byte> into) {
+Result<std::size_t> FakeRadio::do_receive(std::span<std::byte> into, std::size_t& sender) {
+  sender = received_from_;
   if (!is_open) return failed(ErrorCode::kIo);
   const std::size_t count = std::min(into.size(), received_.size());
   std::copy_n(received_.begin(), count, into.begin());

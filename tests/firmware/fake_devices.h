@@ -111,7 +111,11 @@ class FakeRadio final : public hal::Radio, public Script {
   explicit FakeRadio(hal::Clock& clock) : Script(clock) { sent.reserve(100000); }
 
   /// Adds bytes that the next receive() calls return.
-  void add_received(std::span<const std::byte> bytes) { received_.insert(received_.end(), bytes.begin(), bytes.end()); }
+  void add_received(std::span<const std::byte> bytes, std::size_t sender = kAllRobots) {
+    if (sender != received_from_) received_.clear();
+    received_from_ = sender;
+    received_.insert(received_.end(), bytes.begin(), bytes.end());
+  }
   /// Transmission time of a packet. A packet that is sent in this time replaces the waiting one.
   Duration line_time{};
 
@@ -124,11 +128,12 @@ class FakeRadio final : public hal::Radio, public Script {
   Result<void> do_open() override;
   Result<void> do_send(const Packet& packet, std::size_t receiver) override;
   Result<Duration> do_serve() override;
-  Result<std::size_t> do_receive(std::span<std::byte> into) override;
+  Result<std::size_t> do_receive(std::span<std::byte> into, std::size_t& sender) override;
   Result<void> do_drain(Instant deadline) override;
   void do_close() override;
   void put_on_line(const SentPacket& packet);
   std::vector<std::byte> received_;
+  std::size_t received_from_ = kAllRobots;
   std::optional<SentPacket> waiting_;
   Instant line_free_{};
   Error failed(ErrorCode code) const { return {code, "/dev/fake1: scripted fault"}; }

@@ -45,8 +45,10 @@ LoopTest::~LoopTest() {
   EXPECT_FALSE(camera.leased);
 }
 
-Loop& LoopTest::start(LoopObserver observer) {
-  EXPECT_TRUE(pipeline->configure(fake_camera_parameters()).ok());
+Loop& LoopTest::start(LoopObserver observer, const PacketLayout& packets) {
+  PipelineParameters parameters = fake_camera_parameters();
+  parameters.radio = packets;
+  EXPECT_TRUE(pipeline->configure(parameters).ok());
   loop = std::make_unique<Loop>(HalDevices{camera, radio, gpio, clock, true}, *pipeline, settings, *ring, observer);
   EXPECT_OK(loop->open());
   return *loop;

@@ -20,7 +20,7 @@ class LoopTest : public ::testing::Test {
   ~LoopTest() override;
 
   /// Creates and opens the loop with `settings`. Call it once per test.
-  Loop& start(LoopObserver observer = {});
+  Loop& start(LoopObserver observer = {}, const PacketLayout& packets = touchline_layout());
   /// Iterates until `end_s` after the start of the test.
   void run_until(double end_s);
   [[nodiscard]] double now_s() const { return camera.now_s(); }

@@ -71,6 +71,61 @@ TEST_F(LoopTest, PredictsToTheTimeOfAction) {
   EXPECT_EQ(ahead, 29ms);
 }
 
+/// Packets of two bytes, one for each of `robots` robots.
+PacketLayout two_bytes_each(int robots) {
+  PacketLayout layout;
+  layout.one_each = true;
+  for (const FieldValue speed : {FieldValue::kLeft, FieldValue::kRight}) {
+    PacketField field;
+    field.value = speed;
+    field.type = FieldType::kI8;
+    field.scale = 100.0;
+    layout.fields.push_back(field);
+  }
+  for (int id = 0; id < robots; ++id) layout.receivers.push_back({static_cast<RobotId>(id), 0});
+  return layout;
+}
+
+TEST_F(LoopTest, CommandsOfLaterRobotsActAfterThePacketsAndPausesBeforeThem) {
+  settings.radio_line = {1ms, 10ms};
+  camera.age = 9ms;
+  struct Seen {
+    Duration ahead{};
+    std::array<Duration, kMaxRobotsPerTeam> lateness{};
+  } seen;
+  LoopObserver observer;
+  observer.context = &seen;
+  observer.on_step = [](void* context, const StepTrace& trace, const StepTiming&) {
+    static_cast<Seen*>(context)->ahead = trace.tracks.action_time - trace.tracks.capture_time;
+    static_cast<Seen*>(context)->lateness = trace.inputs->lateness;
+  };
+  start(observer, two_bytes_each(3));
+  run_until(0.6);
+  EXPECT_EQ(seen.ahead, 9ms + 20ms + 2ms) << "with the first packet's bytes";
+  EXPECT_EQ(seen.lateness[0], 0ms);
+  EXPECT_EQ(seen.lateness[1], 12ms);
+  EXPECT_EQ(seen.lateness[2], 24ms);
+}
+
+TEST_F(LoopTest, SendsNothingAndReportsAFaultIfCommandsFitIntoNoPacket) {
+  PacketLayout layout = two_bytes_each(1);
+  PacketField filling;
+  filling.value = FieldValue::kUnused;
+  filling.type = FieldType::kDigits;
+  filling.width = 16;
+  while (largest_packet(layout, 1) <= kMaxPacketBytes) ASSERT_TRUE(layout.fields.push_back(filling));
+  start({}, layout);
+  run_until(0.5);
+  EXPECT_TRUE(radio.sent.empty()) << "an empty packet is no packet";
+  EXPECT_EQ(loop->statistics().packets, 0U);
+  EXPECT_GE(loop->statistics().packets_refused, 25U);
+  std::size_t reported = 0;
+  for (const Report& report : reports()) {
+    if (report.kind == Report::Kind::kFault && report.fault.code == ErrorCode::kFull) ++reported;
+  }
+  EXPECT_GE(reported, 1U);
+}
+
 TEST_F(LoopTest, GapsInSequenceNumbersAreLostFrames) {
   camera.skip_at = 10;
   camera.skipped = 3;

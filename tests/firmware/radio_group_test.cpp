@@ -56,6 +56,25 @@ class TwoRadios : public LoopTest {
   std::unique_ptr<RadioGroup> group;
 };
 
+TEST_F(TwoRadios, APortThatReachesOneRobotTellsWhoHasSent) {
+  ASSERT_OK(group->open());
+  const std::array<std::byte, 2> bytes{std::byte{1}, std::byte{2}};
+  halves[0]->add_received(bytes);
+  halves[1]->add_received(std::span(bytes).first(1));
+  std::array<std::byte, 16> into{};
+  std::size_t sender = 0;
+  std::array<std::size_t, 2> received{};
+  for (int i = 0; i < 2; ++i) {
+    const Result<std::size_t> count = group->receive(into, sender);
+    ASSERT_OK(count);
+    ASSERT_LT(sender, 2U);
+    received[sender] += count.value();
+  }
+  EXPECT_EQ(received[0], 2U);
+  EXPECT_EQ(received[1], 1U);
+  EXPECT_EQ(group->receive(into, sender).value(), 0U);
+}
+
 TEST_F(TwoRadios, RobotsOfTheOtherOneAreStoppedWhileOneIsLost) {
   settings.faults.radio_outage_s = 2.0;  // the second attempt, 1.5 s after the loss, succeeds
   halves[0]->add({1.0, 1.8, ErrorCode::kDisconnected});

@@ -34,6 +34,33 @@ class RadioPlan : public ::testing::Test {
   std::unique_ptr<config::Configuration> configuration_ = std::make_unique<config::Configuration>();
 };
 
+TEST_F(RadioPlan, ReportsWithoutIdsNeedAPortOrAnAddressForEachRobot) {
+  PacketField battery;
+  battery.value = FieldValue::kBattery;
+  configuration_->pipeline.telemetry = {};
+  configuration_->pipeline.telemetry.fields.push_back(battery);
+  configuration_->team_where.note("radio.telemetry", "team.toml:40");
+  radio().port = 8081;
+  for (std::size_t robot = 0; robot < 3; ++robot) address(robot) = "192.168.1.1" + std::to_string(robot);
+  EXPECT_EQ(plan().size(), 1U);
+  address(2) = address(0);
+  EXPECT_EQ(refusal().find("team.toml:40: radio.telemetry: no field carries the id or the address, and radio of "
+                           "board.toml does not tell which robot has sent a report"),
+            0U)
+      << refusal();
+  radio().telemetry = false;
+  EXPECT_EQ(plan().size(), 1U);
+  radio().telemetry = true;
+  radio().backend = hal::RadioBackend::kSerial;
+  EXPECT_NE(refusal(), "");
+  radio().robots = {0};
+  for (const int robot : {1, 2}) {
+    radio().more.emplace_back().backend = hal::RadioBackend::kSerial;
+    radio().more.back().robots = {robot};
+  }
+  EXPECT_EQ(plan().size(), 3U);
+}
+
 TEST_F(RadioPlan, RobotsHaveAddressesOfTheirOwnOrACommonOne) {
   radio().port = 8081;
   radio().address = "192.168.1.255:9000";

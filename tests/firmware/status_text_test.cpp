@@ -123,6 +123,13 @@ TEST(FieldMap, DrawsObjectsAtTheirPositions) {
   EXPECT_NE(field_map(status, field, 60, true).find("\x1b[1;33mo\x1b[0m"), std::string::npos);
 }
 
+TEST(StatusLine, ShowsTheWheelSpeedsThatARobotReports) {
+  StatusReport status = good_status();
+  status.robot_status.push_back({2, 7.5f, kLinkUnknown, 0.1, false, WheelSpeeds{0.251f, -0.5f}});
+  const std::string line = status_line(status, {});
+  EXPECT_NE(line.find("robots 2: 7.50 V wheels 0.25 -0.50 m/s"), std::string::npos) << line;
+}
+
 TEST(StatusLine, ShowsTheTelemetry) {
   StatusReport status = good_status();
   status.robot_status.push_back({0, 7.923f, 98, 0.4, false});

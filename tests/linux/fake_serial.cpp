@@ -151,6 +151,7 @@ char* __wrap_sp_get_port_name(const sp_port* port) { return const_cast<char*>(po
 char* __wrap_sp_get_port_description(const sp_port* port) { return port_of(port).description.data(); }
 
 sp_transport __wrap_sp_get_port_transport(const sp_port* port) {
+  if (port_of(port).is_bluetooth) return SP_TRANSPORT_BLUETOOTH;
   return port_of(port).usb_vendor < 0 ? SP_TRANSPORT_NATIVE : SP_TRANSPORT_USB;
 }
 sp_return __wrap_sp_get_port_usb_vid_pid(const sp_port* port, int* vendor, int* product) {

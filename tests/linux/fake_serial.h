@@ -18,6 +18,7 @@ class SerialPort final : public File {
   // Properties and faults.
   std::string description = "FT232R USB UART";
   int usb_vendor = 0x0403, usb_product = 0x6001;  // -1: not a USB device
+  bool is_bluetooth = false;
   std::size_t buffer_bytes = 4096;
   std::size_t chip_bytes = 0;  // bytes in the adapter, which the kernel does not count
   bool stalled = false;        // the port sends nothing

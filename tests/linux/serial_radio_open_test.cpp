@@ -44,6 +44,22 @@ TEST_F(SerialRadioTest, AFileThatIsNotASerialPortIsRefused) {
           kById);
 }
 
+// libserialport knows Bluetooth's ports but cannot set them up. They are opened as terminal_radio_test.cpp opens a
+// terminal; this port has none behind it, so it is refused.
+TEST_F(SerialRadioTest, ABluetoothPortIsOpenedAsATerminalAndNotByLibserialport) {
+  fake::SerialPort bluetooth("/dev/rfcomm0");
+  bluetooth.is_bluetooth = true;
+  bluetooth.open_error = EBUSY;  // of libserialport
+  kernel_.add("/dev/rfcomm0", bluetooth);
+  fake::SerialPorts ports({&bluetooth});
+  RadioSettings requested = settings();
+  requested.device = "/dev/rfcomm0";
+  const Result<void> opened = SerialRadio(requested).open();
+  EXPECT_EQ(opened.code(), ErrorCode::kUnsupported);
+  EXPECT_EQ(opened.text().find("/dev/rfcomm0: not a serial port"), 0U) << opened.text();
+  EXPECT_EQ(ports.unfreed, 0);
+}
+
 TEST_F(SerialRadioTest, PermissionErrorsSayWhatToDo) {
   adapter_.open_error = EACCES;
   expect_refusal(

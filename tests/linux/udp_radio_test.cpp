@@ -112,6 +112,31 @@ TEST(UdpRadio, ARobotThatIsSwitchedOffIsCountedAndStopsNobody) {
   EXPECT_EQ(radio.counters().packets, 201U);
 }
 
+TEST(UdpRadio, TellsWhichRobotHasSentADatagram) {
+  Robot first(2), second(3), third(3);  // two at one address
+  UdpRadioSettings settings;
+  settings.robots = {first.endpoint, second.endpoint, third.endpoint};
+  UdpRadio radio(settings);
+  ASSERT_OK(radio.open());
+  for (std::size_t robot = 0; robot < 3; ++robot) ASSERT_OK(radio.send(packet("a"), robot));
+  for (Robot* const robot : {&first, &second, &third}) robot->received();
+  first.answer("one");
+  first.answer("uno");
+  second.answer("second");
+  third.answer("the third");
+  std::array<std::byte, 512> into{};
+  std::array<std::size_t, 3> bytes{};
+  std::size_t sender = 0;
+  for (int i = 0; i < 3; ++i) {
+    const Result<std::size_t> count = radio.receive(into, sender);
+    ASSERT_OK(count);
+    ASSERT_LT(sender, 3U);
+    bytes[sender] += count.value();
+  }
+  EXPECT_EQ(bytes, (std::array<std::size_t, 3>{6, 6, 9}));
+  EXPECT_EQ(radio.receive(into, sender).value(), 0U);
+}
+
 TEST(UdpRadio, ReceivesOnlyFromItsRobots) {
   Robot robot(2);
   UdpRadioSettings settings;

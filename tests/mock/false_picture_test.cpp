@@ -38,7 +38,9 @@ class ExchangedMotors final : public hal::Radio {
     return radio_.send(changed, receiver);
   }
   Result<Duration> do_serve() override { return radio_.serve(); }
-  Result<std::size_t> do_receive(std::span<std::byte> into) override { return radio_.receive(into); }
+  Result<std::size_t> do_receive(std::span<std::byte> into, std::size_t& sender) override {
+    return radio_.receive(into, sender);
+  }
   Result<void> do_drain(Instant deadline) override { return radio_.drain(deadline); }
 
   hal::Radio& radio_;

@@ -55,7 +55,7 @@ class MockGame {
     LoopSettings out;
     out.faults = board.faults;
     out.radio_delay = from_seconds(board.radio.delay_s);
-    out.radio_byte_time = hal::byte_time(board.radio);
+    out.radio_line = hal::line_time(board.radio);
     return out;
   }
   /// Opens `loop`; declare it last, so that it is destroyed before the objects that it uses. The devices may be

@@ -46,6 +46,19 @@ ArenaParameters instant_wheels() {
   return parameters;
 }
 
+TEST(Channel, PausesAfterEachPacket) {
+  RadioChannel channel(instant_wheels(), 115200, 1, 10ms);
+  const std::array<Drive, 1> drives{{{0, 0.1, 0.1}}};
+  const Packet packet = packet_of(drives, 1, false);
+  const auto line_time = from_seconds(10.0 / 115200) * static_cast<int>(packet.size());
+  ASSERT_TRUE(channel.send(bytes_of(packet), kStart).ok());
+  EXPECT_EQ(channel.drained(), kStart + line_time);
+  EXPECT_GT(channel.queued_bytes(kStart + line_time + 9ms), 0U);
+  EXPECT_EQ(channel.queued_bytes(kStart + line_time + 10ms), 0U);
+  ASSERT_TRUE(channel.send(bytes_of(packet), kStart).ok());
+  EXPECT_EQ(channel.drained(), kStart + 2 * line_time + 10ms);
+}
+
 TEST(Channel, PacketActsAfterTransmissionAndDelay) {
   ArenaParameters parameters = instant_wheels();
   parameters.radio.delay_s = 0.015;

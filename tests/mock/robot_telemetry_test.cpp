@@ -51,6 +51,34 @@ TEST(RobotTelemetry, EachOwnRobotSendsAtItsRate) {
   EXPECT_EQ(air.reports.foreign_bytes, 0U);
 }
 
+TEST(RobotTelemetry, TellsTheRobotOfReportsWithoutIdsAndWhatItsWheelsDo) {
+  PacketLayout layout;
+  layout.one_each = true;
+  for (const FieldValue value : {FieldValue::kLeft, FieldValue::kRight}) {
+    PacketField speed;
+    speed.value = value;
+    speed.type = FieldType::kI8;
+    speed.scale = 100.0;
+    layout.fields.push_back(speed);
+  }
+  RobotTelemetrySource robots(perfect_air(), 1);
+  robots.set_layout(layout);
+  for (int id = 0; id < 5; ++id) robots.measure(id, {0.1f * static_cast<float>(id), -0.25f});
+  for (Instant now{1s}; now < Instant{3s}; now += 1ms) robots.advance(now);
+  std::array<std::size_t, 5> reports{};
+  std::array<std::byte, 64> bytes{};
+  int id = 0;
+  while (const std::size_t count = robots.read(bytes, id)) {
+    ASSERT_LT(id, 5);
+    for (std::size_t i = 0; i < count; i += 2) {
+      EXPECT_EQ(bytes[i], static_cast<std::byte>(10 * id)) << id;
+      EXPECT_EQ(bytes[i + 1], std::byte{256 - 25});
+      ++reports[static_cast<std::size_t>(id)];
+    }
+  }
+  for (const std::size_t count : reports) EXPECT_NEAR(static_cast<double>(count), 4.0, 1.0);
+}
+
 TEST(RobotTelemetry, BatteriesFallWithTimeAndUnderLoad) {
   ArenaParameters parameters = perfect_air();
   parameters.radio.battery_drop_v_per_min = 0.6;

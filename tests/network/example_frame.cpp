@@ -87,7 +87,7 @@ Snapshot fullest_snapshot() {
   for (RobotId id = 127; !snapshot.commands.robots.full(); --id) {
     snapshot.commands.robots.push_back({id, {-10.12345f, -100.12345f}, {-10.12345f, -10.12345f}});
     RobotReport report;
-    report.last = {id, 17, 17.412f, 100};
+    report.last = {id, 17, 17.412f, 100, WheelSpeeds{-10.12345f, -10.12345f}};
     snapshot.reports.robots.push_back(report);
   }
   return snapshot;

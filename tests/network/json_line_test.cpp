@@ -44,6 +44,14 @@ TEST(JsonLine, HasTheDocumentedFormat) {
       "\n");
 }
 
+TEST(JsonLine, ContainsTheWheelSpeedsOfRobotsThatReportThem) {
+  Snapshot snapshot = example_snapshot();
+  snapshot.reports.robots[0].last.wheels = WheelSpeeds{0.25f, -0.5f};
+  EXPECT_NE(line_of(snapshot).find(R"({"3":{"battery":7.412,"link":98,"left":0.25,"right":-0.5,"age":0.25},"1":{)"),
+            std::string::npos)
+      << line_of(snapshot);
+}
+
 TEST(JsonLine, ContainsTheReplaysLine) {
   const Snapshot snapshot = example_snapshot();
   const auto trace = std::make_unique<StepTrace>();

@@ -142,7 +142,7 @@ class StepInputsTest : public ::testing::Test {
     const auto& [now, action_delay, lateness, commands, teams, halt, observing, picture_check, events] = inputs;
     const auto& [colors, sides, heights] = teams;
     const auto& [oldest, unusable_frames] = picture_check;
-    const auto& [tables, adaptation, mode, control, reset, acknowledged, opened, telemetry, received] = events;
+    const auto& [tables, adaptation, mode, control, reset, acknowledged, opened, telemetry, parts, received] = events;
     EXPECT_EQ(now, Instant{});
     EXPECT_FALSE(colors || reset || oldest == 0s) << "the bindings are only counted";
     const auto always = [](auto set) { return [set](int, StepInputs& in) { set(in); }; };

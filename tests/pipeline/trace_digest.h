@@ -40,6 +40,8 @@ class TraceDigest {
     add_all(trace.light.brightness, trace.light.patches, trace.reports.packets, trace.reports.foreign_bytes);
     for (const RobotReport& robot : trace.reports.robots) {
       add_all(robot.last.id, robot.last.battery_v, robot.last.link_percent, robot.heard, robot.battery_low);
+      const WheelSpeeds wheels = robot.last.wheels.value_or(WheelSpeeds{});
+      add_all(wheels.left_mps, wheels.right_mps);
     }
     add_all(trace.status.code(), trace.inputs_status.code(), trace.overload, trace.revoked);
   }

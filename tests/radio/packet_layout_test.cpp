@@ -11,54 +11,10 @@
 #include "core/radio/packet.h"
 #include "core/radio/packet_parser.h"
 #include "core/radio/packet_stream.h"
+#include "tests/radio/layout_fields.h"
 
 namespace touchline {
 namespace {
-
-PacketField field_of(FieldValue value, FieldType type, double scale = 1.0, int block = 0) {
-  PacketField field;
-  field.value = value;
-  field.type = type;
-  field.scale = scale;
-  field.block = static_cast<std::uint8_t>(block);
-  return field;
-}
-
-PacketField text_of(PacketLayout& layout, std::string_view text, int block = 0, bool between = false) {
-  PacketField field = field_of(FieldValue::kConstant, FieldType::kBytes, 1.0, block);
-  field.between = between;
-  field.text_at = static_cast<std::uint16_t>(layout.text.size());
-  field.text_size = static_cast<std::uint8_t>(text.size());
-  for (const char c : text) layout.text.push_back(static_cast<std::byte>(c));
-  return field;
-}
-
-void add_check(PacketLayout& layout, CheckKind kind, bool big_endian = false) {
-  PacketField check = field_of(FieldValue::kCheck, check_bytes(kind) == 1 ? FieldType::kU8 : FieldType::kU16);
-  check.check = kind;
-  check.big_endian = big_endian;
-  check.end = static_cast<std::uint8_t>(layout.fields.size());
-  layout.fields.push_back(check);
-}
-
-Commands drive(std::initializer_list<RobotCommand> robots) {
-  Commands commands;
-  commands.stop = false;
-  for (const RobotCommand& robot : robots) commands.robots.push_back(robot);
-  return commands;
-}
-
-Packet packet_of(const PacketLayout& layout, const Commands& commands, std::uint8_t sequence = 1) {
-  OutgoingPackets packets;
-  EXPECT_TRUE(encode(layout, commands, {commands.stop, false, sequence, {}}, packets).ok());
-  return packets.empty() ? Packet{} : packets[0].packet;
-}
-
-std::string text_in(const Packet& packet) {
-  std::string text;
-  for (const std::byte byte : packet) text += std::to_integer<char>(byte);
-  return text;
-}
 
 // Wheel speeds in bits, as the packets of some robots on nRF24 modules.
 PacketLayout bit_layout() {

@@ -5,6 +5,7 @@
 #include <random>
 #include <vector>
 
+#include "tests/radio/layout_fields.h"
 #include "tests/radio/noisy_line.h"
 #include "tests/radio/touchline_packets.h"
 
@@ -206,6 +207,73 @@ TEST_F(RobotMonitorTest, KeepsTheLastTelemetryOfEachRobotSortedById) {
   EXPECT_EQ(two.missed, 0U);
   EXPECT_EQ(reports.robots[2].heard, kNow);
   EXPECT_EQ(reports.packets, 5U);
+}
+
+/// "R", battery in 0.1 V, and wheel speeds in cm/s: nothing tells which robot it is.
+PacketLayout nameless_layout() {
+  PacketLayout layout;
+  layout.one_each = true;
+  layout.fields.push_back(text_of(layout, "R"));
+  layout.fields.push_back(field_of(FieldValue::kBattery, FieldType::kU8, 10.0));
+  layout.fields.push_back(field_of(FieldValue::kLeft, FieldType::kI8, 100.0));
+  layout.fields.push_back(field_of(FieldValue::kRight, FieldType::kI8, 100.0));
+  layout.receivers.push_back({5, 0});
+  layout.receivers.push_back({2, 0});
+  return layout;
+}
+
+TEST_F(RobotMonitorTest, ReportsThatNameNoRobotAreTheirSenders) {
+  const PacketLayout layout = nameless_layout();
+  monitor.configure(layout, 0.0f);
+  RobotTelemetry said;
+  std::array<Packet, 2> packets;
+  for (std::size_t i = 0; i < 2; ++i) {
+    said.battery_v = 7.0f + static_cast<float>(i);
+    said.wheels = WheelSpeeds{0.25f, -0.5f + static_cast<float>(i)};
+    ASSERT_TRUE(encode_telemetry(layout, said, packets[i]).ok());
+  }
+  // The bytes of two ports arrive in turn.
+  for (std::size_t at = 0; at < packets[0].size(); at += 2) {
+    for (std::size_t sender = 0; sender < 2; ++sender) {
+      monitor.listen({packets[sender].data() + at, 2}, kNow, reports, sender);
+    }
+  }
+  ASSERT_EQ(reports.robots.size(), 2U);
+  EXPECT_EQ(reports.foreign_bytes, 0U);
+  EXPECT_EQ(reports.robots[0].last.id, 2);
+  EXPECT_NEAR(reports.robots[0].last.battery_v, 8.0, 1e-6);
+  EXPECT_EQ(reports.robots[1].last.id, 5);
+  EXPECT_NEAR(reports.robots[1].last.battery_v, 7.0, 1e-6);
+  ASSERT_TRUE(reports.robots[1].last.wheels.has_value());
+  EXPECT_NEAR(reports.robots[1].last.wheels->left_mps, 0.25, 1e-6);
+  EXPECT_NEAR(reports.robots[1].last.wheels->right_mps, -0.5, 1e-6);
+  // Nobody knows whose these are.
+  monitor.listen({packets[0].data(), packets[0].size()}, kNow, reports);
+  EXPECT_EQ(reports.packets, 2U);
+}
+
+TEST_F(RobotMonitorTest, ReportsThatNameNoRobotAreThoseOfTheOnlyOne) {
+  PacketLayout layout = nameless_layout();
+  layout.receivers.pop_back();
+  monitor.configure(layout, 0.0f);
+  Packet packet;
+  ASSERT_TRUE(encode_telemetry(layout, RobotTelemetry{}, packet).ok());
+  monitor.listen({packet.data(), packet.size()}, kNow, reports);
+  ASSERT_EQ(reports.robots.size(), 1U);
+  EXPECT_EQ(reports.robots[0].last.id, 5);
+}
+
+TEST_F(RobotMonitorTest, ReportsAreNamedByAddresses) {
+  PacketLayout layout = nameless_layout();
+  layout.fields.push_back(field_of(FieldValue::kAddress, FieldType::kU48));
+  layout.receivers[1].address = 0x246F28AA0B01;
+  monitor.configure(layout, 0.0f);
+  Packet packet;
+  const RobotValues values{.id = 2, .address = 0x246F28AA0B01, .wheels = {}};
+  ASSERT_TRUE(encode_packet(layout, {&values, 1}, {}, packet).ok());
+  monitor.listen({packet.data(), packet.size()}, kNow, reports);
+  ASSERT_EQ(reports.robots.size(), 1U);
+  EXPECT_EQ(reports.robots[0].last.id, 2);
 }
 
 TEST_F(RobotMonitorTest, CountsMissingPacketsAcrossTheWrapAround) {

@@ -40,7 +40,7 @@ class MeasuredGame : public MockGame {
     out.duration_s = duration_s;
     out.expected.delay_s = configuration->board.radio.delay_s;
     out.field = configuration->pipeline.marker.field;
-    out.radio_byte_time = hal::byte_time(configuration->board.radio);
+    out.radio_line = hal::line_time(configuration->board.radio);
     return out;
   }
 

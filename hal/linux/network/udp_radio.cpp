@@ -169,7 +169,7 @@ void UdpRadio::add_routes(std::size_t receiver, RadioRoutes& out) const {
   if (!is_open_) return;
   for_each_endpoint(receiver, [&](std::size_t index) {
     const Endpoint& endpoint = endpoints_[index];
-    out.push_back({endpoint.socket.get(), true, endpoint.to.ipv4, endpoint.to.port});
+    out.push_back({endpoint.socket.get(), true, endpoint.to.ipv4, endpoint.to.port, {}});
   });
 }
 
@@ -238,22 +238,38 @@ bool UdpRadio::is_from_robot(std::uint32_t sender) const {
                      [&](const Endpoint& endpoint) { return endpoint.to.exists() && endpoint.to.ipv4 == sender; });
 }
 
-Result<std::size_t> UdpRadio::do_receive(std::span<std::byte> into) {
-  TOUCHLINE_TRY(check_usable());
-  std::size_t received = 0;
-  for (const Endpoint& endpoint : endpoints_) {
-    if (!endpoint.to.exists()) continue;
-    TOUCHLINE_TRY_ASSIGN(const std::size_t count, receive_from(endpoint.socket, into.subspan(received)));
-    received += count;
+std::size_t UdpRadio::robot_at(const UdpEndpoint& from, std::size_t endpoint) const {
+  std::size_t found = kAllRobots, count = 0;
+  for (std::size_t robot = 0; robot < kCommon; ++robot) {
+    const UdpEndpoint& to = endpoints_[robot].to;
+    if (!to.exists() || to.ipv4 != from.ipv4) continue;
+    if (to.port == from.port) return robot;
+    found = robot;
+    ++count;
   }
-  if (!telemetry_.is_open()) return received;
-  TOUCHLINE_TRY_ASSIGN(const std::size_t count, receive_from(telemetry_, into.subspan(received)));
-  return received + count;
+  // A robot may answer from another port than the one at which it listens.
+  if (endpoint < kCommon && endpoints_[endpoint].to.ipv4 == from.ipv4) return endpoint;
+  return count == 1 ? found : kAllRobots;
 }
 
-Result<std::size_t> UdpRadio::receive_from(const Descriptor& socket, std::span<std::byte> into) {
+Result<std::size_t> UdpRadio::do_receive(std::span<std::byte> into, std::size_t& sender) {
+  TOUCHLINE_TRY(check_usable());
+  // The sockets take turns, because the bytes of one call come from one robot.
+  for (std::size_t n = 0; n < endpoints_.size(); ++n) {
+    const std::size_t i = std::exchange(next_endpoint_, (next_endpoint_ + 1) % endpoints_.size());
+    if (!endpoints_[i].to.exists()) continue;
+    TOUCHLINE_TRY_ASSIGN(const std::size_t count, receive_from(endpoints_[i].socket, i, into, sender));
+    if (count > 0) return count;
+  }
+  if (!telemetry_.is_open()) return std::size_t{0};
+  return receive_from(telemetry_, kCommon, into, sender);
+}
+
+/// Receives datagrams of one robot.
+Result<std::size_t> UdpRadio::receive_from(const Descriptor& socket, std::size_t endpoint, std::span<std::byte> into,
+                                           std::size_t& sender) {
   std::size_t received = 0;
-  // A datagram that might not fit is left for the next call.
+  // A datagram that might not fit, or that is another robot's, is left for the next call.
   for (int i = 0; i < kMaxDatagrams && into.size() - received >= kMaxPacketBytes; ++i) {
     sockaddr_in from{};
     iovec part{into.data() + received, into.size() - received};
@@ -262,6 +278,11 @@ Result<std::size_t> UdpRadio::receive_from(const Descriptor& socket, std::span<s
     header.msg_namelen = sizeof(from);
     header.msg_iov = &part;
     header.msg_iovlen = 1;
+    const auto robot = [&] { return robot_at({ntohl(from.sin_addr.s_addr), ntohs(from.sin_port)}, endpoint); };
+    if (received > 0) {
+      if (::recvmsg(socket.get(), &header, MSG_DONTWAIT | MSG_PEEK) < 0 || robot() != sender) break;
+      header.msg_namelen = sizeof(from);
+    }
     const ssize_t size = ::recvmsg(socket.get(), &header, MSG_DONTWAIT);
     if (size < 0) {
       if (errno == EAGAIN) break;
@@ -270,7 +291,9 @@ Result<std::size_t> UdpRadio::receive_from(const Descriptor& socket, std::span<s
       return fail("receiving", error);
     }
     const bool is_complete = (header.msg_flags & MSG_TRUNC) == 0;
-    if (is_complete && is_from_robot(ntohl(from.sin_addr.s_addr))) received += static_cast<std::size_t>(size);
+    if (!is_complete || !is_from_robot(ntohl(from.sin_addr.s_addr))) continue;
+    received += static_cast<std::size_t>(size);
+    sender = robot();
   }
   return received;
 }

@@ -54,7 +54,7 @@ class UdpRadio final : public Radio {
   Result<void> do_open() override;
   Result<void> do_send(const Packet& packet, std::size_t receiver) override;
   Result<Duration> do_serve() override;
-  Result<std::size_t> do_receive(std::span<std::byte> into) override;
+  Result<std::size_t> do_receive(std::span<std::byte> into, std::size_t& sender) override;
   Result<void> do_drain(Instant deadline) override;
   void do_close() override;
 
@@ -71,9 +71,12 @@ class UdpRadio final : public Radio {
   Result<void> check_link();
   Result<void> flush(Endpoint& endpoint);
   bool drain_errors(const Descriptor& socket);
-  Result<std::size_t> receive_from(const Descriptor& socket, std::span<std::byte> into);
+  Result<std::size_t> receive_from(const Descriptor& socket, std::size_t endpoint, std::span<std::byte> into,
+                                   std::size_t& sender);
   [[nodiscard]] bool is_waiting() const;
   [[nodiscard]] bool is_from_robot(std::uint32_t sender) const;
+  /// The robot that sends from an address of the network to the socket of `endpoint`; kAllRobots: it cannot be told.
+  [[nodiscard]] std::size_t robot_at(const UdpEndpoint& from, std::size_t endpoint) const;
   /// Calls use(index) for each endpoint that gets the packets for `receiver`.
   template <class Use>
   void for_each_endpoint(std::size_t receiver, Use use) const {
@@ -87,6 +90,7 @@ class UdpRadio final : public Radio {
 
   const UdpRadioSettings settings_;
   std::array<Endpoint, kCommon + 1> endpoints_{};  // of the robots, and the common one
+  std::size_t next_endpoint_ = 0;                  // from which datagrams are received first
   std::string name_, description_;
   Descriptor telemetry_;                 // receives at the local port, if there is one
   std::vector<std::string> interfaces_;  // through which the endpoints are reached

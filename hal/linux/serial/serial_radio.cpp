@@ -188,7 +188,8 @@ Result<void> SerialRadio::check_usable() {
 }
 
 void SerialRadio::add_routes(std::size_t /*receiver*/, RadioRoutes& out) const {
-  if (file_ >= 0) out.push_back({.descriptor = file_});
+  if (file_ < 0) return;
+  out.push_back({.descriptor = file_, .line = {byte_time_, from_seconds(settings_.pause_s)}});
 }
 
 Result<void> SerialRadio::do_send(const Packet& packet, std::size_t receiver) {
@@ -216,7 +217,7 @@ Result<Duration> SerialRadio::do_serve() {
   return std::max(time_of(before), kMinPause);
 }
 
-Result<std::size_t> SerialRadio::do_receive(std::span<std::byte> into) {
+Result<std::size_t> SerialRadio::do_receive(std::span<std::byte> into, std::size_t& /*sender*/) {
   TOUCHLINE_TRY(check_usable());
   if (port_ == nullptr) {
     const int count = terminal::read(file_, into);

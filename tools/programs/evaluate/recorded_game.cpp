@@ -88,7 +88,7 @@ Result<void> RecordedGame::load(const config::FilePaths& files, std::uint64_t se
   LoopSettings settings;
   settings.faults = board.faults;
   settings.radio_delay = from_seconds(board.radio.delay_s);
-  settings.radio_byte_time = hal::byte_time(board.radio);
+  settings.radio_line = hal::line_time(board.radio);
   settings.external.commands = mailbox_.get();
   loop_ = std::make_unique<Loop>(HalDevices{*camera_, *radio_, *gpio_, *clock_, true}, *pipeline_, settings, *reports_,
                                  LoopObserver{&RecordedGame::observe, this});

@@ -53,9 +53,12 @@ void DriveMeasurement::record(const StepTrace& trace, const StepTiming& timing) 
   for (const RobotCommand& command : trace.commands.robots) {
     if (command.id == settings_.robot && !trace.commands.stop) wheels = command.wheels;
   }
-  std::size_t bytes = 0;
-  for (const OutgoingPacket& outgoing : trace.packets) bytes += outgoing.packet.size();
-  const auto on_line = static_cast<Duration::rep>(bytes) * settings_.radio_byte_time;
+  Duration on_line{};
+  for (std::size_t i = 0; i < trace.packets.size(); ++i) {
+    const std::size_t receiver = trace.packets[i].receiver;
+    if (receiver != kAllRobots && receiver != settings_.receiver) continue;
+    on_line = settings_.radio_line.until_sent(trace.packets, i);
+  }
   estimator_.add_command(timing.sent + on_line, wheels);
   for (const RobotSighting& sighting : trace.sightings.robots) {
     if (sighting.team != Team::kOwn || sighting.id != settings_.robot || !sighting.has_heading) continue;

@@ -15,13 +15,14 @@ namespace touchline::radio {
 
 struct MeasurementSettings {
   RobotId robot = 0;
+  std::size_t receiver = 0;  // the robot, as index of the team file's list own.robot
   double duration_s = 23.0;  // from the first motion
   std::uint64_t seed = 1;
   ExcitationLimits limits;
   DriveExpectation expected;
   FieldParameters field;
   double robot_radius_m = 0.0375;
-  Duration radio_byte_time{};  // duration of a byte on the radio's line
+  hal::LineTime radio_line;
 };
 
 /// Drives one robot within a small area of the field, and measures its drive. on_step() is called on the loop's thread;

@@ -23,6 +23,10 @@ int refuse_measurement(const std::string& message, int exit_code) {
 MeasurementSettings settings_of(const RadioOptions& options, const config::Configuration& configuration) {
   MeasurementSettings settings;
   settings.robot = static_cast<RobotId>(options.robot);
+  const auto& receivers = configuration.pipeline.radio.receivers;
+  const auto is_robot = [&](const Receiver& receiver) { return receiver.id == settings.robot; };
+  settings.receiver =
+      static_cast<std::size_t>(std::find_if(receivers.begin(), receivers.end(), is_robot) - receivers.begin());
   if (options.duration_s > 0.0) settings.duration_s = options.duration_s;
   settings.seed = options.session.seed;
   if (options.speed_mps > 0.0) settings.limits.max_speed_mps = options.speed_mps;
@@ -33,7 +37,7 @@ MeasurementSettings settings_of(const RadioOptions& options, const config::Confi
   settings.expected.lag_s = configuration.pipeline.track.robot.wheel_lag_s;
   settings.field = configuration.pipeline.marker.field;
   settings.robot_radius_m = control.play.robot_radius_m;
-  settings.radio_byte_time = hal::byte_time(configuration.board.radio);
+  settings.radio_line = hal::line_time(configuration.board.radio);
   return settings;
 }
 

@@ -56,11 +56,13 @@ class SentCommand:
 
 @dataclass(frozen=True)
 class Telemetry:
-    """What a robot last reported, `age` seconds ago: volts and percent."""
+    """What a robot last reported, `age` seconds ago: volts, percent, and m/s of the wheels."""
 
     battery: Optional[float]
     link: Optional[float]
     age: float
+    left: Optional[float] = None
+    right: Optional[float] = None
 
 
 @dataclass(frozen=True)
@@ -192,7 +194,8 @@ def parse_frame(line: Union[str, bytes]) -> Frame:
     teams = {team: {i: _robot(robot, team, i) for i, robot in robots.child(team).by_id()} for team in robots.value}
     commands = {i: SentCommand(one.number("v"), one.number("w"), one.number("left"), one.number("right"))
                 for i, one in whole.child("commands").by_id()}
-    telemetry = {i: Telemetry(_optional_number(one, "battery"), _optional_number(one, "link"), one.number("age"))
+    telemetry = {i: Telemetry(_optional_number(one, "battery"), _optional_number(one, "link"), one.number("age"),
+                              _optional_number(one, "left"), _optional_number(one, "right"))
                  for i, one in whole.child("telemetry").by_id()}
     return Frame(
         number=whole.integer("frame"), t=whole.number("t"), timestamp=_optional_number(whole, "timestamp"),

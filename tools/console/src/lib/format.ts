@@ -1,5 +1,11 @@
 const missing = '–';
 
+/** Wheel speeds that a robot reports, or a dash. */
+export function wheels(robot: { left_mps?: number; right_mps?: number } | undefined): string {
+  if (robot?.left_mps === undefined || robot.right_mps === undefined) return '–';
+  return `${fixed(robot.left_mps, 2)}, ${fixed(robot.right_mps, 2)} m/s`;
+}
+
 /** A number with fixed decimals, or a dash. */
 export function fixed(value: number | null | undefined, decimals: number): string {
   return value === null || value === undefined || !Number.isFinite(value) ? missing : value.toFixed(decimals);

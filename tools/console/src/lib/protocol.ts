@@ -207,6 +207,8 @@ export interface RobotRadio {
   battery_v: number | null;
   battery_low?: boolean;
   link_percent: number | null;
+  left_mps?: number; // of robots that report the speeds of their wheels
+  right_mps?: number;
   age_s: number;
 }
 

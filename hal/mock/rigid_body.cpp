@@ -14,8 +14,11 @@ constexpr double kCorrection = 0.3, kSlopM = 0.0002;
 // Ratio of a square's half diagonal to its half side, rounded up.
 constexpr double kCornerReach = 1.4143;
 
+// The vector rotated by the angle of `axis`.
+Vector2 rotated(Vector2 a, Vector2 axis) { return {axis.x * a.x - axis.y * a.y, axis.y * a.x + axis.x * a.y}; }
+
 Vector2 to_local(const Square& square, Vector2 point) {
-  return rotated(point - square.body->position, -square.body->theta);
+  return rotated(point - square.body->position, Vector2{square.axis.x, -square.axis.y});
 }
 
 bool is_inside(const Square& square, Vector2 point) {
@@ -85,7 +88,7 @@ Penetration nearest_side(const Square& square, Vector2 point) {
   const double gap_x = square.half_side_m - std::abs(local.x), gap_y = square.half_side_m - std::abs(local.y);
   const Vector2 normal =
       gap_x < gap_y ? Vector2{local.x < 0.0 ? -1.0 : 1.0, 0.0} : Vector2{0.0, local.y < 0.0 ? -1.0 : 1.0};
-  return {rotated(normal, square.body->theta), std::min(gap_x, gap_y)};
+  return {rotated(normal, square.axis), std::min(gap_x, gap_y)};
 }
 
 Vector2 velocity_at(const Body* body, Vector2 point) {
@@ -119,14 +122,13 @@ void solve_contact(Contact& contact) {
   const Vector2 tangent = perpendicular(contact.normal);
   const auto relative = [&] { return velocity_at(contact.a, contact.point) - velocity_at(contact.b, contact.point); };
   {
-    const double wanted =
-        (contact.bounce_mps - dot(relative(), contact.normal)) / inverse_effective_mass(contact, contact.normal);
+    const double wanted = (contact.bounce_mps - dot(relative(), contact.normal)) / contact.normal_inverse_mass;
     const double sum = std::max(0.0, contact.normal_impulse + wanted);
     apply_impulse_pair(contact, (sum - contact.normal_impulse) * contact.normal);
     contact.normal_impulse = sum;
   }
   const double limit = contact.friction * contact.normal_impulse;
-  const double wanted = -dot(relative(), tangent) / inverse_effective_mass(contact, tangent);
+  const double wanted = -dot(relative(), tangent) / contact.tangent_inverse_mass;
   const double sum = std::clamp(contact.tangent_impulse + wanted, -limit, limit);
   apply_impulse_pair(contact, (sum - contact.tangent_impulse) * tangent);
   contact.tangent_impulse = sum;
@@ -135,7 +137,7 @@ void solve_contact(Contact& contact) {
 }  // namespace
 
 std::array<Vector2, 4> corners(const Square& square) {
-  const Vector2 ahead = rotated({square.half_side_m, 0.0}, square.body->theta);
+  const Vector2 ahead = square.half_side_m * square.axis;
   const Vector2 left = perpendicular(ahead);
   const Vector2 p = square.body->position;
   return {p + ahead + left, p - ahead + left, p - ahead - left, p + ahead - left};
@@ -163,7 +165,8 @@ void collide(const Square& a, const Square& b, Surface surface, Contacts& out) {
   double least = std::numeric_limits<double>::max();
   Vector2 normal;
   for (int i = 0; i < 4; ++i) {
-    Vector2 axis = rotated(i % 2 == 0 ? Vector2{1.0, 0.0} : Vector2{0.0, 1.0}, (i < 2 ? a : b).body->theta);
+    const Vector2 ahead = (i < 2 ? a : b).axis;
+    Vector2 axis = i % 2 == 0 ? ahead : perpendicular(ahead);
     if (dot(axis, between) < 0.0) axis = -axis;
     double lowest_a = std::numeric_limits<double>::max(), highest_b = std::numeric_limits<double>::lowest();
     for (const Vector2& corner : of_a) lowest_a = std::min(lowest_a, dot(corner, axis));
@@ -219,7 +222,7 @@ void collide(const Circle& a, const Square& b, Surface surface, Contacts& out) {
   const Vector2 local = to_local(b, a.body->position);
   const Vector2 nearest_local{std::clamp(local.x, -b.half_side_m, b.half_side_m),
                               std::clamp(local.y, -b.half_side_m, b.half_side_m)};
-  const Vector2 nearest = b.body->position + rotated(nearest_local, b.body->theta);
+  const Vector2 nearest = b.body->position + rotated(nearest_local, b.axis);
   const Vector2 gap = a.body->position - nearest;
   const double distance = length(gap);
   if (distance >= a.radius_m || distance <= 0.0) return;
@@ -252,6 +255,8 @@ void collide(const Circle& a, const Outline& walls, Surface surface, Contacts& o
 
 void resolve(Contacts& contacts) {
   for (Contact& contact : contacts) {
+    contact.normal_inverse_mass = inverse_effective_mass(contact, contact.normal);
+    contact.tangent_inverse_mass = inverse_effective_mass(contact, perpendicular(contact.normal));
     const Vector2 relative = velocity_at(contact.a, contact.point) - velocity_at(contact.b, contact.point);
     const double approach = -dot(relative, contact.normal);
     contact.bounce_mps = approach > kMinBounceMps ? contact.restitution * approach : 0.0;

@@ -21,10 +21,12 @@ struct Body {
   double inverse_mass = 0.0, inverse_inertia = 0.0;
 };
 
-/// A square centered on its body and rotated with it.
+/// A square centered on its body and rotated with it. `axis`: its unit vector of x, for the angle of the body; who has
+/// it already hands it over.
 struct Square {
   Body* body = nullptr;
   double half_side_m = 0.0;
+  Vector2 axis = unit_vector(body->theta);
 };
 
 /// The corners, counter-clockwise from the front left one.
@@ -47,6 +49,8 @@ struct Contact {
   double depth_m = 0.0;
   double restitution = 0.0, friction = 0.0;
   double normal_impulse = 0.0, tangent_impulse = 0.0, bounce_mps = 0.0;
+  // Changes of the relative velocity along normal and tangent that a unit impulse causes.
+  double normal_inverse_mass = 0.0, tangent_inverse_mass = 0.0;
 };
 
 // A robot in a corner between ten others has about a dozen contacts; 22 robots in one heap have 150.

@@ -78,6 +78,9 @@ World::World(const ArenaParameters& parameters, std::uint64_t seed)
     if (physics.wheel_lag_error > 0.0) {
       for (double& lag : robot.lag_s) lag *= std::max(0.0, 1.0 + physics.wheel_lag_error * random_.normal());
     }
+    for (std::size_t i = 0; i < 2; ++i) {
+      robot.follow[i] = robot.lag_s[i] > 0.0 ? 1.0 - std::exp(-kStepS / robot.lag_s[i]) : 1.0;
+    }
     if (!robots_.push_back(robot)) break;
     place(robots_.size() - 1, {entry.x_m, entry.y_m, entry.theta_rad});
   }
@@ -91,6 +94,7 @@ void World::place(std::size_t robot, const Placement& placement) {
   Robot& moved = robots_[robot];
   moved.body.position = {placement.x_m, placement.y_m};
   moved.body.theta = wrap_angle(placement.theta_rad);
+  moved.ahead = unit_vector(moved.body.theta);
   moved.body.velocity = {};
   moved.body.w = 0.0;
   moved.wheel_mps = moved.commanded_mps = {};
@@ -122,6 +126,7 @@ void World::step() {
   for (Robot& robot : robots_) {
     robot.body.position = robot.body.position + kStepS * robot.body.velocity;
     robot.body.theta = wrap_angle(robot.body.theta + kStepS * robot.body.w);
+    robot.ahead = unit_vector(robot.body.theta);
   }
   ball_.position = ball_.position + kStepS * ball_.velocity;
   statistics_.ball_path_m += length(ball_.position - before);
@@ -136,17 +141,15 @@ void World::apply_tires(Robot& robot) {
   const double slip_kick = physics.wheel_slip * std::sqrt(2.0 * kStepS / kSlipTimeS);
   std::array<double, 2> rim{};
   for (std::size_t i = 0; i < rim.size(); ++i) {
-    // Response of a first-order lag to a constant input after one step.
-    const double follow = robot.lag_s[i] > 0.0 ? 1.0 - std::exp(-kStepS / robot.lag_s[i]) : 1.0;
     const double commanded = robot.commanded_mps[i], dead = physics.wheel_dead_zone_mps;
     const double driven = commanded - std::clamp(commanded, -dead, dead);
-    robot.wheel_mps[i] += follow * (driven - robot.wheel_mps[i]);
+    robot.wheel_mps[i] += robot.follow[i] * (driven - robot.wheel_mps[i]);
     robot.slip[i] += -robot.slip[i] * kStepS / kSlipTimeS + slip_kick * random_.normal();
     rim[i] = robot.wheel_mps[i] * (robot.gain[i] + robot.slip[i]);
   }
   const double ahead_wanted = 0.5 * (rim[0] + rim[1]);
   const double turn_wanted = (rim[1] - rim[0]) / physics.wheel_base_m;
-  const Vector2 ahead = rotated({1.0, 0.0}, body.theta), left = perpendicular(ahead);
+  const Vector2 ahead = robot.ahead, left = perpendicular(ahead);
   // Limit of the velocity change by the tires' friction; without it, the body would follow its wheels immediately.
   const double limit = physics.tire_friction * kGravity * kStepS;  // impulse per mass
   double along = ahead_wanted - dot(body.velocity, ahead);
@@ -175,19 +178,29 @@ void World::roll_ball() {
   ball_.velocity = ball_.velocity + kick * Vector2{random_.normal(), random_.normal()};
 }
 
+// Returns whether no wall is nearer than `reach_m`: sides of the field and the diagonal corner pieces. Bodies in a goal
+// are near.
+bool World::is_far_from_walls(Vector2 position, double reach_m) const {
+  const ArenaField& field = parameters_.field;
+  const double x = 0.5 * field.length_m - std::abs(position.x), y = 0.5 * field.width_m - std::abs(position.y);
+  return x > reach_m && y > reach_m && x + y > field.corner_m + std::numbers::sqrt2 * reach_m;
+}
+
 void World::collide_all() {
   const PhysicsParameters& physics = parameters_.physics;
   const Surface hard{physics.robot_restitution, physics.contact_friction};
   const Surface bouncy{physics.ball_restitution, physics.contact_friction};
   const Circle ball{&ball_, parameters_.ball_radius_m};
+  // A corner is sqrt(2) / 2 sides away from the center; rounded up.
+  const double robot_reach = 0.7072 * parameters_.robot_side_m;
   contacts_.clear();
   for (std::size_t i = 0; i < robots_.size(); ++i) {
     const Square a = square(robots_[i]);
     for (std::size_t k = 0; k < i; ++k) collide(a, square(robots_[k]), hard, contacts_);
-    collide(a, walls_, hard, contacts_);
+    if (!is_far_from_walls(a.body->position, robot_reach)) collide(a, walls_, hard, contacts_);
     collide(ball, a, bouncy, contacts_);
   }
-  collide(ball, walls_, bouncy, contacts_);
+  if (!is_far_from_walls(ball_.position, ball.radius_m)) collide(ball, walls_, bouncy, contacts_);
   resolve(contacts_);
 }
 

@@ -67,10 +67,12 @@ class World {
  private:
   struct Robot {
     Body body;
+    Vector2 ahead;  // unit vector of the heading
     Side team = Side::kOwn;
     int id = 0;
     std::array<double, 2> commanded_mps{}, wheel_mps{}, gain{1.0, 1.0}, lag_s{}, slip{};
-    Vector2 target;  // opponents: the point to which it drives
+    std::array<double, 2> follow{};  // response of the wheels' lag to a constant input after one step
+    Vector2 target;                  // opponents: the point to which it drives
     double decide_in_s = 0.0;
     bool touches_ball = false;
   };
@@ -83,7 +85,8 @@ class World {
   void count_ball_touches();
   void referee();
   void kick_off();
-  [[nodiscard]] Square square(Robot& robot) const { return {&robot.body, 0.5 * parameters_.robot_side_m}; }
+  [[nodiscard]] Square square(Robot& robot) const { return {&robot.body, 0.5 * parameters_.robot_side_m, robot.ahead}; }
+  [[nodiscard]] bool is_far_from_walls(Vector2 position, double reach_m) const;
 
   const ArenaParameters parameters_;
   Random random_;

@@ -91,47 +91,30 @@ Penetration nearest_side(const Square& square, Vector2 point) {
   return {rotated(normal, square.axis), std::min(gap_x, gap_y)};
 }
 
-Vector2 velocity_at(const Body* body, Vector2 point) {
-  if (body == nullptr) return {};
-  return body->velocity + body->w * perpendicular(point - body->position);
+ContactAxis contact_axis(const Contact& contact, const Body& b, Vector2 direction) {
+  ContactAxis axis;
+  axis.direction = direction;
+  axis.arm_a_m = cross(contact.point - contact.a->position, direction);
+  axis.arm_b_m = cross(contact.point - b.position, direction);
+  axis.mass_kg = 1.0 / (contact.a->inverse_mass + contact.a->inverse_inertia * axis.arm_a_m * axis.arm_a_m +
+                        b.inverse_mass + b.inverse_inertia * axis.arm_b_m * axis.arm_b_m);
+  return axis;
 }
 
-void apply_impulse(Body* body, Vector2 point, Vector2 impulse) {
-  if (body == nullptr) return;
-  body->velocity = body->velocity + body->inverse_mass * impulse;
-  body->w += body->inverse_inertia * cross(point - body->position, impulse);
+// Speed of a relative to b at the contact, along the axis.
+double relative_speed(const ContactAxis& axis, const Body& a, const Body& b) {
+  return dot(a.velocity - b.velocity, axis.direction) + a.w * axis.arm_a_m - b.w * axis.arm_b_m;
 }
 
-// Returns the change of the relative velocity along `direction` caused by a unit impulse along it.
-double inverse_effective_mass(const Contact& contact, Vector2 direction) {
-  double sum = 0.0;
-  for (const Body* body : {contact.a, contact.b}) {
-    if (body == nullptr) continue;
-    const double arm = cross(contact.point - body->position, direction);
-    sum += body->inverse_mass + body->inverse_inertia * arm * arm;
-  }
-  return sum;
-}
-
-void apply_impulse_pair(Contact& contact, Vector2 impulse) {
-  apply_impulse(contact.a, contact.point, impulse);
-  apply_impulse(contact.b, contact.point, -impulse);
-}
-
-void solve_contact(Contact& contact) {
-  const Vector2 tangent = perpendicular(contact.normal);
-  const auto relative = [&] { return velocity_at(contact.a, contact.point) - velocity_at(contact.b, contact.point); };
-  {
-    const double wanted = (contact.bounce_mps - dot(relative(), contact.normal)) / contact.normal_inverse_mass;
-    const double sum = std::max(0.0, contact.normal_impulse + wanted);
-    apply_impulse_pair(contact, (sum - contact.normal_impulse) * contact.normal);
-    contact.normal_impulse = sum;
-  }
-  const double limit = contact.friction * contact.normal_impulse;
-  const double wanted = -dot(relative(), tangent) / contact.tangent_inverse_mass;
-  const double sum = std::clamp(contact.tangent_impulse + wanted, -limit, limit);
-  apply_impulse_pair(contact, (sum - contact.tangent_impulse) * tangent);
-  contact.tangent_impulse = sum;
+// Adds to the accumulated impulse of the axis what gives the relative speed `wanted_mps`, within these limits.
+void push(ContactAxis& axis, Body& a, Body& b, double wanted_mps, double low_ns, double high_ns) {
+  const double missing = (wanted_mps - relative_speed(axis, a, b)) * axis.mass_kg;
+  const double sum = std::clamp(axis.impulse_ns + missing, low_ns, high_ns), change = sum - axis.impulse_ns;
+  axis.impulse_ns = sum;
+  a.velocity = a.velocity + change * a.inverse_mass * axis.direction;
+  a.w += change * a.inverse_inertia * axis.arm_a_m;
+  b.velocity = b.velocity - change * b.inverse_mass * axis.direction;
+  b.w -= change * b.inverse_inertia * axis.arm_b_m;
 }
 
 }  // namespace
@@ -160,24 +143,29 @@ void collide(const Square& a, const Square& b, Surface surface, Contacts& out) {
   const double reach = (a.half_side_m + b.half_side_m) * kCornerReach;
   if (dot(between, between) > reach * reach) return;
   // Separating axis test over the side normals of both squares. The axis of least overlap becomes the contact normal.
-  const std::size_t before = out.size();
-  const std::array<Vector2, 4> of_a = corners(a), of_b = corners(b);
+  // The axis is turned so that it points from b to a.
   double least = std::numeric_limits<double>::max();
   Vector2 normal;
+  // Half the extent of each square along the axes of the other one.
+  const double turned = std::abs(dot(a.axis, b.axis)) + std::abs(cross(a.axis, b.axis));
   for (int i = 0; i < 4; ++i) {
     const Vector2 ahead = (i < 2 ? a : b).axis;
     Vector2 axis = i % 2 == 0 ? ahead : perpendicular(ahead);
-    if (dot(axis, between) < 0.0) axis = -axis;
-    double lowest_a = std::numeric_limits<double>::max(), highest_b = std::numeric_limits<double>::lowest();
-    for (const Vector2& corner : of_a) lowest_a = std::min(lowest_a, dot(corner, axis));
-    for (const Vector2& corner : of_b) highest_b = std::max(highest_b, dot(corner, axis));
-    const double overlap = highest_b - lowest_a;
+    double apart = dot(axis, between);
+    if (apart < 0.0) {
+      axis = -axis;
+      apart = -apart;
+    }
+    const double overlap =
+        (i < 2 ? a.half_side_m + turned * b.half_side_m : b.half_side_m + turned * a.half_side_m) - apart;
     if (overlap <= 0.0) return;
     if (overlap < least) {
       least = overlap;
       normal = axis;
     }
   }
+  const std::size_t before = out.size();
+  const std::array<Vector2, 4> of_a = corners(a), of_b = corners(b);
   double lowest_a = std::numeric_limits<double>::max(), highest_b = std::numeric_limits<double>::lowest();
   for (const Vector2& corner : of_a) lowest_a = std::min(lowest_a, dot(corner, normal));
   for (const Vector2& corner : of_b) highest_b = std::max(highest_b, dot(corner, normal));
@@ -254,23 +242,30 @@ void collide(const Circle& a, const Outline& walls, Surface surface, Contacts& o
 }
 
 void resolve(Contacts& contacts) {
+  Body wall;  // its inverse mass of 0 keeps it at rest
+  const auto body_b = [&](const Contact& contact) -> Body& { return contact.b != nullptr ? *contact.b : wall; };
   for (Contact& contact : contacts) {
-    contact.normal_inverse_mass = inverse_effective_mass(contact, contact.normal);
-    contact.tangent_inverse_mass = inverse_effective_mass(contact, perpendicular(contact.normal));
-    const Vector2 relative = velocity_at(contact.a, contact.point) - velocity_at(contact.b, contact.point);
-    const double approach = -dot(relative, contact.normal);
+    const Body& b = body_b(contact);
+    contact.across = contact_axis(contact, b, contact.normal);
+    contact.along = contact_axis(contact, b, perpendicular(contact.normal));
+    const double approach = -relative_speed(contact.across, *contact.a, b);
     contact.bounce_mps = approach > kMinBounceMps ? contact.restitution * approach : 0.0;
   }
   for (int i = 0; i < kIterations; ++i) {
-    for (Contact& contact : contacts) solve_contact(contact);
+    for (Contact& contact : contacts) {
+      Body& b = body_b(contact);
+      push(contact.across, *contact.a, b, contact.bounce_mps, 0.0, std::numeric_limits<double>::max());
+      const double limit = contact.friction * contact.across.impulse_ns;
+      push(contact.along, *contact.a, b, 0.0, -limit, limit);
+    }
   }
   for (const Contact& contact : contacts) {
     const double excess = contact.depth_m - kSlopM;
     if (excess <= 0.0) continue;
-    const double mass_b = contact.b == nullptr ? 0.0 : contact.b->inverse_mass;
-    const double share = kCorrection * excess / (contact.a->inverse_mass + mass_b);
+    Body& b = body_b(contact);
+    const double share = kCorrection * excess / (contact.a->inverse_mass + b.inverse_mass);
     contact.a->position = contact.a->position + share * contact.a->inverse_mass * contact.normal;
-    if (contact.b != nullptr) contact.b->position = contact.b->position - share * mass_b * contact.normal;
+    b.position = b.position - share * b.inverse_mass * contact.normal;
   }
 }
 

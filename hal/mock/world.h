@@ -30,8 +30,9 @@ struct GameStatistics {
 };
 
 /// Simulates robots, ball and walls as rigid bodies in the plane, in steps of one millisecond. Wheels have a dead zone,
-/// a lag, a constant gain error and random slip; tires slide when their friction is exceeded; bodies in contact
-/// exchange impulses. Nothing is allocated after construction. The same seed and commands give bit-identical states.
+/// a lag, a constant gain error and random slip; each tire slides when its friction or the force of its motor is
+/// exceeded; bodies in contact exchange impulses. Nothing is allocated after construction. The same seed and commands
+/// give bit-identical states.
 class World {
  public:
   static constexpr double kStepS = 0.001;
@@ -60,8 +61,8 @@ class World {
   /// Robots are numbered as in ArenaParameters::robot.
   [[nodiscard]] Motors motors(std::size_t robot) const { return {robots_[robot].gain, robots_[robot].lag_s}; }
 
-  /// For scenes and tests. A placed robot does not move until drive() is called for it.
-  void place(std::size_t robot, const Placement& placement);
+  /// For scenes and tests. A placed robot rolls with this velocity, and stops unless drive() is called for it.
+  void place(std::size_t robot, const Placement& placement, Vector2 velocity_mps = {}, double w_radps = 0.0);
   void place_ball(const Placement& placement, Vector2 velocity_mps = {});
 
  private:
@@ -79,7 +80,12 @@ class World {
 
   void play_opponent(Robot& robot, bool is_nearest);
   void play_opponents();
+  void turn_wheels(Robot& robot);
   void apply_tires(Robot& robot);
+  /// Speed with which a wheel's rim drives the floor.
+  [[nodiscard]] static double rim_mps(const Robot& robot, std::size_t wheel) {
+    return robot.wheel_mps[wheel] * (robot.gain[wheel] + robot.slip[wheel]);
+  }
   void roll_ball();
   void collide_all();
   void count_ball_touches();

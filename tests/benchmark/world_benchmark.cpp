@@ -1,13 +1,14 @@
-// Prints the time of a step of the arena's world, which bounds the speed of games without pictures: world-benchmark
+// Prints the processor time of a step of the arena's world, which bounds the speed of games without pictures:
+// world-benchmark
 //
 // With an argument, it runs only so many steps of the game of 5 robots a side, for a profiler:
 //   valgrind --tool=callgrind world-benchmark 20000
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <ctime>
 #include <memory>
 
 #include "hal/mock/world.h"
@@ -56,9 +57,9 @@ void print(int robots_per_team, bool noise) {
   const auto world = std::make_unique<World>(arena_of(robots_per_team, noise), 1);
   std::array<double, kRuns> times{};
   for (double& time : times) {
-    const auto begin = std::chrono::steady_clock::now();
+    const std::clock_t begin = std::clock();
     run(*world, robots_per_team, kStepsPerRun);
-    time = std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - begin).count() / kStepsPerRun;
+    time = 1e6 * static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC / kStepsPerRun;
   }
   std::sort(times.begin(), times.end());
   std::printf("%2d + %-2d %-8s  median %6.2f us  fastest %6.2f us  %4.0f x real time\n", robots_per_team,

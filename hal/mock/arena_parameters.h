@@ -6,6 +6,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <vector>
 
 #include "core/parameter.h"
@@ -338,8 +339,18 @@ struct ArenaLed {
   double radius_px = 0.0;  // 0: no LED
 };
 
+/// Parameter sets of published robots and simulators; docs/arena.md states what each contains, and its sources.
+enum class ArenaPreset : std::uint8_t { kMirosot, kRsim, kFirasim };
+inline constexpr std::array<Choice<ArenaPreset>, 3> kArenaPresets{
+    {{"mirosot", ArenaPreset::kMirosot}, {"rsim", ArenaPreset::kRsim}, {"firasim", ArenaPreset::kFirasim}}};
+
+struct ArenaParameters;
+/// Sets the preset's values: motion and collisions, sizes of robots and ball, and the radio link's delay and losses.
+void apply_preset(ArenaPreset preset, ArenaParameters& parameters);
+
 struct ArenaParameters {
   ArenaLed led;
+  ArenaPreset preset = ArenaPreset::kMirosot;
   ArenaField field;
   PhysicsParameters physics;
   LensParameters camera;
@@ -369,6 +380,14 @@ struct ArenaParameters {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
+    const ArenaPreset before = self.preset;
+    visit.choice(
+        self.preset, kArenaPresets,
+        {.name = "preset", .help = "Robots, ball and radio link that the other keys start from (docs/arena.md)"});
+    // First, so that the keys that a file sets win.
+    if constexpr (!std::is_const_v<Self>) {
+      if (self.preset != before) apply_preset(self.preset, self);
+    }
     visit.section(self.field, {.name = "field", .help = "Lines and walls of the field"});
     visit.section(self.physics, {.name = "physics", .help = "Motion and collisions of robots and ball"});
     visit.section(self.camera, {.name = "camera", .help = "Lens and pose of the camera"});

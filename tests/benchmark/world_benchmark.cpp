@@ -38,7 +38,7 @@ ArenaParameters arena_of(int robots_per_team, bool noise) {
 void drive_to_ball(World& world, int robots_per_team) {
   const Snapshot now = world.snapshot();
   for (int id = 0; id < robots_per_team; ++id) {
-    const Placement& robot = now.robots[static_cast<std::size_t>(2 * id)];
+    const Placement& robot = now.robots[2 * static_cast<std::size_t>(id)];
     const double bearing = std::atan2(now.ball.y_m - robot.y_m, now.ball.x_m - robot.x_m);
     const double off = std::remainder(bearing - robot.theta_rad, 6.283185307179586);
     const double ahead = 0.5 * std::cos(off), turn = 0.035 * 4.0 * off;

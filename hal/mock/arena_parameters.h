@@ -6,6 +6,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <vector>
 
 #include "core/parameter.h"
@@ -63,9 +64,11 @@ struct PhysicsParameters {
   double wheel_dead_zone_mps = 0.0;
   double wheel_lag_error = 0.0;
   bool wheels_exchanged = false, left_reversed = false, right_reversed = false;
-  double tire_friction = 0.8;
-  double contact_friction = 0.2;
-  double robot_restitution = 0.1, ball_restitution = 0.6;
+  double inertia_ratio = 1.0;
+  double wheel_speed_mps = 10.0, wheel_force_n = 100.0;
+  double tire_friction = 0.8, tire_side_friction = 0.8, skid_friction = 0.0;
+  double contact_friction = 0.2, ball_friction = 0.2, ball_robot_friction = 0.2;
+  double robot_restitution = 0.1, ball_restitution = 0.6, ball_robot_restitution = 0.6;
   double ball_deceleration_mps2 = 0.12;
   double ball_damping_per_s = 0.35;
   double floor_roughness_mps_rts = 0.01;
@@ -108,15 +111,49 @@ struct PhysicsParameters {
     visit.flag(self.right_reversed, {.name = "right_reversed",
                                      .help = "The motor that gets the own robots' commands for the right wheel turns "
                                              "backward"});
-    visit.number(self.tire_friction,
-                 {.name = "tire_friction", .range = {0.05, 3.0}, .help = "Coefficient of friction of the tires"});
+    visit.number(
+        self.inertia_ratio,
+        {.name = "inertia_ratio",
+         .range = {0.1, 10.0},
+         .help = "Moment of inertia of a robot, relative to that of a homogeneous square of its mass and side"});
+    visit.number(self.wheel_speed_mps, {.name = "wheel_speed_mps",
+                                        .range = {0.01, 20.0},
+                                        .unit = "m/s",
+                                        .help = "Largest speed of a wheel's rim; faster commands are limited to it"});
+    visit.number(self.wheel_force_n, {.name = "wheel_force_n",
+                                      .range = {0.01, 1000.0},
+                                      .unit = "N",
+                                      .help = "Largest force of a motor at the wheel's rim: torque over radius"});
+    visit.number(
+        self.tire_friction,
+        {.name = "tire_friction",
+         .range = {0.05, 3.0},
+         .help = "Friction of both tires together in the direction in which they roll, over the robot's weight"});
+    visit.number(self.tire_side_friction,
+                 {.name = "tire_side_friction",
+                  .range = {0.05, 3.0},
+                  .help = "Friction of both tires together sideways, over the robot's weight"});
+    visit.number(self.skid_friction,
+                 {.name = "skid_friction",
+                  .range = {0.0, 1.0},
+                  .help = "Friction of what glides over the floor beside the tires, over the robot's weight"});
     visit.number(self.contact_friction, {.name = "contact_friction",
                                          .range = {0.0, 2.0},
-                                         .help = "Coefficient of friction between robots, ball and walls"});
+                                         .help = "Coefficient of friction of robots with robots and walls"});
+    visit.number(
+        self.ball_friction,
+        {.name = "ball_friction", .range = {0.0, 2.0}, .help = "Coefficient of friction of the ball and walls"});
+    visit.number(
+        self.ball_robot_friction,
+        {.name = "ball_robot_friction", .range = {0.0, 2.0}, .help = "Coefficient of friction of the ball and robots"});
     visit.number(self.robot_restitution,
                  {.name = "robot_restitution", .range = {0.0, 1.0}, .help = "Coefficient of restitution of robots"});
-    visit.number(self.ball_restitution,
-                 {.name = "ball_restitution", .range = {0.0, 1.0}, .help = "Coefficient of restitution of the ball"});
+    visit.number(
+        self.ball_restitution,
+        {.name = "ball_restitution", .range = {0.0, 1.0}, .help = "Coefficient of restitution of the ball and walls"});
+    visit.number(self.ball_robot_restitution, {.name = "ball_robot_restitution",
+                                               .range = {0.0, 1.0},
+                                               .help = "Coefficient of restitution of the ball and robots"});
     visit.number(self.ball_deceleration_mps2, {.name = "ball_deceleration_mps2",
                                                .range = {0.0, 10.0},
                                                .unit = "m/s^2",
@@ -359,8 +396,18 @@ struct ArenaLed {
   double radius_px = 0.0;  // 0: no LED
 };
 
+/// Parameter sets of published robots and simulators; docs/arena.md states what each contains, and its sources.
+enum class ArenaPreset : std::uint8_t { kMirosot, kRsim, kFirasim };
+inline constexpr std::array<Choice<ArenaPreset>, 3> kArenaPresets{
+    {{"mirosot", ArenaPreset::kMirosot}, {"rsim", ArenaPreset::kRsim}, {"firasim", ArenaPreset::kFirasim}}};
+
+struct ArenaParameters;
+/// Sets the preset's values: motion and collisions, sizes of robots and ball, and the radio link's delay and losses.
+void apply_preset(ArenaPreset preset, ArenaParameters& parameters);
+
 struct ArenaParameters {
   ArenaLed led;
+  ArenaPreset preset = ArenaPreset::kMirosot;
   ArenaField field;
   PhysicsParameters physics;
   LensParameters camera;
@@ -392,6 +439,14 @@ struct ArenaParameters {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
+    const ArenaPreset before = self.preset;
+    visit.choice(
+        self.preset, kArenaPresets,
+        {.name = "preset", .help = "Robots, ball and radio link that the other keys start from (docs/arena.md)"});
+    // First, so that the keys that a file sets win.
+    if constexpr (!std::is_const_v<Self>) {
+      if (self.preset != before) apply_preset(self.preset, self);
+    }
     visit.section(self.field, {.name = "field", .help = "Lines and walls of the field"});
     visit.section(self.physics, {.name = "physics", .help = "Motion and collisions of robots and ball"});
     visit.section(self.camera, {.name = "camera", .help = "Lens and pose of the camera"});

@@ -48,6 +48,11 @@ class Random {
     const double radius = std::sqrt(-2.0 * std::log(1.0 - uniform()));
     return radius * std::cos(2.0 * std::numbers::pi * uniform());
   }
+  /// Returns two independent numbers from the standard normal distribution, in little more than the time for one.
+  std::array<double, 2> normal_pair() {
+    const double radius = std::sqrt(-2.0 * std::log(1.0 - uniform())), angle = 2.0 * std::numbers::pi * uniform();
+    return {radius * std::cos(angle), radius * std::sin(angle)};
+  }
   /// Returns a number from the exponential distribution with mean 1.
   double exponential() { return -std::log(1.0 - uniform()); }
 

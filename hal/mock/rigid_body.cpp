@@ -14,8 +14,11 @@ constexpr double kCorrection = 0.3, kSlopM = 0.0002;
 // Ratio of a square's half diagonal to its half side, rounded up.
 constexpr double kCornerReach = 1.4143;
 
+// The vector rotated by the angle of `axis`.
+Vector2 rotated(Vector2 a, Vector2 axis) { return {axis.x * a.x - axis.y * a.y, axis.y * a.x + axis.x * a.y}; }
+
 Vector2 to_local(const Square& square, Vector2 point) {
-  return rotated(point - square.body->position, -square.body->theta);
+  return rotated(point - square.body->position, Vector2{square.axis.x, -square.axis.y});
 }
 
 bool is_inside(const Square& square, Vector2 point) {
@@ -85,57 +88,39 @@ Penetration nearest_side(const Square& square, Vector2 point) {
   const double gap_x = square.half_side_m - std::abs(local.x), gap_y = square.half_side_m - std::abs(local.y);
   const Vector2 normal =
       gap_x < gap_y ? Vector2{local.x < 0.0 ? -1.0 : 1.0, 0.0} : Vector2{0.0, local.y < 0.0 ? -1.0 : 1.0};
-  return {rotated(normal, square.body->theta), std::min(gap_x, gap_y)};
+  return {rotated(normal, square.axis), std::min(gap_x, gap_y)};
 }
 
-Vector2 velocity_at(const Body* body, Vector2 point) {
-  if (body == nullptr) return {};
-  return body->velocity + body->w * perpendicular(point - body->position);
+ContactAxis contact_axis(const Contact& contact, const Body& b, Vector2 direction) {
+  ContactAxis axis;
+  axis.direction = direction;
+  axis.arm_a_m = cross(contact.point - contact.a->position, direction);
+  axis.arm_b_m = cross(contact.point - b.position, direction);
+  axis.mass_kg = 1.0 / (contact.a->inverse_mass + contact.a->inverse_inertia * axis.arm_a_m * axis.arm_a_m +
+                        b.inverse_mass + b.inverse_inertia * axis.arm_b_m * axis.arm_b_m);
+  return axis;
 }
 
-void apply_impulse(Body* body, Vector2 point, Vector2 impulse) {
-  if (body == nullptr) return;
-  body->velocity = body->velocity + body->inverse_mass * impulse;
-  body->w += body->inverse_inertia * cross(point - body->position, impulse);
+// Speed of a relative to b at the contact, along the axis.
+double relative_speed(const ContactAxis& axis, const Body& a, const Body& b) {
+  return dot(a.velocity - b.velocity, axis.direction) + a.w * axis.arm_a_m - b.w * axis.arm_b_m;
 }
 
-// Returns the change of the relative velocity along `direction` caused by a unit impulse along it.
-double inverse_effective_mass(const Contact& contact, Vector2 direction) {
-  double sum = 0.0;
-  for (const Body* body : {contact.a, contact.b}) {
-    if (body == nullptr) continue;
-    const double arm = cross(contact.point - body->position, direction);
-    sum += body->inverse_mass + body->inverse_inertia * arm * arm;
-  }
-  return sum;
-}
-
-void apply_impulse_pair(Contact& contact, Vector2 impulse) {
-  apply_impulse(contact.a, contact.point, impulse);
-  apply_impulse(contact.b, contact.point, -impulse);
-}
-
-void solve_contact(Contact& contact) {
-  const Vector2 tangent = perpendicular(contact.normal);
-  const auto relative = [&] { return velocity_at(contact.a, contact.point) - velocity_at(contact.b, contact.point); };
-  {
-    const double wanted =
-        (contact.bounce_mps - dot(relative(), contact.normal)) / inverse_effective_mass(contact, contact.normal);
-    const double sum = std::max(0.0, contact.normal_impulse + wanted);
-    apply_impulse_pair(contact, (sum - contact.normal_impulse) * contact.normal);
-    contact.normal_impulse = sum;
-  }
-  const double limit = contact.friction * contact.normal_impulse;
-  const double wanted = -dot(relative(), tangent) / inverse_effective_mass(contact, tangent);
-  const double sum = std::clamp(contact.tangent_impulse + wanted, -limit, limit);
-  apply_impulse_pair(contact, (sum - contact.tangent_impulse) * tangent);
-  contact.tangent_impulse = sum;
+// Adds to the accumulated impulse of the axis what gives the relative speed `wanted_mps`, within these limits.
+void push(ContactAxis& axis, Body& a, Body& b, double wanted_mps, double low_ns, double high_ns) {
+  const double missing = (wanted_mps - relative_speed(axis, a, b)) * axis.mass_kg;
+  const double sum = std::clamp(axis.impulse_ns + missing, low_ns, high_ns), change = sum - axis.impulse_ns;
+  axis.impulse_ns = sum;
+  a.velocity = a.velocity + change * a.inverse_mass * axis.direction;
+  a.w += change * a.inverse_inertia * axis.arm_a_m;
+  b.velocity = b.velocity - change * b.inverse_mass * axis.direction;
+  b.w -= change * b.inverse_inertia * axis.arm_b_m;
 }
 
 }  // namespace
 
 std::array<Vector2, 4> corners(const Square& square) {
-  const Vector2 ahead = rotated({square.half_side_m, 0.0}, square.body->theta);
+  const Vector2 ahead = square.half_side_m * square.axis;
   const Vector2 left = perpendicular(ahead);
   const Vector2 p = square.body->position;
   return {p + ahead + left, p - ahead + left, p - ahead - left, p + ahead - left};
@@ -158,23 +143,29 @@ void collide(const Square& a, const Square& b, Surface surface, Contacts& out) {
   const double reach = (a.half_side_m + b.half_side_m) * kCornerReach;
   if (dot(between, between) > reach * reach) return;
   // Separating axis test over the side normals of both squares. The axis of least overlap becomes the contact normal.
-  const std::size_t before = out.size();
-  const std::array<Vector2, 4> of_a = corners(a), of_b = corners(b);
+  // The axis is turned so that it points from b to a.
   double least = std::numeric_limits<double>::max();
   Vector2 normal;
+  // Half the extent of each square along the axes of the other one.
+  const double turned = std::abs(dot(a.axis, b.axis)) + std::abs(cross(a.axis, b.axis));
   for (int i = 0; i < 4; ++i) {
-    Vector2 axis = rotated(i % 2 == 0 ? Vector2{1.0, 0.0} : Vector2{0.0, 1.0}, (i < 2 ? a : b).body->theta);
-    if (dot(axis, between) < 0.0) axis = -axis;
-    double lowest_a = std::numeric_limits<double>::max(), highest_b = std::numeric_limits<double>::lowest();
-    for (const Vector2& corner : of_a) lowest_a = std::min(lowest_a, dot(corner, axis));
-    for (const Vector2& corner : of_b) highest_b = std::max(highest_b, dot(corner, axis));
-    const double overlap = highest_b - lowest_a;
+    const Vector2 ahead = (i < 2 ? a : b).axis;
+    Vector2 axis = i % 2 == 0 ? ahead : perpendicular(ahead);
+    double apart = dot(axis, between);
+    if (apart < 0.0) {
+      axis = -axis;
+      apart = -apart;
+    }
+    const double overlap =
+        (i < 2 ? a.half_side_m + turned * b.half_side_m : b.half_side_m + turned * a.half_side_m) - apart;
     if (overlap <= 0.0) return;
     if (overlap < least) {
       least = overlap;
       normal = axis;
     }
   }
+  const std::size_t before = out.size();
+  const std::array<Vector2, 4> of_a = corners(a), of_b = corners(b);
   double lowest_a = std::numeric_limits<double>::max(), highest_b = std::numeric_limits<double>::lowest();
   for (const Vector2& corner : of_a) lowest_a = std::min(lowest_a, dot(corner, normal));
   for (const Vector2& corner : of_b) highest_b = std::max(highest_b, dot(corner, normal));
@@ -219,7 +210,7 @@ void collide(const Circle& a, const Square& b, Surface surface, Contacts& out) {
   const Vector2 local = to_local(b, a.body->position);
   const Vector2 nearest_local{std::clamp(local.x, -b.half_side_m, b.half_side_m),
                               std::clamp(local.y, -b.half_side_m, b.half_side_m)};
-  const Vector2 nearest = b.body->position + rotated(nearest_local, b.body->theta);
+  const Vector2 nearest = b.body->position + rotated(nearest_local, b.axis);
   const Vector2 gap = a.body->position - nearest;
   const double distance = length(gap);
   if (distance >= a.radius_m || distance <= 0.0) return;
@@ -251,21 +242,30 @@ void collide(const Circle& a, const Outline& walls, Surface surface, Contacts& o
 }
 
 void resolve(Contacts& contacts) {
+  Body wall;  // its inverse mass of 0 keeps it at rest
+  const auto body_b = [&](const Contact& contact) -> Body& { return contact.b != nullptr ? *contact.b : wall; };
   for (Contact& contact : contacts) {
-    const Vector2 relative = velocity_at(contact.a, contact.point) - velocity_at(contact.b, contact.point);
-    const double approach = -dot(relative, contact.normal);
+    const Body& b = body_b(contact);
+    contact.across = contact_axis(contact, b, contact.normal);
+    contact.along = contact_axis(contact, b, perpendicular(contact.normal));
+    const double approach = -relative_speed(contact.across, *contact.a, b);
     contact.bounce_mps = approach > kMinBounceMps ? contact.restitution * approach : 0.0;
   }
   for (int i = 0; i < kIterations; ++i) {
-    for (Contact& contact : contacts) solve_contact(contact);
+    for (Contact& contact : contacts) {
+      Body& b = body_b(contact);
+      push(contact.across, *contact.a, b, contact.bounce_mps, 0.0, std::numeric_limits<double>::max());
+      const double limit = contact.friction * contact.across.impulse_ns;
+      push(contact.along, *contact.a, b, 0.0, -limit, limit);
+    }
   }
   for (const Contact& contact : contacts) {
     const double excess = contact.depth_m - kSlopM;
     if (excess <= 0.0) continue;
-    const double mass_b = contact.b == nullptr ? 0.0 : contact.b->inverse_mass;
-    const double share = kCorrection * excess / (contact.a->inverse_mass + mass_b);
+    Body& b = body_b(contact);
+    const double share = kCorrection * excess / (contact.a->inverse_mass + b.inverse_mass);
     contact.a->position = contact.a->position + share * contact.a->inverse_mass * contact.normal;
-    if (contact.b != nullptr) contact.b->position = contact.b->position - share * mass_b * contact.normal;
+    b.position = b.position - share * b.inverse_mass * contact.normal;
   }
 }
 

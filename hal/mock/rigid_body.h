@@ -21,10 +21,12 @@ struct Body {
   double inverse_mass = 0.0, inverse_inertia = 0.0;
 };
 
-/// A square centered on its body and rotated with it.
+/// A square centered on its body and rotated with it. `axis`: its unit vector of x, for the angle of the body; who has
+/// it already hands it over.
 struct Square {
   Body* body = nullptr;
   double half_side_m = 0.0;
+  Vector2 axis = unit_vector(body->theta);
 };
 
 /// The corners, counter-clockwise from the front left one.
@@ -39,6 +41,14 @@ struct Circle {
 using Outline = FixedVector<Vector2, 24>;
 bool is_inside(const Outline& outline, Vector2 point);
 
+/// The solver's view of one direction of a contact.
+struct ContactAxis {
+  Vector2 direction;
+  double arm_a_m = 0.0, arm_b_m = 0.0;  // levers of an impulse in this direction about the centers of a and b
+  double mass_kg = 0.0;                 // impulse in this direction that changes the relative velocity by 1 m/s
+  double impulse_ns = 0.0;              // accumulated
+};
+
 /// Contact of two bodies. `b` null: a wall. The normal points from b to a.
 struct Contact {
   Body* a = nullptr;
@@ -46,7 +56,8 @@ struct Contact {
   Vector2 point, normal;
   double depth_m = 0.0;
   double restitution = 0.0, friction = 0.0;
-  double normal_impulse = 0.0, tangent_impulse = 0.0, bounce_mps = 0.0;
+  double bounce_mps = 0.0;  // wanted speed of separation
+  ContactAxis across, along;
 };
 
 // A robot in a corner between ten others has about a dozen contacts; 22 robots in one heap have 150.

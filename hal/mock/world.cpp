@@ -54,11 +54,15 @@ World::World(const ArenaParameters& parameters, std::uint64_t seed)
     robot.id = entry.id;
     robot.body.inverse_mass = 1.0 / physics.robot_mass_kg;
     // The moment of inertia of a homogeneous square is m a^2 / 6.
-    robot.body.inverse_inertia = 6.0 / (physics.robot_mass_kg * parameters_.robot_side_m * parameters_.robot_side_m);
+    robot.body.inverse_inertia =
+        6.0 / (physics.robot_mass_kg * parameters_.robot_side_m * parameters_.robot_side_m) / physics.inertia_ratio;
     for (double& gain : robot.gain) gain = 1.0 + physics.wheel_error * random_.normal();
     robot.lag_s.fill(physics.wheel_lag_s);
     if (physics.wheel_lag_error > 0.0) {
       for (double& lag : robot.lag_s) lag *= std::max(0.0, 1.0 + physics.wheel_lag_error * random_.normal());
+    }
+    for (std::size_t i = 0; i < 2; ++i) {
+      robot.follow[i] = robot.lag_s[i] > 0.0 ? 1.0 - std::exp(-kStepS / robot.lag_s[i]) : 1.0;
     }
     if (!robots_.push_back(robot)) break;
     place(robots_.size() - 1, {entry.x_m, entry.y_m, entry.theta_rad});
@@ -68,13 +72,16 @@ World::World(const ArenaParameters& parameters, std::uint64_t seed)
   ball_.inverse_inertia = 0.0;
 }
 
-void World::place(std::size_t robot, const Placement& placement) {
+void World::place(std::size_t robot, const Placement& placement, Vector2 velocity_mps, double w_radps) {
   Robot& moved = robots_[robot];
   moved.body.position = {placement.x_m, placement.y_m};
   moved.body.theta = wrap_angle(placement.theta_rad);
-  moved.body.velocity = {};
-  moved.body.w = 0.0;
-  moved.wheel_mps = moved.commanded_mps = {};
+  moved.ahead = unit_vector(moved.body.theta);
+  moved.body.velocity = velocity_mps;
+  moved.body.w = w_radps;
+  const double along = dot(velocity_mps, moved.ahead), turn = 0.5 * parameters_.physics.wheel_base_m * w_radps;
+  moved.wheel_mps = {along - turn, along + turn};
+  moved.commanded_mps = {};
 }
 
 void World::place_ball(const Placement& placement, Vector2 velocity_mps) {
@@ -104,12 +111,16 @@ void World::drive(int id, double left_mps, double right_mps, Side side) {
 }
 
 void World::step() {
-  for (Robot& robot : robots_) apply_tires(robot);
+  for (Robot& robot : robots_) {
+    turn_wheels(robot);
+    apply_tires(robot);
+  }
   roll_ball();
   collide_all();
   for (Robot& robot : robots_) {
     robot.body.position = robot.body.position + kStepS * robot.body.velocity;
     robot.body.theta = wrap_angle(robot.body.theta + kStepS * robot.body.w);
+    robot.ahead = unit_vector(robot.body.theta);
   }
   ball_.position = ball_.position + kStepS * ball_.velocity;
   ++steps_;
@@ -118,8 +129,8 @@ void World::step() {
 bool World::touches_ball(std::size_t robot) const {
   // A robot this close to the ball touches it.
   constexpr double kTouchM = 0.002;
-  const Body& body = robots_[robot].body;
-  const Vector2 at = rotated(ball_.position - body.position, -body.theta);
+  const Vector2 to_ball = ball_.position - robots_[robot].body.position, ahead = robots_[robot].ahead;
+  const Vector2 at{dot(to_ball, ahead), dot(to_ball, perpendicular(ahead))};
   const double half = 0.5 * parameters_.robot_side_m;
   const Vector2 outside{std::max(0.0, std::abs(at.x) - half), std::max(0.0, std::abs(at.y) - half)};
   return length(outside) < parameters_.ball_radius_m + kTouchM;
@@ -130,35 +141,54 @@ bool World::is_driven() const {
                      [](const Robot& robot) { return robot.commanded_mps != std::array<double, 2>{}; });
 }
 
+void World::turn_wheels(Robot& robot) {
+  const PhysicsParameters& physics = parameters_.physics;
+  for (std::size_t i = 0; i < 2; ++i) {
+    const double top = physics.wheel_speed_mps, dead = physics.wheel_dead_zone_mps;
+    const double commanded = std::clamp(robot.commanded_mps[i], -top, top);
+    const double driven = commanded - std::clamp(commanded, -dead, dead);
+    robot.wheel_mps[i] += robot.follow[i] * (driven - robot.wheel_mps[i]);
+  }
+  if (physics.wheel_slip <= 0.0) return;
+  const double slip_kick = physics.wheel_slip * std::sqrt(2.0 * kStepS / kSlipTimeS);
+  const std::array<double, 2> kick = random_.normal_pair();
+  for (std::size_t i = 0; i < 2; ++i) {
+    robot.slip[i] += -robot.slip[i] * (kStepS / kSlipTimeS) + slip_kick * kick[i];
+  }
+}
+
 void World::apply_tires(Robot& robot) {
   const PhysicsParameters& physics = parameters_.physics;
   Body& body = robot.body;
-  const double slip_kick = physics.wheel_slip * std::sqrt(2.0 * kStepS / kSlipTimeS);
-  std::array<double, 2> rim{};
-  for (std::size_t i = 0; i < rim.size(); ++i) {
-    // Response of a first-order lag to a constant input after one step.
-    const double follow = robot.lag_s[i] > 0.0 ? 1.0 - std::exp(-kStepS / robot.lag_s[i]) : 1.0;
-    const double commanded = robot.commanded_mps[i], dead = physics.wheel_dead_zone_mps;
-    const double driven = commanded - std::clamp(commanded, -dead, dead);
-    robot.wheel_mps[i] += follow * (driven - robot.wheel_mps[i]);
-    robot.slip[i] += -robot.slip[i] * kStepS / kSlipTimeS + slip_kick * random_.normal();
-    rim[i] = robot.wheel_mps[i] * (robot.gain[i] + robot.slip[i]);
+  // Everything here is per mass of the robot: an impulse per mass is a change of velocity.
+  const double weight = kGravity * kStepS;
+  if (const double speed = length(body.velocity), drag = physics.skid_friction * weight; drag > 0.0 && speed > 0.0) {
+    body.velocity = std::max(0.0, 1.0 - drag / speed) * body.velocity;
   }
-  const double ahead_wanted = 0.5 * (rim[0] + rim[1]);
-  const double turn_wanted = (rim[1] - rim[0]) / physics.wheel_base_m;
-  const Vector2 ahead = rotated({1.0, 0.0}, body.theta), left = perpendicular(ahead);
-  // Limit of the velocity change by the tires' friction; without it, the body would follow its wheels immediately.
-  const double limit = physics.tire_friction * kGravity * kStepS;  // impulse per mass
-  double along = ahead_wanted - dot(body.velocity, ahead);
-  double aside = -dot(body.velocity, left);
-  const double demand = std::sqrt(along * along + aside * aside);
-  if (demand > limit) {
-    along *= limit / demand;
-    aside *= limit / demand;
+  const Vector2 ahead = robot.ahead, left = perpendicular(ahead);
+  // An impulse p of the wheel at distance h from the center changes the speed of its own contact with the floor by
+  // (1 + h^2 / k^2) p, and the other wheel's by (1 - h^2 / k^2) p; k: radius of gyration.
+  const double h = 0.5 * physics.wheel_base_m;
+  const double turning = h * h * body.inverse_inertia / body.inverse_mass;
+  const double own = 1.0 + turning, other = 1.0 - turning;
+  const double along = dot(body.velocity, ahead);
+  const std::array<double, 2> missing{rim_mps(robot, 0) - (along - h * body.w),
+                                      rim_mps(robot, 1) - (along + h * body.w)};
+  const double sum = 0.5 * (missing[0] + missing[1]), difference = 0.5 * (missing[1] - missing[0]) / turning;
+  std::array<double, 2> impulse{0.5 * (sum - difference), 0.5 * (sum + difference)};
+  const double limit =
+      std::min(0.5 * physics.tire_friction * weight, physics.wheel_force_n * body.inverse_mass * kStepS);
+  if (std::max(std::abs(impulse[0]), std::abs(impulse[1])) > limit) {
+    // One tire slides. The other one grips unless what the first one still contributes is too little.
+    const std::size_t sliding = std::abs(impulse[1]) > std::abs(impulse[0]) ? 1 : 0, gripping = 1 - sliding;
+    impulse[sliding] = std::clamp(impulse[sliding], -limit, limit);
+    impulse[gripping] = std::clamp((missing[gripping] - other * impulse[sliding]) / own, -limit, limit);
+    impulse[sliding] = std::clamp((missing[sliding] - other * impulse[gripping]) / own, -limit, limit);
   }
-  body.velocity = body.velocity + along * ahead + aside * left;
-  const double turn_limit = limit * 0.5 * physics.wheel_base_m * physics.robot_mass_kg * body.inverse_inertia;
-  body.w += std::clamp(turn_wanted - body.w, -turn_limit, turn_limit);
+  const double side_limit = physics.tire_side_friction * weight;
+  const double aside = std::clamp(-dot(body.velocity, left), -side_limit, side_limit);
+  body.velocity = body.velocity + (impulse[0] + impulse[1]) * ahead + aside * left;
+  body.w += (impulse[1] - impulse[0]) * turning / h;
 }
 
 void World::roll_ball() {
@@ -171,30 +201,43 @@ void World::roll_ball() {
     return;
   }
   ball_.velocity = (1.0 - loss / speed) * ball_.velocity;
-  const double kick = physics.floor_roughness_mps_rts * std::sqrt(kStepS) * std::min(1.0, speed);
-  ball_.velocity = ball_.velocity + kick * Vector2{random_.normal(), random_.normal()};
+  if (physics.floor_roughness_mps_rts <= 0.0) return;
+  const double size = physics.floor_roughness_mps_rts * std::sqrt(kStepS) * std::min(1.0, speed);
+  const std::array<double, 2> kick = random_.normal_pair();
+  ball_.velocity = ball_.velocity + size * Vector2{kick[0], kick[1]};
+}
+
+// Returns whether no wall is nearer than `reach_m`: sides of the field and the diagonal corner pieces. Bodies in a goal
+// are near.
+bool World::is_far_from_walls(Vector2 position, double reach_m) const {
+  const ArenaField& field = parameters_.field;
+  const double x = 0.5 * field.length_m - std::abs(position.x), y = 0.5 * field.width_m - std::abs(position.y);
+  return x > reach_m && y > reach_m && x + y > field.corner_m + std::numbers::sqrt2 * reach_m;
 }
 
 void World::collide_all() {
   const PhysicsParameters& physics = parameters_.physics;
-  const Surface hard{physics.robot_restitution, physics.contact_friction};
-  const Surface bouncy{physics.ball_restitution, physics.contact_friction};
+  const Surface robots{physics.robot_restitution, physics.contact_friction};
+  const Surface ball_at_robots{physics.ball_robot_restitution, physics.ball_robot_friction};
+  const Surface ball_at_walls{physics.ball_restitution, physics.ball_friction};
   const Circle ball{&ball_, parameters_.ball_radius_m};
+  // A corner is sqrt(2) / 2 sides away from the center; rounded up.
+  const double robot_reach = 0.7072 * parameters_.robot_side_m;
   contacts_.clear();
   touching_ = {};
   for (std::size_t i = 0; i < robots_.size(); ++i) {
     const Square a = square(robots_[i]);
     for (std::size_t k = 0; k < i; ++k) {
       const std::size_t before = contacts_.size();
-      collide(a, square(robots_[k]), hard, contacts_);
+      collide(a, square(robots_[k]), robots, contacts_);
       if (contacts_.size() == before) continue;
       touching_[i] |= 1U << k;
       touching_[k] |= 1U << i;
     }
-    collide(a, walls_, hard, contacts_);
-    collide(ball, a, bouncy, contacts_);
+    if (!is_far_from_walls(a.body->position, robot_reach)) collide(a, walls_, robots, contacts_);
+    collide(ball, a, ball_at_robots, contacts_);
   }
-  collide(ball, walls_, bouncy, contacts_);
+  if (!is_far_from_walls(ball_.position, ball.radius_m)) collide(ball, walls_, ball_at_walls, contacts_);
   resolve(contacts_);
 }
 

@@ -23,8 +23,9 @@ struct Snapshot {
 };
 
 /// Simulates robots, ball and walls as rigid bodies in the plane, in steps of one millisecond. Wheels have a dead zone,
-/// a lag, a constant gain error and random slip; tires slide when their friction is exceeded; bodies in contact
-/// exchange impulses. Nothing is allocated after construction. The same seed and commands give bit-identical states.
+/// a lag, a constant gain error and random slip; each tire slides when its friction or the force of its motor is
+/// exceeded; bodies in contact exchange impulses. Nothing is allocated after construction. The same seed and commands
+/// give bit-identical states.
 class World {
  public:
   static constexpr double kStepS = 0.001;
@@ -65,22 +66,30 @@ class World {
   /// Robots are numbered as in ArenaParameters::robot.
   [[nodiscard]] Motors motors(std::size_t robot) const { return {robots_[robot].gain, robots_[robot].lag_s}; }
 
-  /// For scenes and tests. A placed robot does not move until drive() is called for it.
-  void place(std::size_t robot, const Placement& placement);
+  /// For scenes and tests. A placed robot rolls with this velocity, and stops unless drive() is called for it.
+  void place(std::size_t robot, const Placement& placement, Vector2 velocity_mps = {}, double w_radps = 0.0);
   void place_ball(const Placement& placement, Vector2 velocity_mps = {});
 
  private:
   struct Robot {
     Body body;
+    Vector2 ahead;  // unit vector of the heading
     Side team = Side::kOwn;
     int id = 0;
     std::array<double, 2> commanded_mps{}, wheel_mps{}, gain{1.0, 1.0}, lag_s{}, slip{};
+    std::array<double, 2> follow{};  // response of the wheels' lag to a constant input after one step
   };
 
+  void turn_wheels(Robot& robot);
   void apply_tires(Robot& robot);
+  /// Speed with which a wheel's rim drives the floor.
+  [[nodiscard]] static double rim_mps(const Robot& robot, std::size_t wheel) {
+    return robot.wheel_mps[wheel] * (robot.gain[wheel] + robot.slip[wheel]);
+  }
   void roll_ball();
   void collide_all();
-  [[nodiscard]] Square square(Robot& robot) const { return {&robot.body, 0.5 * parameters_.robot_side_m}; }
+  [[nodiscard]] Square square(Robot& robot) const { return {&robot.body, 0.5 * parameters_.robot_side_m, robot.ahead}; }
+  [[nodiscard]] bool is_far_from_walls(Vector2 position, double reach_m) const;
 
   const ArenaParameters parameters_;
   Random random_;

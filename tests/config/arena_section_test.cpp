@@ -15,6 +15,25 @@ TEST_F(ArenaSection, DefaultsAreValid) {
   EXPECT_EQ(configuration_->board.arena.robot.size(), 10U);
 }
 
+TEST_F(ArenaSection, KeysWinOverThePresetWhereverTheyStand) {
+  hal::mock::ArenaParameters firasim;
+  apply_preset(hal::mock::ArenaPreset::kFirasim, firasim);
+  add("[arena.physics]\nrobot_mass_kg = 0.3\n[arena]\nball_radius_m = 0.03\npreset = \"firasim\"\n");
+  ASSERT_TRUE(load().ok()) << errors();
+  const hal::mock::ArenaParameters& arena = configuration_->board.arena;
+  EXPECT_EQ(arena.physics.robot_mass_kg, 0.3);
+  EXPECT_EQ(arena.ball_radius_m, 0.03);
+  EXPECT_EQ(arena.physics.tire_friction, firasim.physics.tire_friction);
+  EXPECT_EQ(arena.radio.loss, 0.0);
+  EXPECT_NE(arena.physics.tire_friction, hal::mock::ArenaParameters{}.physics.tire_friction);
+}
+
+TEST_F(ArenaSection, UnknownPresetsAreRefused) {
+  add("[arena]\npreset = \"grsim\"\n");
+  EXPECT_EQ(refusal(),
+            "board.toml:16: arena.preset: \"grsim\" is not one of mirosot, rsim, firasim; did you mean \"rsim\"?\n");
+}
+
 TEST_F(ArenaSection, KeysAreChecked) {
   add("[arena]\nopponents = \"sleep\"\nrobot_side_m = 1.0\n[arena.physics]\nwheel_lag = 0.1\n[arena.radio]\nloss = 2\n"
       "[[arena.fault]]\nkind = \"fire\"\nat_s = -1.0\n");

@@ -102,6 +102,71 @@ TEST(Tires, SidewaysMotionSlidesToRest) {
   EXPECT_NEAR(length(position(robot_of(sliding)) - from), v * v / (2.0 * 0.3 * 9.81), 0.002);
 }
 
+// Change of a robot's velocities per second, from rest with these wheel speeds.
+struct Acceleration {
+  double along_mps2 = 0.0, turn_radps2 = 0.0;
+};
+Acceleration acceleration_of(const ArenaParameters& parameters, double left_mps, double right_mps,
+                             double from_mps = 0.0) {
+  World world(parameters, 1);
+  world.place(0, {-0.3, 0.2, 0.5}, from_mps * unit_vector(0.5));
+  world.drive(0, left_mps, right_mps);
+  const Placement before = robot_of(world);
+  world.step();
+  const Placement after = robot_of(world);
+  const double along =
+      dot(position(after) - position(before), unit_vector(before.theta_rad)) / World::kStepS - from_mps;
+  return {along / World::kStepS, (after.theta_rad - before.theta_rad) / World::kStepS / World::kStepS};
+}
+
+TEST(Tires, SlideEachForItself) {
+  ArenaParameters parameters = noise_free_arena();
+  PhysicsParameters& physics = parameters.physics;
+  physics.wheel_lag_s = 0.0;
+  physics.tire_friction = 0.4;
+  physics.inertia_ratio = 1.5;
+  // The right tire slides. The left one, whose wheel stands, does not, and holds its point of the floor.
+  const double half_base = 0.5 * physics.wheel_base_m, side = parameters.robot_side_m, force = 0.2 * 9.81;
+  const double turning = half_base * half_base / (1.5 * side * side / 6.0);
+  const double holding = -(1.0 - turning) / (1.0 + turning) * force;
+  const Acceleration one = acceleration_of(parameters, 0.0, 1.0);
+  EXPECT_NEAR(one.along_mps2, force + holding, 1e-6);
+  EXPECT_NEAR(one.turn_radps2, (force - holding) * turning / half_base, 1e-6);
+  EXPECT_NEAR(one.along_mps2, half_base * one.turn_radps2, 1e-6) << "the left wheel must not move";
+  // Both slide in the same direction, although the commands differ: the robot does not turn.
+  const Acceleration both = acceleration_of(parameters, 0.5, 1.0);
+  EXPECT_NEAR(both.along_mps2, 2.0 * force, 1e-6);
+  EXPECT_NEAR(both.turn_radps2, 0.0, 1e-6);
+}
+
+TEST(Tires, TransmitAtMostTheForceOfTheMotors) {
+  ArenaParameters parameters = noise_free_arena();
+  parameters.physics.wheel_lag_s = 0.0;
+  parameters.physics.wheel_force_n = 0.5;
+  EXPECT_NEAR(acceleration_of(parameters, 1.0, 1.0).along_mps2, 1.0 / parameters.physics.robot_mass_kg, 1e-6);
+}
+
+TEST(Wheels, DoNotExceedTheirLargestSpeed) {
+  ArenaParameters parameters = noise_free_arena();
+  parameters.physics.wheel_speed_mps = 0.4;
+  World world(parameters, 1);
+  world.drive(0, -2.0, -2.0);
+  run(world, 0.8);
+  EXPECT_NEAR(speed_of(world), 0.4, 1e-4);
+}
+
+TEST(Skids, OpposeMotionButNotTurns) {
+  ArenaParameters parameters = noise_free_arena();
+  parameters.physics.wheel_lag_s = 0.0;
+  parameters.physics.tire_friction = 0.4;
+  const double turn = acceleration_of(parameters, -1.0, 1.0).turn_radps2;
+  parameters.physics.skid_friction = 0.3;
+  EXPECT_NEAR(acceleration_of(parameters, 1.0, 1.0, 0.3).along_mps2, 0.1 * 9.81, 1e-6);
+  EXPECT_NEAR(acceleration_of(parameters, 0.0, 0.0, 0.3).along_mps2, -0.7 * 9.81, 1e-6);
+  EXPECT_NEAR(acceleration_of(parameters, -1.0, 1.0).turn_radps2, turn, 1e-6);
+  EXPECT_NEAR(acceleration_of(parameters, 0.3, 0.3, 0.3).along_mps2, 0.0, 1e-6);
+}
+
 TEST(Wheels, ErrorAndSlipMatchTheParameters) {
   ArenaParameters parameters = noise_free_arena();
   parameters.physics.wheel_error = 0.05;
@@ -159,6 +224,20 @@ TEST(Ball, BouncesOffTheWallWithItsRestitution) {
   const double high = world.snapshot().ball.y_m;
   world.step();
   EXPECT_LT(world.snapshot().ball.y_m, high);
+}
+
+TEST(Ball, BouncesOffARobotWithTheRestitutionOfBoth) {
+  ArenaParameters parameters = noise_free_arena();
+  parameters.physics.ball_deceleration_mps2 = parameters.physics.ball_damping_per_s = 0.0;
+  parameters.physics.robot_mass_kg = 20.0;
+  parameters.physics.ball_mass_kg = 0.005;
+  for (const double restitution : {0.0, 0.4}) {
+    parameters.physics.ball_robot_restitution = restitution;
+    World world(parameters, 1);
+    world.place_ball({-0.2, 0.0, 0.0}, {-1.0, 0.0});
+    run(world, 0.5);
+    EXPECT_NEAR(ball_speed_of(world), restitution, 2e-3);
+  }
 }
 
 TEST(Ball, FloorRoughnessMatchesTheParameter) {

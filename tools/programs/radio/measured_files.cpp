@@ -15,6 +15,22 @@ namespace {
 // Resolution of the written values: 0.1 ms, 0.1 mm, and 0.01 % of a gain.
 constexpr double kResolution = 1e-4;
 
+std::string value_text(const MeasuredValue& value, double factor, int decimals, const char* unit) {
+  if (!std::isfinite(value.sigma)) return "not known";
+  return formatted("%.*f +- %.*f %s%s", decimals, factor * value.value, decimals, factor * value.sigma, unit,
+                   value.is_known ? "" : "  (not certain yet: measure longer)");
+}
+
+std::string list_text(const std::vector<MeasuredNumber>& numbers, double MeasuredNumber::*value, const char* format) {
+  std::string text;
+  for (const MeasuredNumber& number : numbers) {
+    text += (text.empty() ? "" : ", ") + formatted(format, number.*value);
+  }
+  return numbers.size() == 1 ? text : "[" + text + "]";
+}
+
+}  // namespace
+
 std::string wiring_text(const DriveEstimate& estimate) {
   if (!estimate.is_wiring_known) return "not known";
   const WheelWiring& wiring = estimate.wiring;
@@ -32,22 +48,6 @@ std::string wiring_text(const DriveEstimate& estimate) {
   }
   return text + (text.ends_with("; ") ? "exchange the motors" : ": correct the robot's wiring or program");
 }
-
-std::string value_text(const MeasuredValue& value, double factor, int decimals, const char* unit) {
-  if (!std::isfinite(value.sigma)) return "not known";
-  return formatted("%.*f +- %.*f %s%s", decimals, factor * value.value, decimals, factor * value.sigma, unit,
-                   value.is_known ? "" : "  (not certain yet: measure longer)");
-}
-
-std::string list_text(const std::vector<MeasuredNumber>& numbers, double MeasuredNumber::*value, const char* format) {
-  std::string text;
-  for (const MeasuredNumber& number : numbers) {
-    text += (text.empty() ? "" : ", ") + formatted(format, number.*value);
-  }
-  return numbers.size() == 1 ? text : "[" + text + "]";
-}
-
-}  // namespace
 
 bool MeasuredKey::differs() const {
   return std::any_of(numbers.begin(), numbers.end(), [](const MeasuredNumber& number) {

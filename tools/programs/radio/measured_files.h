@@ -39,6 +39,8 @@ std::vector<MeasuredKey> measured_keys(const DriveEstimate& estimate, int robot,
 /// config::replace_file().
 Result<void> write_key(const MeasuredKey& key);
 
+/// Returns which wheel is which, and what to correct.
+std::string wiring_text(const DriveEstimate& estimate);
 /// Returns what was measured, for a person; several lines.
 std::string measured_text(const DriveEstimate& estimate, int robot, double duration_s,
                           const std::vector<MeasuredKey>& keys);

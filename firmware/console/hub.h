@@ -151,7 +151,7 @@ class Hub {
   [[nodiscard]] std::uint64_t picture_number() const { return pictures_.number(); }
   [[nodiscard]] const config::BoardFile& board() const { return scene_.configuration->board; }
   std::string metrics();
-  /// Returns the content for a bug report of this moment, with the current picture if has_picture(from). Copies up to 7
+  /// Returns the content for a bug report of this moment, with the current picture if has_picture(from). Copies up to 8
   /// MB and the picture.
   BugReportContent bug_report_content(std::uint64_t from, Instant now);
 

@@ -32,6 +32,7 @@ struct ConsoleInput {
   std::uint32_t stops = 0;         // how often a client has stopped the robots, including stops while they were stopped
   std::uint32_t starts = 0;        // how often the driver has started them
   std::uint32_t start_number = 0;  // StopRules::held_number() for which the last start was meant
+  RobotId tested = kUnknownId;     // robot whose bytes the snapshots carry; kUnknownId: none
   std::optional<Instant> driver_heard{};  // time of the driver's last message; nullopt: nobody drives
 };
 

@@ -182,6 +182,7 @@ void Loop::process_frame(const hal::FrameLease& lease) {
 
 void Loop::write_snapshot(const StepTrace& trace, const StepTiming& timing, Instant machine_sent) {
   copy_trace(trace, snapshot_);
+  copy_bytes(trace, pipeline_.radio(), external_.console().tested, snapshot_);
   snapshot_.number = settings_.first_number + statistics_.frames - 1;
   snapshot_.received = timing.received;
   snapshot_.sent = timing.sent;

@@ -19,4 +19,18 @@ void copy_trace(const StepTrace& trace, Snapshot& out) {
   out.overload = trace.overload;
 }
 
+void copy_bytes(const StepTrace& trace, const PacketLayout& layout, RobotId tested, Snapshot& out) {
+  out.packet_bytes = 0;
+  out.sent_bytes.clear();
+  out.received_bytes.clear();
+  for (const OutgoingPacket& outgoing : trace.packets) {
+    out.packet_bytes += static_cast<std::uint32_t>(outgoing.packet.size());
+    const bool is_for_all = outgoing.receiver == kAllRobots;
+    if (tested == kUnknownId || (!is_for_all && layout.receivers[outgoing.receiver].id != tested)) continue;
+    out.sent_bytes.clear();
+    for (const std::byte byte : outgoing.packet) out.sent_bytes.push_back(byte);
+  }
+  if (tested != kUnknownId && trace.inputs != nullptr) out.received_bytes = trace.inputs->events.telemetry;
+}
+
 }  // namespace touchline

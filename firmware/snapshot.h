@@ -1,10 +1,13 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <type_traits>
 
 #include "core/control/referee_state.h"
+#include "core/radio/packet_layout.h"
+#include "core/step_inputs.h"
 #include "core/types.h"
 #include "firmware/stop_rules.h"
 
@@ -34,10 +37,16 @@ struct Snapshot {
   std::uint32_t stop_number = 0;   // ExternalInput::stop_number()
   bool is_held = false;            // StopRules::is_held()
   RefereeState referee;            // referee state in effect
+  std::uint32_t packet_bytes = 0;  // of all packets of the frame
+  // While a robot is tested (ConsoleInput::tested): its packet of this frame, and all telemetry since the last one.
+  FixedVector<std::byte, kMaxPacketBytes> sent_bytes;
+  FixedVector<std::byte, kMaxTelemetryBytes> received_bytes;
 };
 static_assert(std::is_trivially_copyable_v<Snapshot>, "SnapshotRing copies it word by word");
 
 /// Copies the results of the pipeline. The caller sets the other members.
 void copy_trace(const StepTrace& trace, Snapshot& out);
+/// Copies the bytes of robot `tested`; kUnknownId: none. `layout`: that of the packets.
+void copy_bytes(const StepTrace& trace, const PacketLayout& layout, RobotId tested, Snapshot& out);
 
 }  // namespace touchline

@@ -21,7 +21,8 @@ RobotValues values_of(const Receiver& receiver, const Commands& commands) {
   values.id = receiver.id;
   values.address = receiver.address;
   for (const RobotCommand& robot : commands.robots) {
-    if (robot.id == receiver.id) values.wheels = robot.wheels;
+    if (robot.id != receiver.id) continue;
+    values.wheels = {robot.wheels.left_mps / receiver.wheel_gain[0], robot.wheels.right_mps / receiver.wheel_gain[1]};
   }
   return values;
 }
@@ -35,20 +36,20 @@ FixedVector<RobotValues, kMaxRobotsPerTeam> listed_robots(const PacketLayout& la
   FixedVector<RobotValues, kMaxRobotsPerTeam> robots;
   if (layout.is_by_place()) {
     for (int place = 0; place < layout.slots; ++place) {
-      robots.push_back(values_of({static_cast<RobotId>(layout.first_id + place), 0}, commands));
+      robots.push_back(values_of(layout.receiver_of(static_cast<RobotId>(layout.first_id + place)), commands));
     }
     return robots;
   }
   if (layout.commanded_only || layout.receivers.empty()) {
     for (const RobotCommand& robot : commands.robots) {
-      robots.push_back(values_of({robot.id, layout.address_of(robot.id)}, commands));
+      robots.push_back(values_of(layout.receiver_of(robot.id), commands));
     }
   } else {
     for (const Receiver& receiver : layout.receivers) robots.push_back(values_of(receiver, commands));
   }
   // A second entry of a robot of the team, with speed zero, would stop it.
   for (RobotId unused = 0; robots.size() < layout.slots; ++unused) {
-    if (!lists(robots, unused)) robots.push_back(values_of({unused, 0}, {}));
+    if (!lists(robots, unused)) robots.push_back(values_of({unused}, {}));
   }
   return robots;
 }

@@ -80,11 +80,11 @@ bool PacketLayout::has(FieldValue value) const {
   return std::any_of(fields.begin(), fields.end(), [&](const PacketField& field) { return field.value == value; });
 }
 
-std::uint64_t PacketLayout::address_of(RobotId id) const {
+Receiver PacketLayout::receiver_of(RobotId id) const {
   for (const Receiver& receiver : receivers) {
-    if (receiver.id == id) return receiver.address;
+    if (receiver.id == id) return receiver;
   }
-  return 0;
+  return {id};
 }
 
 PacketLayout touchline_layout(TeamNumber team) {

@@ -141,6 +141,9 @@ constexpr std::size_t kMaxPacketFields = 40, kMaxPacketTextBytes = 160;
 struct Receiver {
   RobotId id = kUnknownId;
   std::uint64_t address = 0;  // number of its radio module; 0: none
+  // Speed of the left and right wheel's rim per commanded speed, above 0. Packets carry the wanted speed divided by it,
+  // so that the robot drives as it is commanded; everything that uses Commands reads wanted speeds.
+  std::array<float, 2> wheel_gain{1.0f, 1.0f};
 };
 
 /// Fixed memory. An empty list of fields: robots get no packets, or send no telemetry.
@@ -168,8 +171,8 @@ struct PacketLayout {
   [[nodiscard]] bool has(FieldValue value) const;
   /// Returns whether packets contain the id or address of each robot.
   [[nodiscard]] bool names_robots() const { return has(FieldValue::kId) || has(FieldValue::kAddress); }
-  /// Address of the robot's radio module; 0: none is known.
-  [[nodiscard]] std::uint64_t address_of(RobotId id) const;
+  /// What is known of robot `id`; without an entry in `receivers`, its id only.
+  [[nodiscard]] Receiver receiver_of(RobotId id) const;
   /// Returns whether a robot's place in the packet stands for its id.
   [[nodiscard]] bool is_by_place() const { return slots > 0 && !names_robots(); }
 };

@@ -83,6 +83,11 @@ bool is_shared_without_names(const PacketLayout& layout, const hal::RadioSetting
   return is_shared(radio) || std::any_of(radio.more.begin(), radio.more.end(), is_shared);
 }
 
+bool has_gains(const PacketLayout& layout) {
+  return std::any_of(layout.receivers.begin(), layout.receivers.end(),
+                     [](const Receiver& receiver) { return receiver.wheel_gain != Receiver{}.wheel_gain; });
+}
+
 // The keys of a preset as they can stand in a team file.
 std::string section_of(std::string_view preset) {
   constexpr std::string_view kVersion = "version = 1\n\n", kSection = "[radio]\n";
@@ -167,7 +172,8 @@ std::string sample_packet_text(const PipelineParameters& parameters) {
   std::string text = "radio: " + std::string(layout.one_each ? "a packet for each robot" : "a packet for all robots") +
                      ", " + std::to_string(packet.size()) + " bytes; at " + number_text(kSampleSpeed_mps) +
                      " m/s and " + number_text(kSampleTurn_radps) + " rad/s" +
-                     (layout.one_each ? ", for robot " + std::to_string(layout.receivers[0].id) : "") + ":\n";
+                     (layout.one_each ? ", for robot " + std::to_string(layout.receivers[0].id) : "") +
+                     (has_gains(layout) ? ", divided by own.robot.wheel_gain" : "") + ":\n";
   if (layout.framing != Framing::kNone) {
     text += "  on the line: " + hexadecimal({packet.data(), packet.size()}) + "\n";
   }

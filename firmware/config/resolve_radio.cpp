@@ -115,7 +115,7 @@ class LayoutResolver {
         add(key, "\"" + robot.address +
                      "\" is no address: 81, 0x35D0, 24:6F:28:AA:0B:01, 00:13:A2:00:40:0A:01:27 or 192.168.1.11");
       }
-      layout.receivers.push_back({static_cast<RobotId>(robot.id), address.value_or(0)});
+      layout.receivers.push_back({static_cast<RobotId>(robot.id), address.value_or(0), robot.wheel_gain});
     }
   }
 

@@ -86,6 +86,7 @@ struct RobotEntry {
   int id = 0;
   std::vector<std::string> colors;
   std::string address;
+  std::array<float, 2> wheel_gain = Receiver{}.wheel_gain;
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
@@ -95,6 +96,13 @@ struct RobotEntry {
     visit.text(self.address, {.name = "address",
                               .help = "Own team: address of the robot's radio, as the board file's radio needs it; "
                                       "udp: 192.168.1.11 or 192.168.1.11:8081; empty: radio.address"});
+    // Beyond this range, units are wrong, not motors.
+    visit.numbers(self.wheel_gain,
+                  {.name = "wheel_gain",
+                   .range = {0.2, 5.0},
+                   .help = "Own team: speed of the left and right wheel per commanded speed; "
+                           "Set up and `touchline-radio --measure` find it; packets carry the commanded "
+                           "speeds divided by it"});
   }
 };
 

@@ -12,7 +12,10 @@ Result<void> Driving::require_driver(ClientNumber client) const {
 // Replaces the commands by zero, because a command given before a stop must not move a robot after it.
 void Driving::let_robots_stand() {
   changed_ = true;
-  for (ExternalCommand& command : input_.commands) command.twist = {};
+  for (ExternalCommand& command : input_.commands) {
+    command.twist = {};
+    command.wheels = {};
+  }
 }
 
 void Driving::stop() {
@@ -71,13 +74,37 @@ Result<void> Driving::release(ClientNumber client) {
 
 Result<void> Driving::drive(ClientNumber client, RobotId id, Twist twist, Instant now) {
   TOUCHLINE_TRY(require_driver(client));
-  if (std::find(robots_.begin(), robots_.end(), id) == robots_.end()) {
-    return failure(ErrorCode::kNotFound, "there is no robot %d in the team file", int{id});
-  }
   ExternalCommand command;
   command.id = id;
   command.twist = twist;
   command.received = now;
+  return put(command);
+}
+
+Result<void> Driving::drive_wheels(RobotId id, const WheelSpeeds& wheels, Instant now) {
+  if (!driver_) return failure(ErrorCode::kPermission, "nobody has control");
+  ExternalCommand command;
+  command.id = id;
+  command.kind = ExternalCommand::Kind::kWheels;
+  command.wheels = wheels;
+  command.received = now;
+  return put(command);
+}
+
+void Driving::end_wheels(RobotId id) {
+  ExternalCommands kept;
+  for (const ExternalCommand& command : input_.commands) {
+    if (command.id != id || command.kind != ExternalCommand::Kind::kWheels) kept.push_back(command);
+  }
+  changed_ = changed_ || kept.size() != input_.commands.size();
+  input_.commands = kept;
+}
+
+Result<void> Driving::put(const ExternalCommand& command) {
+  const RobotId id = command.id;
+  if (std::find(robots_.begin(), robots_.end(), id) == robots_.end()) {
+    return failure(ErrorCode::kNotFound, "there is no robot %d in the team file", int{id});
+  }
   auto* const known = std::find_if(input_.commands.begin(), input_.commands.end(),
                                    [id](const ExternalCommand& other) { return other.id == id; });
   if (known != input_.commands.end()) {

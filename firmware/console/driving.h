@@ -51,6 +51,10 @@ class Driving {
   Result<void> release(ClientNumber client);
   /// kPermission: the client is not the driver; kNotFound: there is no such robot.
   Result<void> drive(ClientNumber client, RobotId id, Twist twist, Instant now);
+  /// As drive(), for the setup program, which sets the wheels. kPermission: nobody drives.
+  Result<void> drive_wheels(RobotId id, const WheelSpeeds& wheels, Instant now);
+  /// Forgets the command of drive_wheels().
+  void end_wheels(RobotId id);
   /// Lets the robot play by itself again. Errors as drive().
   Result<void> give_back(ClientNumber client, RobotId id);
 
@@ -74,6 +78,7 @@ class Driving {
   [[nodiscard]] const ConsoleInput& input() const { return input_; }
 
  private:
+  Result<void> put(const ExternalCommand& command);
   void let_robots_stand();
   void clear_commands();
 

@@ -41,7 +41,7 @@ class FrameFeed {
   [[nodiscard]] std::uint64_t rate_hz() const { return rate_hz_; }
 
  private:
-  // Number of snapshots that are kept: ten seconds at 120 Hz, 7 MB. This is enough, because a picture is at most some
+  // Number of snapshots that are kept: ten seconds at 120 Hz, 8 MB. This is enough, because a picture is at most some
   // frames older than the newest snapshot.
   static constexpr std::size_t kKept = 1200;
 

@@ -222,6 +222,8 @@ Result<void> Hub::obey(Client& client, const ClientMessage& message, Instant arr
       return {};
     case Kind::kDrive:
       if (message.gives_back) return driving_.give_back(client.number, message.id);
+      if (test_)
+        return failure(ErrorCode::kBusy, "the setup program drives robot %d: wait, or cancel it", int{test_->robot});
       return driving_.drive(client.number, message.id, message.twist, arrived);
     case Kind::kSetup:  // handled in pass_to_setup()
       return {};
@@ -276,7 +278,7 @@ Result<void> Hub::change_adaptation(const Client& client, AdaptationMode wanted)
 }
 
 bool Hub::is_watched() const {
-  return setup_.is_busy() || std::any_of(clients_.begin(), clients_.end(), [](const Client& client) {
+  return test_ || setup_.is_busy() || std::any_of(clients_.begin(), clients_.end(), [](const Client& client) {
            return client.state_period > Duration::zero() || client.picture_period > Duration::zero() ||
                   !client.probes.empty();
          });

@@ -151,7 +151,7 @@ class Hub {
   [[nodiscard]] std::uint64_t picture_number() const { return pictures_.number(); }
   [[nodiscard]] const config::BoardFile& board() const { return scene_.configuration->board; }
   std::string metrics();
-  /// Returns the content for a bug report of this moment, with the current picture if has_picture(from). Copies up to 7
+  /// Returns the content for a bug report of this moment, with the current picture if has_picture(from). Copies up to 8
   /// MB and the picture.
   BugReportContent bug_report_content(std::uint64_t from, Instant now);
 
@@ -177,6 +177,13 @@ class Hub {
   void end_use(std::uint64_t number, const Result<FilesUse>& used);
   void update_setup_wish(Instant now);
   void end_try(const char* reason);
+  /// Returns why the order cannot be carried out, or "".
+  const char* begin_test(const SetupOrder& order);
+  void forget_test();
+  /// Returns why robots cannot move with the draft, or "".
+  [[nodiscard]] const char* reason_to_stand() const;
+  void end_test(const char* reason);
+  void serve_test(Instant now);
   Result<void> leave_setup(const Client& client, std::int64_t request);
   void answer(const SetupOrder& order, const std::string& error);
   [[nodiscard]] ConsoleInput input_now() const;
@@ -243,6 +250,13 @@ class Hub {
   std::uint64_t last_order_ = 0;     // number of the newest one
   bool is_held_ = false;             // a draft is or was in use, and the saved files are not in use again
   bool is_trying_ = false;           // robots play with the draft
+  // A robot that the setup program drives to test or measure it.
+  struct Test {
+    RobotId robot = kUnknownId;
+    std::optional<ClientNumber> driver;  // who has asked for it
+    std::uint64_t next = 0;              // number of the next snapshot to send
+  };
+  std::optional<Test> test_;
   SetupWish wish_ = SetupWish::kNone;
   ClientNumber last_number_ = 0, last_stop_line_ = ClientNumber{1} << 31;
   StatusReport report_;  // newest report

@@ -42,6 +42,7 @@ void write_setup_program(report::JsonWriter& json, bool is_running) {
 void Hub::serve_setup(Instant now) {
   setup_.serve(now);
   while (const std::optional<SetupOrder> order = setup_.next_order()) obey(*order);
+  serve_test(now);
   if (!setup_.wants_frame(now)) return;
   const Snapshot* const snapshot = has_picture(setup_.next_frame()) ? feed_.find(pictures_.number()) : nullptr;
   if (snapshot == nullptr) return pictures_.request(now);
@@ -54,6 +55,7 @@ void Hub::begin_session(Scene scene, const std::string& error) {
   feed_.set_frame_period(period_of_rate(scene_.camera.rate_hz));
   driving_.set_robots(own_robots(scene_));
   end_try("the loop has started anew");
+  end_test("the loop has started anew");
   // The session of an order that is still pending will follow: until then, robots stand as the order wants it.
   const bool is_ordered = order_ && order_->number == scene_.order, is_pending = order_ && !is_ordered;
   const bool is_saved = !scene_.is_draft && scene_.is_calibrated && error.empty() && !is_pending;
@@ -79,14 +81,12 @@ void Hub::obey(const SetupOrder& order) {
   }
   const char* reason = "";
   if (order.kind == Kind::kTry) {
-    if (order_) {
-      reason = kLoadingFiles;
-    } else if (!scene_.is_draft || !scene_.is_calibrated) {
-      reason = "no calibrated draft is in use";
-    } else if (driving_.is_stopped()) {
-      reason = "robots are stopped: press Start first";
-    }
+    reason = reason_to_stand();
     is_trying_ = *reason == '\0';
+  } else if (order.kind == Kind::kTest) {
+    reason = begin_test(order);
+  } else if (order.kind == Kind::kEndTest) {
+    forget_test();
   } else {
     is_trying_ = false;
   }
@@ -96,7 +96,52 @@ void Hub::obey(const SetupOrder& order) {
 void Hub::end_try(const char* reason) {
   if (!std::exchange(is_trying_, false)) return;
   // This answer belongs to no request; it tells the page that robots no longer play with the draft.
-  if (setup_.is_running()) setup_.answer({SetupOrder::Kind::kTry, 0, {}}, reason, scene_.is_calibrated);
+  if (setup_.is_running()) setup_.answer({SetupOrder::Kind::kTry, kUnknownId, 0, {}}, reason, scene_.is_calibrated);
+}
+
+const char* Hub::reason_to_stand() const {
+  if (order_) return kLoadingFiles;
+  if (!scene_.is_draft || !scene_.is_calibrated) return "no calibrated draft is in use";
+  return driving_.is_stopped() ? "robots are stopped: press Start first" : "";
+}
+
+const char* Hub::begin_test(const SetupOrder& order) {
+  if (const char* const reason = reason_to_stand(); *reason != '\0') return reason;
+  if (is_trying_) return "robots play with the draft: end the try first";
+  if (!driving_.driver()) return "nobody has control";
+  const std::vector<RobotId>& robots = driving_.robots();
+  if (std::find(robots.begin(), robots.end(), order.robot) == robots.end()) return "the team file has no such robot";
+  forget_test();
+  const Snapshot* const newest = feed_.newest();
+  test_ = Test{order.robot, driving_.driver(), newest == nullptr ? 0 : newest->number + 1};
+  links_.loop.input.put(input_now());
+  return "";
+}
+
+void Hub::forget_test() {
+  if (!test_) return;
+  driving_.end_wheels(test_->robot);
+  test_.reset();
+  links_.loop.input.put(input_now());
+}
+
+void Hub::end_test(const char* reason) {
+  if (!test_) return;
+  forget_test();
+  if (setup_.is_running()) setup_.answer({SetupOrder::Kind::kTest, kUnknownId, 0, {}}, reason, scene_.is_calibrated);
+}
+
+// The setup program gets each frame once. Its speeds count as long as a driver's, so the robot stands if it is late.
+void Hub::serve_test(Instant now) {
+  const std::optional<WheelSpeeds> wheels = setup_.take_wheels();
+  if (!test_) return;
+  if (wheels) static_cast<void>(driving_.drive_wheels(test_->robot, *wheels, now).ok());
+  const Snapshot* const newest = feed_.newest();
+  if (newest == nullptr) return;
+  for (; test_->next <= newest->number; ++test_->next) {
+    const Snapshot* const snapshot = feed_.find(test_->next);
+    if (snapshot != nullptr && !setup_.send_step(*snapshot, test_->robot)) return;
+  }
 }
 
 Result<void> Hub::use(const SetupOrder& order) {
@@ -104,6 +149,7 @@ Result<void> Hub::use(const SetupOrder& order) {
   if (order_) return failure(ErrorCode::kBusy, "%s", kLoadingFiles);
   if (order.kind == SetupOrder::Kind::kUseDraft) is_held_ = true;
   end_try("the files have changed");
+  end_test("the files have changed");
   // From here on robots stand, even while the files are being read.
   order_ = order;
   order_->number = ++last_order_;
@@ -151,7 +197,11 @@ Result<void> Hub::leave_setup(const Client& client, std::int64_t request) {
 }
 
 void Hub::update_setup_wish(Instant now) {
-  if (!setup_.is_running() || driving_.is_stopped()) end_try("a stop ended the try");
+  if (!setup_.is_running() || driving_.is_stopped()) {
+    end_try("a stop ended the try");
+    end_test("robots were stopped");
+  }
+  if (test_ && test_->driver != driving_.driver()) end_test("whoever had control has left");
   const bool may_move = setup_.is_running() && scene_.is_draft && !order_ && (is_trying_ || driving_.is_driving(now));
   const SetupWish wish = !is_held_ ? SetupWish::kNone : may_move ? SetupWish::kPermit : SetupWish::kStand;
   if (std::exchange(wish_, wish) != wish) links_.loop.input.put(input_now());
@@ -160,6 +210,7 @@ void Hub::update_setup_wish(Instant now) {
 ConsoleInput Hub::input_now() const {
   ConsoleInput input = driving_.input();
   input.setup = wish_;
+  if (test_) input.tested = test_->robot;
   if (wish_ != SetupWish::kPermit || is_trying_) return input;
   // With a draft only one robot is driven; the others stand.
   const Instant now = hal::MonotonicClock::read();

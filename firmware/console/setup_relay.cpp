@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "firmware/console/picture_source.h"
+#include "firmware/console/tested_robot.h"
 
 namespace touchline::console {
 namespace {
@@ -51,6 +52,12 @@ std::int64_t integer_of(const Json& object, const char* name) {
   return value <= kMax ? static_cast<std::int64_t>(value) : 0;
 }
 
+// Returns 0 if there is no such number.
+float speed_of(const Json& object, const char* name) {
+  const auto found = object.find(name);
+  return found != object.end() && found->is_number() ? found->get<float>() : 0.0f;
+}
+
 std::string text_of(const Json& object) { return object.dump(-1, ' ', false, Json::error_handler_t::replace); }
 
 }  // namespace
@@ -88,6 +95,7 @@ void SetupRelay::end(const Error& error) {
   state_.reset();
   frames_wanted_ = 0;
   orders_.clear();
+  wheels_.reset();
   for (const Request& request : std::exchange(requests_, {})) {
     Client* const client = find(request.client);
     if (client != nullptr) client->answers.push_back({request.number, error.text.str() + "; " + kNotRunning});
@@ -127,6 +135,10 @@ void SetupRelay::watch(Client& client, bool watches) {
 void SetupRelay::tell_driver(std::optional<ClientNumber> driver) {
   driver_ = driver;
   if (link_.is_connected()) link_.send(text_of({{"type", "driver"}, {"client", driver ? Json(*driver) : Json()}}));
+}
+
+bool SetupRelay::send_step(const Snapshot& snapshot, RobotId robot) {
+  return link_.send(text_of(tested_robot_json(snapshot, robot)));
 }
 
 void SetupRelay::forget(ClientNumber client) {
@@ -186,7 +198,11 @@ Result<void> SetupRelay::obey(SetupMessage&& message) {
     frames_wanted_ = static_cast<int>(std::min<std::int64_t>(integer_of(object, "count"), kMaxFrames));
     return {};
   }
-  if (*type == "use" || *type == "try") return take_order(object);
+  if (*type == "use" || *type == "try" || *type == "test") return take_order(object);
+  if (*type == "wheels") {
+    wheels_ = WheelSpeeds{speed_of(object, "left_mps"), speed_of(object, "right_mps")};
+    return {};
+  }
   const auto parcel = parcel_of(message.text);
   const bool is_state = *type == "setup";
   if (is_state) state_ = parcel;
@@ -208,7 +224,13 @@ Result<void> SetupRelay::take_order(const Json& object) {
   };
   SetupOrder order;
   order.request = integer_of(object, "request");
-  if (text("type") == "try") {
+  if (text("type") == "test") {
+    const auto robot = object.find("robot");
+    const bool has_robot = robot != object.end() && robot->is_number_unsigned() && robot->get<std::uint64_t>() <= 127;
+    order.kind = has_robot ? SetupOrder::Kind::kTest : SetupOrder::Kind::kEndTest;
+    if (has_robot) order.robot = robot->get<RobotId>();
+    wheels_.reset();
+  } else if (text("type") == "try") {
     const auto on = object.find("on");
     const bool begins = on != object.end() && on->is_boolean() && on->get<bool>();
     order.kind = begins ? SetupOrder::Kind::kTry : SetupOrder::Kind::kEndTry;
@@ -233,7 +255,9 @@ std::optional<SetupOrder> SetupRelay::next_order() {
 
 void SetupRelay::answer(const SetupOrder& order, const std::string& error, bool is_calibrated) {
   const bool is_use = order.kind == SetupOrder::Kind::kUseDraft || order.kind == SetupOrder::Kind::kUseSaved;
-  Json text{{"type", is_use ? "used" : "tried"}, {"to", order.request}, {"ok", error.empty()}};
+  const bool is_test = order.kind == SetupOrder::Kind::kTest || order.kind == SetupOrder::Kind::kEndTest;
+  const char* const type = is_use ? "used" : is_test ? "tested" : "tried";
+  Json text{{"type", type}, {"to", order.request}, {"ok", error.empty()}};
   if (is_use) text["calibrated"] = is_calibrated;
   if (!error.empty()) text["error"] = error;
   link_.send(text_of(text));

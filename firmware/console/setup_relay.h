@@ -9,6 +9,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "core/types.h"
@@ -16,12 +17,14 @@
 #include "firmware/console/client.h"
 #include "firmware/console/setup_link.h"
 #include "firmware/network/reopening.h"
+#include "firmware/snapshot.h"
 
 namespace touchline::console {
 
 /// A request of the setup program to the firmware itself.
 struct SetupOrder {
-  enum class Kind : std::uint8_t { kUseSaved, kUseDraft, kTry, kEndTry } kind = Kind::kUseSaved;
+  enum class Kind : std::uint8_t { kUseSaved, kUseDraft, kTry, kEndTry, kTest, kEndTest } kind = Kind::kUseSaved;
+  RobotId robot = kUnknownId;  // of kTest
   std::int64_t request = 0;
   config::FilePaths files;     // of kUseDraft
   ClientNumber client = 0;     // client that gave the order; 0: the setup program gave it
@@ -51,6 +54,10 @@ class SetupRelay {
   /// Answers an order. `error` is "" if the order was carried out.
   void answer(const SetupOrder& order, const std::string& error, bool is_calibrated);
   void tell_driver(std::optional<ClientNumber> driver);
+  /// Sends what a frame shows of the robot that is tested. Returns false if the program does not read.
+  bool send_step(const Snapshot& snapshot, RobotId robot);
+  /// Returns the newest speeds for the wheels of the robot that is tested; empty if none have arrived.
+  std::optional<WheelSpeeds> take_wheels() { return std::exchange(wheels_, std::nullopt); }
   void forget(ClientNumber client);
 
   /// Returns whether the program has sent a message since it was connected.
@@ -89,6 +96,7 @@ class SetupRelay {
   std::string reported_;  // last error that was logged
   std::shared_ptr<Parcel> state_;
   std::deque<SetupOrder> orders_;
+  std::optional<WheelSpeeds> wheels_;
   std::vector<Request> requests_;  // requests that the program has not answered
   int frames_wanted_ = 0;
   Instant next_frame_time_{};

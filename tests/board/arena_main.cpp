@@ -9,9 +9,11 @@
 //   tear N        N frames whose pictures are damaged in transmission
 //   plug, unplug  make the guest open or close the camera device
 //   listen S      receive packets until the line is silent for S seconds of the host's time
+//   robot ID      one robot with tools/robot/touchline_robot.h listens until the line is silent
 #include <sys/socket.h>
 #include <sys/un.h>
 
+#include <array>
 #include <cstdio>
 #include <cstring>
 #include <iostream>
@@ -22,6 +24,7 @@
 #include "firmware/config/configuration.h"
 #include "firmware/exit_codes.h"
 #include "tests/board/lockstep.h"
+#include "tests/board/robot_line.h"
 
 namespace {
 
@@ -30,6 +33,8 @@ using board::Lockstep;
 
 // An emulated board can be a hundred times slower than a real one.
 constexpr double kFrameTimeoutS = 300.0;
+// A silence of the line this long ends a robot's part; a program sends a packet every 20 ms of the guest's time.
+constexpr double kRobotQuietS = 10.0;
 
 int connect_to(const std::string& path) {
   sockaddr_un address{};
@@ -46,6 +51,11 @@ void answer(const Lockstep& game, const board::PlayResult& played, const std::st
   const hal::mock::GameStatistics& statistics = arena.game().statistics();
   nlohmann::ordered_json ball = nlohmann::ordered_json::array();
   for (const hal::mock::Placement& place : played.ball) ball.push_back({place.x_m, place.y_m});
+  nlohmann::ordered_json gains = nlohmann::ordered_json::array();  // of each robot's wheels
+  for (std::size_t i = 0; i < arena.world().snapshot().robots.size(); ++i) {
+    const std::array<double, 2> gain = arena.world().motors(i).gain;
+    gains.push_back({gain[0], gain[1]});
+  }
   const nlohmann::ordered_json answer{{"error", error},
                                       {"frames", played.frames},
                                       {"shown", played.shown},
@@ -64,12 +74,21 @@ void answer(const Lockstep& game, const board::PlayResult& played, const std::st
                                       {"timeouts", radio.timeouts},
                                       {"touches", statistics.touches[0]},
                                       {"ball_path_m", statistics.ball_path_m},
+                                      {"gains", gains},
                                       {"ball", ball}};
   // One line per answer, sent immediately.
   std::cout << answer.dump() << std::endl;
 }
 
-int serve(Lockstep& game) {
+void answer(const board::RobotLineResult& robot, const std::string& error) {
+  nlohmann::ordered_json told = nlohmann::ordered_json::array();
+  for (const std::array<int, 2>& speeds : robot.told) told.push_back({speeds[0], speeds[1]});
+  const nlohmann::ordered_json answer{{"error", error},       {"shown", 0},   {"packets", robot.obeyed},
+                                      {"bytes", robot.bytes}, {"told", told}, {"reports", robot.reports}};
+  std::cout << answer.dump() << std::endl;
+}
+
+int serve(Lockstep& game, int radio) {
   std::string line;
   while (std::getline(std::cin, line)) {
     std::istringstream words(line);
@@ -77,6 +96,11 @@ int serve(Lockstep& game) {
     double number = 0.0;
     words >> verb >> number;
     const auto count = static_cast<std::uint64_t>(number);
+    if (verb == "robot") {
+      const auto robot = board::listen_as_robot(radio, static_cast<std::uint8_t>(number), kFrameTimeoutS, kRobotQuietS);
+      answer(robot.ok() ? robot.value() : board::RobotLineResult{}, robot.text());
+      continue;
+    }
     board::PlayResult played;
     Result<void> done;
     if (verb == "play" || verb == "drive" || verb == "watch" || verb == "blind" || verb == "tear") {
@@ -118,5 +142,5 @@ int main(int argc, char** argv) {
     return kExitBadFile;
   }
   Lockstep game(configuration->board, 1, pictures, radio, kFrameTimeoutS);
-  return serve(game);
+  return serve(game, radio);
 }

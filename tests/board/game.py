@@ -260,6 +260,57 @@ class Game:
         self.checks.expect(" 0 lost, 0 unusable" in output, "no gap in the frames' sequence from begin to end")
         self.checks.numbers.append(f"{self.frames} frames shown, {self.packets} packets received")
 
+    def roll_wheels(self):
+        """touchline-radio sends a pattern over the UART to a robot that runs tools/robot/touchline_robot.h."""
+        robot, speed = 3, 150
+        self.run(f"(touchline-radio --board /etc/touchline/board.toml --robot {robot} --pattern left-wheel --speed {speed / 1000} "
+                 "--duration 2 --yes >radio.log 2>&1; echo code $? >>radio.log) &")
+        result = self.ask(f"robot {robot}")
+        self.run("timeout 60 sh -c 'until grep -q ^code radio.log; do sleep 0.1; done'")
+        output = self.run("cat radio.log")
+        print(output)
+        told, sent = result["told"], re.search(r"sent (\d+) packets, received (\d+) bytes", output)
+        self.checks.expect(told == [[speed, 0], [0, 0]] and "code 0" in output,
+                           f"the robot is told {told} mm/s: the left wheel rolls, then it stops")
+        self.checks.expect(sent is not None and result["packets"] == int(sent[1]) + 5,
+                           f"{result['packets']} packets obeyed: those that were sent, and five stop packets")
+        self.checks.expect(f"left of robot {robot}: {speed} = {speed / 1000:.3f} m/s" in output, "the sent bytes are shown, field by field")
+        self.checks.expect(sent is not None and int(sent[2]) == 10 * result["reports"] > 0 and "battery: 7412 = 7.412 V" in output,
+                           f"{result['reports']} reports of the robot are received and shown")
+
+    def measure_drive(self):
+        """touchline-radio drives a robot of the arena and measures it, through V4L2 and the UART."""
+        robot, delay_s = 1, 0.08
+        self.close_arena()
+        self.arena = guest.Arena(self.arena_program, HERE / "board.toml", self.folder,
+                                 ["camera.rate_hz=30", "arena.opponents=stand", f"arena.radio.delay_s={delay_s}",
+                                  "arena.radio.jitter_s=0", "arena.physics.wheel_error=0.15"])
+        self.arena.ask("plug")
+        self.run(f"(touchline-radio --board /etc/touchline/board.toml --robot {robot} --measure --duration 20 --yes >drive.log 2>&1; "
+                 "echo code $? >>drive.log) &")
+        while not self.ask("watch 5")["packets"]:
+            pass
+        self.board.drive_pin(START, True)
+        self.ask("watch 20")
+        self.board.drive_pin(START, False)
+        for _ in range(40):
+            result = self.ask("watch 50")
+            if self.run("grep -c '^code' drive.log", may_fail=True) == "1":
+                break
+        output = self.run("cat drive.log")
+        print(output)
+        print(f"  {result['late']} of the last {result['shown']} frames late, by {result['latest_us']} us at most")
+        self.checks.expect("code 0" in output and "right: left and right wheel, forward" in output,
+                           "the wiring is found by the camera's pictures")
+        for side, truth in zip(("left", "right"), result["gains"][robot]):
+            found = re.search(rf"gain of the {side} wheel +([\d.]+) \+- ([\d.]+)", output)
+            # The arena's clock stands while the guest is late, so a second of the guest is a little longer.
+            # The uncertainty after 20 s at 30 Hz is 0.8 %.
+            self.checks.expect(found is not None and abs(float(found[1]) - truth) < 0.03,
+                               f"gain of the {side} wheel {found and found[1]}, truly {truth:.4f}")
+        lag = re.search(r"\n  lag +([\d.]+) \+- ", output)
+        self.checks.expect(lag is not None and abs(float(lag[1]) - 80) < 10, f"lag {lag and lag[1]} ms, truly 80")
+
     def measure_led(self):
         """Light of an LED at the status light's line to packet, and the driver's stamp, which is the exposure's end here."""
         u, v, radius, exposure_us, frames = 600, 30, 6, 10000, 600

@@ -18,7 +18,7 @@ BOARD = pathlib.Path(__file__).resolve().parent
 ROOT = BOARD.parent.parent
 BUILD = ROOT / "build" / "board"
 PROGRAMS = ROOT / "build" / "release" / "tests" / "board"
-PARTS = ("formats", "game", "led", "usb", "page")
+PARTS = ("formats", "game", "led", "radio", "usb", "page")
 
 
 def parse():
@@ -99,7 +99,7 @@ def main():
 
     checks = game.Checks()
     chosen = set(arguments.part or PARTS)
-    has_devices = chosen & {"formats", "game", "led", "usb"}
+    has_devices = chosen & {"formats", "game", "led", "radio", "usb"}
     if "page" in chosen:
         visit(cache, ramdisk, run, checks, package.name)
     if not has_devices:
@@ -111,13 +111,15 @@ def main():
         camera = usb.UsbCamera(board, play, checks, run, PROGRAMS)
         for parts, text, do in (
                 (chosen, "boot", play.boot), (chosen, "installation", lambda: play.install([file.name for file in packages])),
-                ({"formats", "game", "led"}, "devices", play.list_devices),
+                ({"formats", "game", "led", "radio"}, "devices", play.list_devices),
                 ({"formats"}, "vivid: formats and controls", play.try_formats),
                 ({"formats"}, "vivid: unplugged while it streams", play.unplug_vivid),
                 ({"game"}, "game", lambda: play.play(arguments.frames)),
                 ({"game"}, "emergency stop", play.pull_emergency_stop),
                 ({"game"}, "camera module unloaded and loaded again", play.reload_module), ({"game"}, "end", play.stop),
                 ({"led"}, "LED: from light to packet", play.measure_led),
+                ({"radio"}, "touchline-radio: a pattern over the UART", play.roll_wheels),
+                ({"radio"}, "touchline-radio: the drive of a robot", play.measure_drive),
                 ({"usb"}, "USB camera", camera.list_camera), ({"usb"}, "USB camera: YUYV", camera.play_yuyv),
                 ({"usb"}, "USB camera: MJPG, unplugged while it streams", camera.play_mjpg)):
             if parts & chosen:

@@ -117,6 +117,17 @@ TEST_F(RadioSection, TheRobotsBaudRateAppliesUnlessTheBoardFileSaysOtherwise) {
   EXPECT_EQ(configuration_->board.radio.baud, 57600);
 }
 
+TEST_F(RadioSection, ReadsTheGainsOfARobotsWheels) {
+  ASSERT_OK(load());
+  EXPECT_EQ(configuration_->pipeline.radio.receivers[1].wheel_gain, (std::array<float, 2>{1.0f, 1.0f}));
+  ASSERT_OK(load({"own.robot[1].wheel_gain=[1.02, 0.97]"}));
+  EXPECT_EQ(configuration_->pipeline.radio.receivers[1].wheel_gain, (std::array<float, 2>{1.02f, 0.97f}));
+  EXPECT_EQ(configuration_->pipeline.radio.receivers[0].wheel_gain, (std::array<float, 2>{1.0f, 1.0f}));
+  for (const char* wrong : {"[0, 1]", "[1]", "[1, -1]", "1"}) {
+    EXPECT_FALSE(load({std::string("own.robot[1].wheel_gain=") + wrong}).ok()) << wrong;
+  }
+}
+
 TEST_F(RadioSection, AnUnknownFormatNamesASimilarOne) {
   const std::string text = refusal_of("[radio]\nformat = \"sysmik\"\n");
   EXPECT_NE(text.find("radio.format: no robots are known as \"sysmik\"; did you mean \"sysmic\"?"), std::string::npos)

@@ -39,6 +39,35 @@ TEST_F(LoopSnapshotTest, EveryFrameGivesASnapshot) {
   EXPECT_GT(steps.sent.size(), 40U);
 }
 
+TEST(LoopSnapshot, CarriesTheBytesOfATestedRobot) {
+  const auto trace = std::make_unique<StepTrace>();
+  const auto snapshot = std::make_unique<Snapshot>();
+  StepInputs inputs;
+  inputs.events.telemetry.push_back(std::byte{7});
+  trace->inputs = &inputs;
+  PacketLayout layout;
+  for (const RobotId id : {RobotId{4}, RobotId{9}}) layout.receivers.push_back({id});
+  for (std::size_t i = 0; i < 2; ++i) {
+    OutgoingPacket outgoing;
+    outgoing.receiver = i;
+    outgoing.packet.push_back(std::byte{static_cast<unsigned char>(10 + i)});
+    trace->packets.push_back(outgoing);
+  }
+  copy_bytes(*trace, layout, 9, *snapshot);
+  EXPECT_EQ(snapshot->packet_bytes, 2U) << "of all packets, which share the line";
+  ASSERT_EQ(snapshot->sent_bytes.size(), 1U);
+  EXPECT_EQ(snapshot->sent_bytes[0], std::byte{11});
+  EXPECT_EQ(snapshot->received_bytes.size(), 1U);
+  trace->packets.pop_back();
+  trace->packets.back().receiver = kAllRobots;
+  copy_bytes(*trace, layout, 9, *snapshot);
+  ASSERT_EQ(snapshot->sent_bytes.size(), 1U);
+  EXPECT_EQ(snapshot->sent_bytes[0], std::byte{10}) << "a packet for all robots";
+  copy_bytes(*trace, layout, kUnknownId, *snapshot);
+  EXPECT_TRUE(snapshot->sent_bytes.empty() && snapshot->received_bytes.empty()) << "nobody is tested";
+  EXPECT_EQ(snapshot->packet_bytes, 1U);
+}
+
 TEST(LoopSnapshot, WritingAllocatesNothing) {
   if (!latency::allocations_are_counted()) GTEST_SKIP() << "sanitizers bring their own allocator";
   const auto snapshots = std::make_unique<SnapshotRing>();

@@ -62,6 +62,40 @@ TEST(PacketLayout, AReceiverWithoutACommandGetsSpeedZero) {
   EXPECT_EQ(read.commands.robots[0].wheels.left_mps, 0.0f);
 }
 
+// A robot whose wheels turn faster than they are told must be told less, whatever its packets look like. What is read
+// back is what the robot is told.
+TEST(PacketLayout, DividesSpeedsByTheGainsOfTheWheels) {
+  PacketLayout by_place;
+  by_place.slots = 3;
+  by_place.fields.push_back(field_of(FieldValue::kLeft, FieldType::kF32, 1.0, 1));
+  by_place.fields.push_back(field_of(FieldValue::kRight, FieldType::kF32, 1.0, 1));
+  PacketLayout listed = touchline_layout();
+  listed.commanded_only = false;
+  for (PacketLayout layout : {bit_layout(), by_place, touchline_layout(), listed}) {
+    layout.receivers.clear();
+    layout.receivers.push_back({1, 0});
+    layout.receivers.push_back({2, 0, {1.25f, 0.8f}});
+    OutgoingPackets packets;
+    ASSERT_TRUE(encode(layout, drive({{1, {}, {0.4f, 0.4f}}, {2, {}, {0.4f, -0.4f}}}), {}, packets).ok());
+    FixedVector<RobotCommand, kMaxRobotsPerTeam> told;
+    for (const OutgoingPacket& outgoing : packets) {
+      ParsedPacket read;
+      ASSERT_TRUE(decode_packet(layout, {outgoing.packet.data(), outgoing.packet.size()}, kUnknownId, read).ok());
+      for (const RobotCommand& robot : read.commands.robots) told.push_back(robot);
+    }
+    const auto wheels_of_robot = [&](RobotId id) {
+      for (const RobotCommand& robot : told) {
+        if (robot.id == id) return robot.wheels;
+      }
+      ADD_FAILURE() << "robot " << int{id} << " is missing";
+      return WheelSpeeds{};
+    };
+    EXPECT_NEAR(wheels_of_robot(1).left_mps, 0.4f, 1e-6) << "without gains";
+    EXPECT_NEAR(wheels_of_robot(2).left_mps, 0.32f, 1e-6);
+    EXPECT_NEAR(wheels_of_robot(2).right_mps, -0.5f, 1e-6);
+  }
+}
+
 // A list of ids, forward speeds and turn rates in ASCII.
 PacketLayout text_layout() {
   PacketLayout layout;

@@ -65,6 +65,23 @@ TEST_F(ScriptedFirmware, SetsKeysAsStepsOfUndo) {
   EXPECT_TRUE(state_["steps"]["camera"]["done"]);
 }
 
+// The page sends ids and colors only; a robot keeps what else the file says of it.
+TEST_F(ScriptedFirmware, RobotsKeepKeysThatThePageDoesNotShow) {
+  start_program();
+  expect_ok("begin");
+  const nlohmann::json robots = {{{"id", 0}, {"colors", {"red"}}}, {{"id", 1}, {"colors", {"green"}}}};
+  expect_ok("robots.set", {{"own", {{"robots", robots}}}});
+  expect_ok("set", {{"key", "own.robot[1].address"}, {"value", "192.168.1.11"}});
+  expect_ok("set", {{"key", "own.robot[1].wheel_gain"}, {"value", {1.02, 0.97}}});
+  const nlohmann::json exchanged = {{{"id", 1}, {"colors", {"blue"}}}, {{"id", 4}, {"colors", {"green"}}}};
+  expect_ok("robots.set", {{"own", {{"robots", exchanged}}}});
+  const nlohmann::json differences = expect_ok("differences");
+  const std::string team = differences["files"][0]["diff"];
+  EXPECT_NE(team.find("192.168.1.11"), std::string::npos) << team;
+  EXPECT_NE(team.find("    wheel_gain = [ 1.02"), std::string::npos) << team;
+  EXPECT_EQ(team.find("address"), team.rfind("address")) << "robot 4 is a new one: " << team;
+}
+
 TEST_F(ScriptedFirmware, WritesALayoutAndTheBallBeforeTheColors) {
   start_program();
   expect_ok("begin");

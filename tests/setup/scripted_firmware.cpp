@@ -158,6 +158,8 @@ void ScriptedFirmware::handle(const Message& message) {
     if (loads_) answer_use();
   }
   if (type == "try") tries_.push_back(message.content);
+  if (type == "test") tests_.push_back(message.content);
+  if (type == "wheels") wheels_.push_back(message.content);
 }
 
 void ScriptedFirmware::answer_use(const std::string& error) {

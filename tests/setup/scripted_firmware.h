@@ -57,14 +57,16 @@ class ScriptedFirmware : public touchline::testing::ProgramFolder {
   /// Returns the picture of the state's step; the test fails if it did not arrive.
   const Message& picture(const nlohmann::json& id);
 
-  nlohmann::json state_, live_;        // newest messages
-  std::vector<Message> pictures_;      // pictures for the page
-  std::vector<nlohmann::json> used_;   // "use" messages
-  std::vector<nlohmann::json> tries_;  // "try" messages, which the test answers
-  std::vector<hal::Picture> camera_;   // pictures that the camera delivers in turn
-  std::string camera_error_;           // error that the camera reports instead of a picture
-  bool delivers_ = true;               // false: the camera never answers "frames"
-  bool loads_ = true;                  // false: the test answers "use" with answer_use()
+  nlohmann::json state_, live_;         // newest messages
+  std::vector<Message> pictures_;       // pictures for the page
+  std::vector<nlohmann::json> used_;    // "use" messages
+  std::vector<nlohmann::json> tries_;   // "try" messages, which the test answers
+  std::vector<nlohmann::json> tests_;   // "test" messages, which the test answers
+  std::vector<nlohmann::json> wheels_;  // "wheels" messages
+  std::vector<hal::Picture> camera_;    // pictures that the camera delivers in turn
+  std::string camera_error_;            // error that the camera reports instead of a picture
+  bool delivers_ = true;                // false: the camera never answers "frames"
+  bool loads_ = true;                   // false: the test answers "use" with answer_use()
   std::size_t delivered_ = 0;
 
  private:

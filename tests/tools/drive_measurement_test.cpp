@@ -2,8 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
+#include "core/geometry/angle.h"
 #include "firmware/config/configuration.h"
+#include "hal/linux/monotonic_clock.h"
 #include "tests/mock/mock_game.h"
+#include "tools/programs/radio/measured_files.h"
 
 // Measures robots of the arena by its pictures, through the whole loop.
 namespace touchline::radio {
@@ -74,6 +79,98 @@ TEST(DriveMeasurementInArena, FindsWhatTheFilesDoNotSay) {
   EXPECT_NEAR(measured.wheel_base_m.value, 0.07, 0.001);
   game.arena->advance_to(game.arena->now() + std::chrono::seconds(1));
   EXPECT_LT(energy_of(*game.arena), 1e-6) << "all robots stand at the end";
+}
+
+// Drives robot 1 with both wheels at 0.4 m/s, among robots that stand. Its wheels do not slip, so only the gains turn
+// it.
+class StraightDrive : public MockGame {
+ public:
+  StraightDrive(std::uint64_t seed, const std::string& wheel_gain)
+      : MockGame(seed, {},
+                 with_measuring({"arena.opponents=stand", kUnequalWheels, "arena.physics.wheel_slip=0",
+                                 "arena.physics.floor_roughness_mps_rts=0", "own.robot[1].wheel_gain=" + wheel_gain})) {
+    LoopSettings wanted = settings();
+    wanted.external.commands = &commands_;
+    LoopObserver observer;
+    observer.context = this;
+    observer.on_step = [](void* context, const StepTrace& trace, const StepTiming&) {
+      static_cast<StraightDrive*>(context)->look(trace);
+    };
+    open(loop, *camera, *radio, *gpio, wanted, observer);
+  }
+
+  void run() {
+    const double before_rad = robot().theta_rad;
+    while (frames_ < 120) ASSERT_FALSE(loop->iterate().has_value());
+    turned_rad = wrap_angle(robot().theta_rad - before_rad);
+    const std::array<double, 2> way{robot().x_m - begin_.x_m, robot().y_m - begin_.y_m};
+    way_m = std::hypot(way[0], way[1]);
+  }
+
+  static constexpr const char* kUnequalWheels = "arena.physics.wheel_error=0.15";
+  double turned_rad = 0.0, way_m = 0.0;
+  double commanded_m = 0.0;
+
+ private:
+  [[nodiscard]] hal::mock::Placement robot() const { return arena->world().snapshot().robots[1]; }
+
+  void look(const StepTrace& trace) {
+    ++frames_;
+    if (frames_ == 1) begin_ = robot();
+    ExternalCommand command;
+    command.id = 1;
+    command.kind = ExternalCommand::Kind::kWheels;
+    if (frames_ > 40 && frames_ < 100) command.wheels = {0.4f, 0.4f};
+    command.received = hal::MonotonicClock::read() + std::chrono::hours(1);  // counts as now
+    ExternalCommands commands;
+    commands.push_back(command);
+    commands_.put(commands);
+    for (const RobotCommand& sent : trace.commands.robots) {
+      if (sent.id == 1) commanded_m += 0.5 * static_cast<double>(sent.wheels.left_mps + sent.wheels.right_mps) / 60.0;
+    }
+  }
+
+  Mailbox<ExternalCommands> commands_;
+  int frames_ = 0;
+  hal::mock::Placement begin_;
+
+ public:
+  std::optional<Loop> loop;
+};
+
+std::string gains_text(const std::array<double, 2>& gain) {
+  return "[" + std::to_string(gain[0]) + ", " + std::to_string(gain[1]) + "]";
+}
+
+TEST(DriveMeasurementInArena, ARobotWithKnownGainsDrivesStraight) {
+  constexpr std::uint64_t kSeed = 3;
+  StraightDrive as_it_is(kSeed, "[1, 1]");
+  as_it_is.run();
+  StraightDrive corrected(kSeed, gains_text(as_it_is.arena->world().motors(1).gain));
+  corrected.run();
+  EXPECT_GT(std::abs(as_it_is.turned_rad), 0.3);
+  EXPECT_LT(std::abs(corrected.turned_rad), 0.02);
+  // Tracker and prediction read the commands, so these must be what the robot drives. The dead zone takes 2 mm.
+  EXPECT_NEAR(corrected.way_m, corrected.commanded_m, 0.004);
+  EXPECT_GT(std::abs(as_it_is.way_m - as_it_is.commanded_m), 0.02);
+}
+
+TEST(DriveMeasurementInArena, FindsTheGainsWithWhichARobotDrivesStraight) {
+  constexpr std::uint64_t kSeed = 3;
+  MeasuredGame game(kSeed, {"arena.opponents=stand", StraightDrive::kUnequalWheels, "own.robot[1].wheel_gain=[0.9, 1]"},
+                    1);
+  EXPECT_EQ(game.run(), LoopEnd::kRestart);
+  game.measurement.estimator().solve();
+  const std::vector<MeasuredKey> keys = measured_keys(game.measurement.estimator().estimate(), 1, *game.configuration);
+  ASSERT_FALSE(keys.empty());
+  ASSERT_EQ(keys.back().key, "wheel_gain");
+  const std::array<double, 2> truth = game.arena->world().motors(1).gain;
+  for (std::size_t i = 0; i < 2; ++i) {
+    EXPECT_NEAR(keys.back().numbers[i].measured, truth[i], 0.01) << "sigma " << keys.back().numbers[i].sigma;
+  }
+  StraightDrive corrected(kSeed, keys.back().text());
+  corrected.run();
+  EXPECT_LT(std::abs(corrected.turned_rad), 0.05) << "a gain is wrong by less than 1 %";
 }
 
 TEST(DriveMeasurementInArena, FindsWrongWiring) {

@@ -23,6 +23,18 @@ function neededColors({ robots: { own, opponent, ball }, colors: { names } }) {
   return { needed, wanted: needed.filter((name) => !names.some((known) => known.name === name)) };
 }
 
+function measuredDrive() {
+  const value = (name, value, sigma, unit, known = true) => ({ name, value, sigma, unit, known });
+  const key = (key, file, now, measured, unit, differs) => ({ key, file, now, measured, unit, differs, written: false });
+  return {
+    robot: 3,
+    wiring: 'the wheels are exchanged: the command for the left wheel drives the right one; exchange the motors',
+    wiring_ok: false,
+    values: [value('delay', 62.3, 0.4, 'ms'), value('gain of the left wheel', 1.0842, 0.0031, ''), value('dead zone', 4.2, 0.8, 'mm/s'), value('wheel base', null, null, 'mm', false)],
+    keys: [key('radio.delay_s', 'board.toml', '0.02', '0.0623', 's', true), key('own.robot[3].wheel_gain', 'team.toml', '[1, 1]', '[1.0842, 0.9713]', '', true), key('tracking.robot.wheel_lag_s', 'team.toml', '0.08', '0.0803', 's', false)],
+  };
+}
+
 function fresh() {
   const team = (color) => ({ layout: 'two-squares', color, robots: NAMES.map((name, id) => ({ id, colors: [color === 'yellow' && id === 3 ? NAMES[2] : name] })) });
   return {
@@ -37,7 +49,7 @@ function fresh() {
     light: { done: false, quality: unknown, notes: [], surface: null },
     colors: { done: false, quality: unknown, notes: [], names: [], wanted: COLORS.map(([name]) => name), pictures: [], clicks: [] },
     robots: { done: false, quality: unknown, notes: [], layouts: LAYOUTS, own: team('blue'), opponent: team('yellow'), ball: 'orange', ball_radius_m: 0.02135, problems: [], similar: [] },
-    radio: { done: false, quality: { level: 'ok', text: '2400 packets sent, none lost' }, notes: [], values: { backend: 'serial', device: '/dev/serial/by-id/usb-Rehearsal_Radio-if00-port0', baud: 115200 }, devices: ['/dev/ttyUSB0', '/dev/ttyAMA0'] },
+    radio: { done: false, quality: { level: 'ok', text: '2400 packets sent, none lost' }, notes: [], values: { backend: 'serial', device: '/dev/serial/by-id/usb-Rehearsal_Radio-if00-port0', baud: 115200 }, devices: ['/dev/ttyUSB0', '/dev/ttyAMA0'], drive: measuredDrive() },
   };
 }
 
@@ -311,6 +323,10 @@ const handlers = {
   'camera.set'(setup, { command: _, type: __, request: ___, ...values }) {
     setup.change(`camera ${values.device}`, 'camera', { done: false, values: { ...setup.steps.camera.values, ...values } });
     setup.game.lost = [];
+  },
+  'radio.write'(setup, { key }) {
+    const { drive } = setup.steps.radio;
+    setup.change(`measured ${key}`, 'radio', { drive: { ...drive, keys: drive.keys.map((one) => (one.key === key ? { ...one, written: true } : one)) } });
   },
   'radio.set'(setup, { command: _, type: __, request: ___, ...values }) {
     setup.change('radio', 'radio', { values: { ...setup.steps.radio.values, ...values } });

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "core/geometry/vector2.h"
 #include "hal/linux/monotonic_clock.h"
@@ -20,6 +21,20 @@ constexpr double kOvershoot_m = 0.1;
 constexpr std::size_t kIntervalsPerFrame = 400;
 // Time without a known wiring after which the robot does not move, or only one wheel does.
 constexpr double kPatienceForWiring_s = 5.0 * DriveExcitation::kProbe_s;
+
+WheelSpeeds wheels_of(const Commands& commands, RobotId robot) {
+  for (const RobotCommand& command : commands.robots) {
+    if (command.id == robot && !commands.stop) return command.wheels;
+  }
+  return {};
+}
+
+std::optional<Pose> sighting_of(std::span<const RobotSighting> robots, RobotId robot) {
+  for (const RobotSighting& sighting : robots) {
+    if (sighting.team == Team::kOwn && sighting.id == robot && sighting.has_heading) return sighting.pose;
+  }
+  return std::nullopt;
+}
 
 }  // namespace
 
@@ -48,37 +63,26 @@ bool DriveMeasurement::has_room(const Tracks& tracks, const RobotTrack& robot) c
   return tracks.ball.state != TrackState::kSeen || distance(to_vector(tracks.ball.position), here) > wall;
 }
 
-void DriveMeasurement::record(const StepTrace& trace, const StepTiming& timing) {
-  WheelSpeeds wheels;
-  for (const RobotCommand& command : trace.commands.robots) {
-    if (command.id == settings_.robot && !trace.commands.stop) wheels = command.wheels;
-  }
-  Duration on_line{};
-  for (std::size_t i = 0; i < trace.packets.size(); ++i) {
-    const std::size_t receiver = trace.packets[i].receiver;
-    if (receiver != kAllRobots && receiver != settings_.receiver) continue;
-    on_line = settings_.radio_line.until_sent(trace.packets, i);
-  }
-  estimator_.add_command(timing.sent + on_line, wheels);
-  for (const RobotSighting& sighting : trace.sightings.robots) {
-    if (sighting.team != Team::kOwn || sighting.id != settings_.robot || !sighting.has_heading) continue;
-    estimator_.add_sighting(trace.frame.capture_time, sighting.pose);
-  }
+void DriveMeasurement::record(const DriveStep& step) {
+  const auto on_line = settings_.radio_line.of(step.packet_bytes) +
+                       static_cast<Duration::rep>(step.pauses) * settings_.radio_line.pause;
+  estimator_.add_command(step.sent + on_line, step.wheels);
+  if (step.sighting) estimator_.add_sighting(step.captured, *step.sighting);
 }
 
-DriveMeasurement::End DriveMeasurement::check(const StepTrace& trace) {
-  const Instant now = trace.frame.capture_time;
+DriveMeasurement::End DriveMeasurement::check(const DriveStep& step) {
+  const Instant now = step.captured;
   if (!has_frame_) first_frame_ = seen_ = obeyed_ = now;
   has_frame_ = true;
-  const RobotTrack* robot = track_of(trace.tracks);
+  const RobotTrack* robot = track_of(step.tracks);
   if (robot != nullptr) seen_ = now;
-  if (!trace.commands.stop) obeyed_ = now;
+  if (!step.stop) obeyed_ = now;
   if (now - obeyed_ > kHaltPatience) return End::kHalted;
   if (now - seen_ > (drives_ ? kPatience : kPatienceAtStart)) return End::kNotSeen;
   if (robot == nullptr) return End::kNone;
   if (!drives_) {
     if (now - first_frame_ < 1s || obeyed_ != now) return End::kNone;
-    if (!has_room(trace.tracks, *robot)) return End::kNoRoom;
+    if (!has_room(step.tracks, *robot)) return End::kNoRoom;
     center_ = position(robot->pose);
     excitation_.set_center(robot->pose.position);
     begin_ = now;
@@ -90,27 +94,11 @@ DriveMeasurement::End DriveMeasurement::check(const StepTrace& trace) {
   return driven_s_ >= settings_.duration_s ? End::kDone : End::kNone;
 }
 
-void DriveMeasurement::command(const WheelSpeeds& wheels) {
-  ExternalCommands commands;
-  ExternalCommand command;
-  command.id = settings_.robot;
-  command.kind = ExternalCommand::Kind::kWheels;
-  command.wheels = wheels;
-  command.received = hal::MonotonicClock::read();
-  commands.push_back(command);
-  mailbox_.put(commands);
-}
-
-void DriveMeasurement::on_step(const StepTrace& trace, const StepTiming& timing) {
-  if (end_ != End::kNone) return;
-  end_ = check(trace);
-  if (end_ != End::kNone) {
-    command({});
-    has_ended_.store(true, std::memory_order_relaxed);
-    return;
-  }
-  if (!drives_) return;
-  record(trace, timing);
+WheelSpeeds DriveMeasurement::step(const DriveStep& step) {
+  if (end_ != End::kNone) return {};
+  end_ = check(step);
+  if (end_ != End::kNone || !drives_) return {};
+  record(step);
   const bool has_new_values = estimator_.work(kIntervalsPerFrame);
   const DriveEstimate& estimate = estimator_.estimate();
   if (has_new_values && driven_s_ > DriveExcitation::kProbe_s && estimate.is_wiring_known &&
@@ -118,7 +106,57 @@ void DriveMeasurement::on_step(const StepTrace& trace, const StepTiming& timing)
     excitation_.set_wiring(estimate.wiring);
   }
   if (estimate.lag_s.is_known) excitation_.set_lag(estimate.lag_s.value);
-  command(excitation_.next(estimator_.pose_after_commands(timing.sent), timing.sent));
+  return excitation_.next(estimator_.pose_after_commands(step.sent), step.sent);
+}
+
+void DriveMeasurement::on_step(const StepTrace& trace, const StepTiming& timing) {
+  ExternalCommands commands;
+  ExternalCommand command;
+  command.id = settings_.robot;
+  command.kind = ExternalCommand::Kind::kWheels;
+  command.wheels = step(drive_step_of(trace, timing, settings_));
+  command.received = hal::MonotonicClock::read();
+  commands.push_back(command);
+  mailbox_.put(commands);
+  if (end_ != End::kNone) has_ended_.store(true, std::memory_order_relaxed);
+}
+
+DriveStep drive_step_of(const StepTrace& trace, const StepTiming& timing, const MeasurementSettings& settings) {
+  const RobotId robot = settings.robot;
+  DriveStep step;
+  step.captured = trace.frame.capture_time;
+  step.sent = timing.sent;
+  step.stop = trace.commands.stop;
+  step.wheels = wheels_of(trace.commands, robot);
+  std::size_t bytes = 0, before = 0;
+  for (const OutgoingPacket& outgoing : trace.packets) {
+    bytes += outgoing.packet.size();
+    if (outgoing.receiver == kAllRobots || outgoing.receiver == settings.receiver) {
+      step.packet_bytes = bytes;
+      step.pauses = before;
+    }
+    ++before;
+  }
+  step.sighting = sighting_of({trace.sightings.robots.data(), trace.sightings.robots.size()}, robot);
+  step.tracks = trace.tracks;
+  return step;
+}
+
+MeasurementSettings measurement_settings(const config::Configuration& configuration, RobotId robot) {
+  MeasurementSettings settings;
+  settings.robot = robot;
+  const auto& receivers = configuration.pipeline.radio.receivers;
+  const auto is_robot = [&](const Receiver& receiver) { return receiver.id == robot; };
+  settings.receiver =
+      static_cast<std::size_t>(std::find_if(receivers.begin(), receivers.end(), is_robot) - receivers.begin());
+  const ControlParameters& control = configuration.pipeline.control;
+  settings.limits.wheel_base_m = settings.expected.wheel_base_m = control.drive.wheel_base_m;
+  settings.expected.delay_s = configuration.board.radio.delay_s;
+  settings.expected.lag_s = configuration.pipeline.track.robot.wheel_lag_s;
+  settings.field = configuration.pipeline.marker.field;
+  settings.robot_radius_m = control.play.robot_radius_m;
+  settings.radio_line = hal::line_time(configuration.board.radio);
+  return settings;
 }
 
 std::vector<std::string> measuring_overrides() {
@@ -132,18 +170,17 @@ const char* describe(DriveMeasurement::End end) {
     case DriveMeasurement::End::kDone:
       return "completed";
     case DriveMeasurement::End::kNotSeen:
-      return "the camera does not see the robot with its id: check light and colors on the page (touchline run)";
+      return "the camera does not see the robot with its id: check light and colors on the page";
     case DriveMeasurement::End::kNoRoom:
       return "too near to a wall, the ball or another robot: put the robot where it has room";
     case DriveMeasurement::End::kLeftArea:
       return "the robot has left its area: something pushes it, or it does not do what it is commanded; try a lower "
-             "--speed";
+             "speed";
     case DriveMeasurement::End::kHalted:
-      return "all robots are halted: emergency stop, start button, or pictures that cannot be used; touchline run "
-             "shows "
-             "the reason";
+      return "all robots are halted: emergency stop, start button, or pictures that cannot be used; the page "
+             "shows the reason";
     case DriveMeasurement::End::kStands:
-      return "the robot does not move as commanded, or only one wheel does: check battery, radio and id with --pattern";
+      return "the robot does not move as commanded, or only one wheel does: check battery, radio and id with a pattern";
   }
   return "";
 }

@@ -2,12 +2,14 @@
 
 #include <atomic>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "core/geometry/field_area.h"
 #include "core/identification/drive_estimator.h"
 #include "core/identification/drive_excitation.h"
+#include "firmware/config/configuration.h"
 #include "firmware/loop.h"
 #include "hal/mailbox.h"
 
@@ -25,14 +27,33 @@ struct MeasurementSettings {
   hal::LineTime radio_line;
 };
 
-/// Drives one robot within a small area of the field, and measures its drive. on_step() is called on the loop's thread;
-/// its commands reach the loop by a mailbox, as those of another program do, so that all limits and stops apply.
+/// What the measurement needs of one frame.
+struct DriveStep {
+  Instant captured{}, sent{};    // `sent`: when the radio accepted the frame's packets
+  bool stop = true;              // all robots were stopped
+  WheelSpeeds wheels;            // sent to the robot; zero without a command
+  std::size_t packet_bytes = 0;  // of the frame's packets, up to that of the robot
+  std::size_t pauses = 0;        // between these packets
+  std::optional<Pose> sighting;  // of the robot, with its heading
+  Tracks tracks;
+};
+DriveStep drive_step_of(const StepTrace& trace, const StepTiming& timing, const MeasurementSettings& settings);
+
+/// Returns the settings for robot `robot` of these files.
+MeasurementSettings measurement_settings(const config::Configuration& configuration, RobotId robot);
+
+/// Drives one robot within a small area of the field, and measures its drive. Nothing is allocated by step().
 class DriveMeasurement {
  public:
   enum class End : std::uint8_t { kNone, kDone, kNotSeen, kNoRoom, kLeftArea, kHalted, kStands };
 
   explicit DriveMeasurement(const MeasurementSettings& settings);
 
+  /// Takes a frame and returns the speeds that the robot's wheels shall get next; zero before and after the
+  /// measurement. Whoever calls it brings them into the loop as the commands of another program, so that all limits and
+  /// stops apply.
+  WheelSpeeds step(const DriveStep& step);
+  /// The same on the loop's thread; the speeds are put into commands().
   void on_step(const StepTrace& trace, const StepTiming& timing);
 
   [[nodiscard]] Mailbox<ExternalCommands>& commands() { return mailbox_; }
@@ -46,11 +67,10 @@ class DriveMeasurement {
   [[nodiscard]] double wall_distance_m() const;
 
  private:
-  void record(const StepTrace& trace, const StepTiming& timing);
+  void record(const DriveStep& step);
   [[nodiscard]] const RobotTrack* track_of(const Tracks& tracks) const;
   [[nodiscard]] bool has_room(const Tracks& tracks, const RobotTrack& robot) const;
-  [[nodiscard]] End check(const StepTrace& trace);
-  void command(const WheelSpeeds& wheels);
+  [[nodiscard]] End check(const DriveStep& step);
 
   const MeasurementSettings settings_;
   DriveEstimator estimator_;

@@ -21,23 +21,11 @@ int refuse_measurement(const std::string& message, int exit_code) {
 }
 
 MeasurementSettings settings_of(const RadioOptions& options, const config::Configuration& configuration) {
-  MeasurementSettings settings;
-  settings.robot = static_cast<RobotId>(options.robot);
-  const auto& receivers = configuration.pipeline.radio.receivers;
-  const auto is_robot = [&](const Receiver& receiver) { return receiver.id == settings.robot; };
-  settings.receiver =
-      static_cast<std::size_t>(std::find_if(receivers.begin(), receivers.end(), is_robot) - receivers.begin());
+  MeasurementSettings settings = measurement_settings(configuration, static_cast<RobotId>(options.robot));
   if (options.duration_s > 0.0) settings.duration_s = options.duration_s;
   settings.seed = options.session.seed;
   if (options.speed_mps > 0.0) settings.limits.max_speed_mps = options.speed_mps;
   settings.limits.radius_m = options.radius_m;
-  const ControlParameters& control = configuration.pipeline.control;
-  settings.limits.wheel_base_m = settings.expected.wheel_base_m = control.drive.wheel_base_m;
-  settings.expected.delay_s = configuration.board.radio.delay_s;
-  settings.expected.lag_s = configuration.pipeline.track.robot.wheel_lag_s;
-  settings.field = configuration.pipeline.marker.field;
-  settings.robot_radius_m = control.play.robot_radius_m;
-  settings.radio_line = hal::line_time(configuration.board.radio);
   return settings;
 }
 
@@ -45,14 +33,14 @@ MeasurementSettings settings_of(const RadioOptions& options, const config::Confi
 int write_values(const std::vector<MeasuredKey>& keys, bool yes) {
   for (const MeasuredKey& key : keys) {
     if (!key.differs()) continue;
-    const std::string question =
-        formatted("Write %s = %.4f into %s (now %.4g)?", key.name().c_str(), key.measured, key.path.c_str(), key.now);
+    const std::string question = formatted("Write %s = %s into %s (now %s)?", key.name().c_str(), key.text().c_str(),
+                                           key.path.c_str(), key.text_now().c_str());
     if (!yes && !is_confirmed(question.c_str())) continue;
     if (const Result<void> written = write_key(key); !written.ok()) {
       return refuse_measurement(std::string(written.text()), kExitBadFile);
     }
-    std::fprintf(stderr, "%s: wrote %s = %.4f; the former file is %s.bak\n", key.path.c_str(), key.name().c_str(),
-                 key.measured, key.path.c_str());
+    std::fprintf(stderr, "%s: wrote %s = %s; the former file is %s.bak\n", key.path.c_str(), key.name().c_str(),
+                 key.text().c_str(), key.path.c_str());
   }
   return kExitOk;
 }
@@ -110,7 +98,7 @@ int measure_drive(const RadioOptions& options) {
   if (!has_values) return kExitDeviceFailure;
   measurement->estimator().solve();
   const DriveEstimate& estimate = measurement->estimator().estimate();
-  const std::vector<MeasuredKey> keys = measured_keys(estimate, configuration);
+  const std::vector<MeasuredKey> keys = measured_keys(estimate, options.robot, configuration);
   std::fputs((options.json ? measured_json(estimate, options.robot)
                            : measured_text(estimate, options.robot, measurement->driven_s(), keys))
                  .c_str(),

@@ -1,5 +1,6 @@
 #include "tools/programs/radio/measured_files.h"
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 #include <utility>
@@ -11,8 +12,24 @@
 namespace touchline::radio {
 namespace {
 
-// Resolution of the written values: 0.1 ms and 0.1 mm.
+// Resolution of the written values: 0.1 ms, 0.1 mm, and 0.01 % of a gain.
 constexpr double kResolution = 1e-4;
+
+std::string value_text(const MeasuredValue& value, double factor, int decimals, const char* unit) {
+  if (!std::isfinite(value.sigma)) return "not known";
+  return formatted("%.*f +- %.*f %s%s", decimals, factor * value.value, decimals, factor * value.sigma, unit,
+                   value.is_known ? "" : "  (not certain yet: measure longer)");
+}
+
+std::string list_text(const std::vector<MeasuredNumber>& numbers, double MeasuredNumber::*value, const char* format) {
+  std::string text;
+  for (const MeasuredNumber& number : numbers) {
+    text += (text.empty() ? "" : ", ") + formatted(format, number.*value);
+  }
+  return numbers.size() == 1 ? text : "[" + text + "]";
+}
+
+}  // namespace
 
 std::string wiring_text(const DriveEstimate& estimate) {
   if (!estimate.is_wiring_known) return "not known";
@@ -32,37 +49,51 @@ std::string wiring_text(const DriveEstimate& estimate) {
   return text + (text.ends_with("; ") ? "exchange the motors" : ": correct the robot's wiring or program");
 }
 
-std::string value_text(const MeasuredValue& value, double factor, int decimals, const char* unit) {
-  if (!std::isfinite(value.sigma)) return "not known";
-  return formatted("%.*f +- %.*f %s%s", decimals, factor * value.value, decimals, factor * value.sigma, unit,
-                   value.is_known ? "" : "  (not certain yet: measure longer)");
+bool MeasuredKey::differs() const {
+  return std::any_of(numbers.begin(), numbers.end(), [](const MeasuredNumber& number) {
+    return std::abs(number.measured - number.now) > 3.0 * number.sigma + kResolution;
+  });
 }
 
-}  // namespace
+std::string MeasuredKey::text() const { return list_text(numbers, &MeasuredNumber::measured, "%.4f"); }
 
-bool MeasuredKey::differs() const { return std::abs(measured - now) > 3.0 * sigma + kResolution; }
+std::string MeasuredKey::text_now() const { return list_text(numbers, &MeasuredNumber::now, "%.4g"); }
 
-std::vector<MeasuredKey> measured_keys(const DriveEstimate& estimate, const config::Configuration& configuration) {
+std::vector<MeasuredKey> measured_keys(const DriveEstimate& estimate, int robot,
+                                       const config::Configuration& configuration) {
   std::vector<MeasuredKey> keys;
-  const auto add = [&keys](const MeasuredValue& value, MeasuredKey key) {
-    if (!value.is_known) return;
-    key.measured = std::round(std::max(value.value, 0.0) / kResolution) * kResolution;
-    key.sigma = value.sigma;
-    keys.push_back(std::move(key));
+  // `factor`: value of the key per measured value.
+  const auto number_of = [](const MeasuredValue& value, double now, double factor = 1.0) {
+    const double measured = std::round(factor * std::max(value.value, 0.0) / kResolution) * kResolution;
+    return MeasuredNumber{now, measured, factor * value.sigma};
+  };
+  const auto add = [&](const MeasuredValue& value, const std::string& path, const char* table, const char* key,
+                       double now, const char* unit) {
+    if (value.is_known) keys.push_back({path, table, key, {number_of(value, now)}, unit});
   };
   const std::string board = configuration.board_where.file(), team = configuration.team_where.file();
-  add(estimate.delay_s, {board, "radio", "delay_s", configuration.board.radio.delay_s, 0.0, 0.0, "s"});
-  add(estimate.lag_s,
-      {team, "tracking.robot", "wheel_lag_s", configuration.team.tracking.robot.wheel_lag_s, 0.0, 0.0, "s"});
-  add(estimate.wheel_base_m,
-      {team, "control.drive", "wheel_base_m", configuration.team.control.drive.wheel_base_m, 0.0, 0.0, "m"});
+  add(estimate.delay_s, board, "radio", "delay_s", configuration.board.radio.delay_s, "s");
+  add(estimate.lag_s, team, "tracking.robot", "wheel_lag_s", configuration.team.tracking.robot.wheel_lag_s, "s");
+  add(estimate.wheel_base_m, team, "control.drive", "wheel_base_m", configuration.team.control.drive.wheel_base_m, "m");
+  if (!estimate.gain_left.is_known || !estimate.gain_right.is_known || estimate.wiring != WheelWiring()) return keys;
+  const std::vector<config::RobotEntry>& robots = configuration.team.own.robot;
+  for (std::size_t i = 0; i < robots.size(); ++i) {
+    if (robots[i].id != robot) continue;
+    const auto left = static_cast<double>(robots[i].wheel_gain[0]),
+               right = static_cast<double>(robots[i].wheel_gain[1]);
+    keys.push_back({team,
+                    formatted("own.robot[%zu]", i),
+                    "wheel_gain",
+                    {number_of(estimate.gain_left, left, left), number_of(estimate.gain_right, right, right)},
+                    ""});
+  }
   return keys;
 }
 
 Result<void> write_key(const MeasuredKey& key) {
   TOUCHLINE_TRY_ASSIGN(const std::optional<std::string> text, config::read_text(key.path));
   if (!text) return failure(ErrorCode::kNotFound, "%s: does not exist any more", key.path.c_str());
-  Result<std::string> edited = config::replace_value(*text, key.table, key.key, formatted("%.4f", key.measured));
+  Result<std::string> edited = config::replace_value(*text, key.table, key.key, key.text());
   if (!edited.ok()) return prefixed(key.path, std::move(edited).error());
   return config::replace_file(key.path, edited.value());
 }
@@ -84,8 +115,9 @@ std::string measured_text(const DriveEstimate& estimate, int robot, double durat
   line("wheel base", value_text(estimate.wheel_base_m, 1e3, 2, "mm"));
   line("marker to the left by", value_text(estimate.marker_left_m, 1e3, 2, "mm"));
   for (const MeasuredKey& key : keys) {
-    text += formatted("  %s: %s = %.4g %s, measured %.4f +- %.4f%s\n", key.path.c_str(), key.name().c_str(), key.now,
-                      key.unit.c_str(), key.measured, key.sigma, key.differs() ? "" : ": agrees");
+    text += formatted("  %s: %s = %s %s, measured %s +- %s%s\n", key.path.c_str(), key.name().c_str(),
+                      key.text_now().c_str(), key.unit.c_str(), key.text().c_str(),
+                      list_text(key.numbers, &MeasuredNumber::sigma, "%.4f").c_str(), key.differs() ? "" : ": agrees");
   }
   return text;
 }

@@ -17,6 +17,8 @@ inline constexpr std::array<Choice<Pattern>, 6> kPatterns{{{"forward", Pattern::
                                                            {"right-wheel", Pattern::kRightWheel},
                                                            {"to-and-fro", Pattern::kToAndFro}}};
 
+inline constexpr double kPatternDuration_s = 3.0, kPatternSpeed_mps = 0.2;
+
 /// What a person should see, "both wheels roll forward".
 const char* expectation_of(Pattern pattern);
 

@@ -21,7 +21,6 @@ using namespace std::chrono_literals;
 
 constexpr Duration kPacketPause = 20ms;
 constexpr int kFinalStops = 5, kStarts = 3;  // as touchline
-constexpr double kPatternDuration_s = 3.0, kPatternSpeed_mps = 0.2;
 
 int fail_radio(const std::string& message, int exit_code) { return fail("touchline-radio", message, exit_code); }
 

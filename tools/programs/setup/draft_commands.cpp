@@ -200,9 +200,10 @@ Answer SetupProgram::confirm(const Arguments& arguments) {
 
 // Changes the text of one file of the draft, as a step.
 Answer SetupProgram::change_text(const std::string& step, const std::string& file, Result<std::string> text,
-                                 bool replaces_last) {
+                                 bool replaces_last, nlohmann::json radio) {
   if (!text.ok()) return prefixed(file, std::move(text).error());
   DraftState next = draft_.now();
+  if (!radio.is_null()) next.measured["radio"] = std::move(radio);
   next.name = step;
   next.files.content[file] = std::make_shared<const std::string>(std::move(text).value());
   // A confirmation applied to the former text, or to the former camera with its exposure.

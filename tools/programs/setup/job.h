@@ -8,6 +8,7 @@
 #include "hal/result.h"
 #include "tools/programs/calibrate/imaging/camera_picture.h"
 #include "tools/programs/setup/draft.h"
+#include "tools/programs/setup/tested_robot.h"
 #include "tools/programs/setup/worker.h"
 
 namespace touchline::setup {
@@ -56,6 +57,9 @@ struct Job {
   /// Takes each frame as it arrives, in place of JobInput::frames, because there is memory for only a few. An error
   /// ends the job.
   std::function<Result<void>(const Frame&)> take_frame;
+  // If set, the job first drives the robot `robot`, until the order is done; then the work begins.
+  DriveRobot drive;
+  RobotId robot = kUnknownId;
   std::function<Result<void>(const JobInput&, const JobOutput&)> work;
 };
 

@@ -122,6 +122,15 @@ nlohmann::json similar_json(const config::TeamFile& file, const config::VenueFil
   return pairs;
 }
 
+// Returns the entry of robot `id`, or an empty one. `robots` may be null.
+toml::table robot_of(const toml::array* robots, std::int64_t id) {
+  for (std::size_t i = 0; robots != nullptr && i < robots->size(); ++i) {
+    const toml::table* const entry = robots->get(i)->as_table();
+    if (entry != nullptr && (*entry)["id"].value<std::int64_t>() == id) return *entry;
+  }
+  return {};
+}
+
 }  // namespace
 
 nlohmann::json robots_state(const std::string& team_path, const calibrate::VenueDraft& venue) {
@@ -228,20 +237,25 @@ Result<std::string> replace_team(const std::string& text, const std::string& nam
   }
   if (!members.has("robots")) return content;
   if (!members["robots"].is_array()) return Error{ErrorCode::kInconsistent, "\"robots\" must be a list"};
-  toml::array robots;
-  for (const nlohmann::json& one : members["robots"]) {
-    if (!one.is_object()) return Error{ErrorCode::kInconsistent, "a robot must be an object"};
-    const Arguments robot(one);
-    TOUCHLINE_TRY_ASSIGN(const double id, robot.number("id", 0, 127));
-    TOUCHLINE_TRY_ASSIGN(const std::vector<std::string> colors, robot.texts("colors"));
-    toml::array names;
-    for (const std::string& color : colors) names.push_back(color);
-    robots.push_back(toml::table{{"id", static_cast<std::int64_t>(id)}, {"colors", std::move(names)}});
-  }
   try {
     const toml::table file = toml::parse(content);
     toml::table team;
     if (const toml::table* former = file[name].as_table()) team = *former;
+    const toml::array* const former_robots = team["robot"].as_array();
+    toml::array robots;
+    for (const nlohmann::json& one : members["robots"]) {
+      if (!one.is_object()) return Error{ErrorCode::kInconsistent, "a robot must be an object"};
+      const Arguments robot(one);
+      TOUCHLINE_TRY_ASSIGN(const double id, robot.number("id", 0, 127));
+      TOUCHLINE_TRY_ASSIGN(const std::vector<std::string> colors, robot.texts("colors"));
+      toml::array names;
+      for (const std::string& color : colors) names.push_back(color);
+      // The page does not show keys such as address and wheel_gain, which stay with the robot.
+      toml::table entry = robot_of(former_robots, static_cast<std::int64_t>(id));
+      entry.insert_or_assign("id", static_cast<std::int64_t>(id));
+      entry.insert_or_assign("colors", std::move(names));
+      robots.push_back(std::move(entry));
+    }
     team.insert_or_assign("robot", std::move(robots));
     std::ostringstream section;
     section << toml::table{{name, std::move(team)}} << "\n";

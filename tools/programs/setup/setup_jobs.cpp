@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <filesystem>
+#include <utility>
 
 #include "hal/files/input_file.h"
 #include "tools/programs/setup/setup_program.h"
@@ -11,6 +12,8 @@ namespace fs = std::filesystem;
 
 // Allows for a camera that is being reopened, which takes some seconds.
 constexpr std::chrono::seconds kFrameTimeout{20};
+// A state has all values of the files, and a person sees no faster changes.
+constexpr std::chrono::milliseconds kStatePeriod{200};
 
 }  // namespace
 
@@ -21,7 +24,9 @@ Result<nlohmann::json> SetupProgram::start(Job job) {
   running_->state = draft_.now();
   running_->job = std::move(job);
   answered_ = true;
-  if (running_->job.frame_count > 0) {
+  if (running_->job.drive) {
+    begin_driving();
+  } else if (running_->job.frame_count > 0) {
     request_frames();
   } else {
     begin_work();
@@ -37,6 +42,47 @@ void SetupProgram::request_frames() {
   running_->next_frame = {};
   running_->give_up = Clock::now() + kFrameTimeout;
   send({{"type", "frames"}, {"count", 1}});
+}
+
+void SetupProgram::begin_driving() {
+  if (!firmware_.is_open()) return end_job("the firmware is not connected, so no robot can be driven");
+  running_->drives = true;
+  running_->give_up = Clock::now() + kFrameTimeout;
+  ask_to_drive();
+}
+
+// While the firmware loads the draft's newest files, it drives no robot.
+void SetupProgram::ask_to_drive() {
+  if (!running_ || !running_->drives || use_runs_) return;
+  send({{"type", "test"}, {"request", ++use_request_}, {"robot", running_->job.robot}});
+}
+
+// The firmware stops the robot by itself, too, when no speeds arrive any more.
+void SetupProgram::end_driving() {
+  if (!running_ || !std::exchange(running_->drives, false)) return;
+  send({{"type", "test"}, {"request", ++use_request_}, {"robot", nullptr}});
+}
+
+void SetupProgram::drive_robot(const nlohmann::json& message) {
+  if (!running_ || !running_->drives) return;
+  running_->give_up = Clock::now() + kFrameTimeout;
+  const Result<TestedFrame> frame = tested_frame_of(message);
+  const Result<TestOrder> order = frame.ok() ? running_->job.drive(frame.value()) : frame.error();
+  if (!order.ok()) return end_job(order.text());
+  const TestOrder& wanted = order.value();
+  if (!wanted.exchange.is_null()) running_->exchange = wanted.exchange;
+  if (wanted.progress >= 0) running_->progress = wanted.progress;
+  if (!wanted.text.empty()) running_->text = wanted.text;
+  if (wanted.is_done) {
+    running_->result = running_->exchange;
+    end_driving();
+    begin_work();
+    return;
+  }
+  send({{"type", "wheels"}, {"left_mps", wanted.wheels.left_mps}, {"right_mps", wanted.wheels.right_mps}});
+  if (Clock::now() - shown_ < kStatePeriod) return;
+  shown_ = Clock::now();
+  send_state();
 }
 
 void SetupProgram::begin_work() {
@@ -97,6 +143,7 @@ void SetupProgram::handle_work(Message message) {
 }
 
 void SetupProgram::end_job(const std::string& error) {
+  end_driving();
   RunningJob ended = std::move(*running_);
   running_.reset();
   worker_.cancel();
@@ -134,13 +181,18 @@ void SetupProgram::end_job(const std::string& error) {
 
 int SetupProgram::wait_ms() const {
   if (!running_ || worker_.is_running()) return -1;
-  const Clock::time_point until = running_->waits_for_frame ? running_->give_up : running_->next_frame;
+  const bool waits = running_->waits_for_frame || running_->drives;
+  const Clock::time_point until = waits ? running_->give_up : running_->next_frame;
   const auto left = std::chrono::ceil<std::chrono::milliseconds>(until - Clock::now()).count();
   return static_cast<int>(std::clamp<long>(static_cast<long>(left), 0, 60000));
 }
 
 void SetupProgram::check_time() {
   if (!running_ || worker_.is_running()) return;
+  if (running_->drives) {
+    if (Clock::now() >= running_->give_up) end_job("no picture came from the camera within 20 s");
+    return;
+  }
   if (running_->waits_for_frame && Clock::now() >= running_->give_up) {
     send({{"type", "frames"}, {"count", 0}});
     end_job(firmware_.is_open() ? "no picture came from the camera within 20 s"

@@ -93,6 +93,7 @@ void SetupProgram::accept() {
   use_runs_ = use_is_stale_ = trying_ = try_waits_ = false;
   // A restarted firmware runs with the saved files and has forgotten a request for a frame.
   if (running_ && running_->waits_for_frame) request_frames();
+  if (running_ && running_->drives) end_job("the connection to the firmware was lost");
   if (draft_.is_open() && uses_draft_) use(true);
   send_state();
 }
@@ -122,6 +123,11 @@ void SetupProgram::handle(const Message& message) {
   const std::string type = type_of(message.content);
   if (type == "setup") handle_command(message.content);
   if (type == "frame") handle_frame(message);
+  if (type == "step") drive_robot(message.content);
+  if (type == "tested" && running_ && running_->drives && message.content.value("ok", false) == false) {
+    end_job("robot " + std::to_string(int{running_->job.robot}) +
+            " stands: " + message.content.value("error", std::string("the firmware refuses to drive it")));
+  }
   if (type == "tried") {
     // This arrives without a request, too, if a stop or changed files have ended the try.
     trying_ = message.content.contains("ok") && message.content.at("ok") == true && trying_;
@@ -133,6 +139,7 @@ void SetupProgram::handle(const Message& message) {
     preview_["error"] = error.ok() ? error.value() : "";
     use_runs_ = false;
     if (use_is_stale_) use(uses_draft_);
+    ask_to_drive();
     if (!use_runs_ && std::exchange(try_waits_, false)) {
       trying_ = trying_ && preview_["ok"] == true;
       if (trying_) ask_to_try();
@@ -189,6 +196,7 @@ void SetupProgram::send_state() {
   nlohmann::json busy;
   if (running_) {
     busy = {{"command", running_->job.command}, {"text", running_->text}, {"progress", running_->progress}};
+    if (!running_->exchange.is_null()) busy["exchange"] = running_->exchange;
   }
   nlohmann::json state = {{"open", draft_.is_open()},
                           {"board", options_.board},

@@ -38,9 +38,11 @@ struct RunningJob {
   std::size_t frame_number = 0;  // number of frames that have arrived
   std::chrono::steady_clock::time_point next_frame, give_up;
   bool waits_for_frame = false;
+  bool drives = false;  // a robot, until Job::drive is done
   std::string text;
   nlohmann::json progress = nullptr, result = nullptr;
-  DraftState state;  // draft state that the job will create
+  nlohmann::json exchange = nullptr;  // TestOrder::exchange
+  DraftState state;                   // draft state that the job will create
 };
 /// The program behind "Set up" of the console (docs/console-protocol.md, Guided setup). It has one thread; long work
 /// runs in a process of its own. It serves one connection, from the firmware; a new connection replaces the old one.
@@ -82,6 +84,10 @@ class SetupProgram {
   // Jobs (setup_jobs.cpp).
   Result<nlohmann::json> start(Job job);
   void request_frames();
+  void begin_driving();
+  void ask_to_drive();
+  void end_driving();
+  void drive_robot(const nlohmann::json& message);
   void begin_work();
   void handle_work(Message message);
   void end_job(const std::string& error);
@@ -118,12 +124,16 @@ class SetupProgram {
   Result<nlohmann::json> robots_noise(const Arguments&);
   Result<nlohmann::json> camera_set(const Arguments&);
   Result<nlohmann::json> radio_set(const Arguments&);
+  Result<nlohmann::json> radio_pattern(const Arguments&);
+  Result<nlohmann::json> radio_measure(const Arguments&);
+  Result<nlohmann::json> radio_write(const Arguments&);
   Result<nlohmann::json> set_section(const std::string& section, std::initializer_list<const char*> keys,
                                      const Arguments&);
   Result<nlohmann::json> confirm(const Arguments&);
   Result<nlohmann::json> try_draft(const Arguments&);
+  /// `radio`: new value of DraftState::measured["radio"]; null: as before.
   Result<nlohmann::json> change_text(const std::string& step, const std::string& file, Result<std::string> text,
-                                     bool replaces_last = false);
+                                     bool replaces_last = false, nlohmann::json radio = nullptr);
 
   void print(const std::string& text);
 
@@ -150,8 +160,9 @@ class SetupProgram {
   nlohmann::json camera_;
 
   std::optional<RunningJob> running_;
-  Asker asker_;            // client whose command is being handled
-  bool answered_ = false;  // the job of the command will answer later
+  Clock::time_point shown_{};  // when the state of a job that drives was sent last
+  Asker asker_;                // client whose command is being handled
+  bool answered_ = false;      // the job of the command will answer later
 };
 
 }  // namespace touchline::setup

@@ -1,11 +1,14 @@
 #include <algorithm>
+#include <cstdlib>
 #include <memory>
+#include <utility>
 
 #include "tools/programs/setup/color_step.h"
 #include "tools/programs/setup/field_step.h"
 #include "tools/programs/setup/key_writer.h"
 #include "tools/programs/setup/light_step.h"
 #include "tools/programs/setup/noise_step.h"
+#include "tools/programs/setup/radio_step.h"
 #include "tools/programs/setup/robots_state.h"
 #include "tools/programs/setup/setup_program.h"
 
@@ -76,6 +79,12 @@ Job field_job(const char* command, const char* undo_name, const FieldRequest& re
   return job;
 }
 
+// Returns whether a key such as own.robot[2].wheel_gain belongs to robot `id`.
+bool is_robot_of(const std::string& key, int id, const config::TeamFile& team) {
+  const std::size_t index = std::strtoul(key.c_str() + key.find('[') + 1, nullptr, 10);
+  return index < team.own.robot.size() && team.own.robot[index].id == id;
+}
+
 }  // namespace
 
 const std::vector<SetupProgram::Command>& SetupProgram::commands() {
@@ -107,6 +116,9 @@ const std::vector<SetupProgram::Command>& SetupProgram::commands() {
       {"colors.click", &P::colors_click, true, false},
       {"colors.remove", &P::colors_remove, true, false},
       {"colors.reset", &P::colors_reset, true, false},
+      {"radio.pattern", &P::radio_pattern, true, false},
+      {"radio.measure", &P::radio_measure, true, false},
+      {"radio.write", &P::radio_write, true, false},
       {"robots.set", &P::robots_set, true, false},
       {"robots.noise", &P::robots_noise, true, false},
       {"camera.set", &P::camera_set, true, false},
@@ -279,6 +291,54 @@ Answer SetupProgram::radio_set(const Arguments& arguments) {
     return change_text("radio.format " + value, files.team, replace_key(files.text(files.team), "radio.format", value));
   }
   return set_section("radio", {"backend", "device", "baud"}, arguments);
+}
+
+Answer SetupProgram::radio_pattern(const Arguments& arguments) {
+  PatternRequest request;
+  TOUCHLINE_TRY_ASSIGN(const double robot, arguments.number("robot", 0, 127));
+  TOUCHLINE_TRY_ASSIGN(const std::string pattern, arguments.text("pattern"));
+  // A time limit, because nobody may watch the robot.
+  TOUCHLINE_TRY_ASSIGN(request.duration_s, arguments.number("duration_s", 0.1, 10.0, request.duration_s));
+  TOUCHLINE_TRY_ASSIGN(request.speed_mps, arguments.number("speed_mps", 0.01, 1.0, request.speed_mps));
+  request.robot = static_cast<RobotId>(robot);
+  const auto* const known = std::find_if(radio::kPatterns.begin(), radio::kPatterns.end(),
+                                         [&](const auto& choice) { return choice.word == pattern; });
+  if (known == radio::kPatterns.end()) {
+    return failure(ErrorCode::kInconsistent, "the pattern %.40s is unknown", pattern.c_str());
+  }
+  request.pattern = known->value;
+  TOUCHLINE_TRY_ASSIGN(auto files, load_draft(draft_.now().files, draft_.files_folder()));
+  return start(pattern_job(request, std::move(files)));
+}
+
+Answer SetupProgram::radio_measure(const Arguments& arguments) {
+  TOUCHLINE_TRY_ASSIGN(const double robot, arguments.number("robot", 0, 127));
+  TOUCHLINE_TRY_ASSIGN(auto files, load_draft(draft_.now().files, draft_.files_folder()));
+  return start(measuring_job(static_cast<RobotId>(robot), std::move(files)));
+}
+
+// Writes a measured value into the draft. Only a measurement of this draft can be written.
+Answer SetupProgram::radio_write(const Arguments& arguments) {
+  TOUCHLINE_TRY_ASSIGN(std::string key, arguments.text("key"));
+  nlohmann::json measured =
+      draft_.now().measured.contains("radio") ? draft_.now().measured.at("radio") : nlohmann::json::object();
+  if (!measured.contains("drive")) return Error{ErrorCode::kNotFound, "nothing was measured in this draft"};
+  nlohmann::json& keys = measured["drive"]["keys"];
+  const auto one =
+      std::find_if(keys.begin(), keys.end(), [&](const nlohmann::json& entry) { return entry["key"] == key; });
+  if (one == keys.end()) return failure(ErrorCode::kNotFound, "%.60s was not measured", key.c_str());
+  const SetupFiles& files = draft_.now().files;
+  TOUCHLINE_TRY_ASSIGN(const auto loaded, load_draft(files, draft_.files_folder()));
+  const auto robot = measured["drive"]["robot"].get<int>();
+  if (key.starts_with("own.robot") && !is_robot_of(key, robot, loaded->team)) {
+    return failure(ErrorCode::kInconsistent, "the robots have changed since robot %d was measured: measure again",
+                   robot);
+  }
+  const std::string value = (*one)["measured"];
+  TOUCHLINE_TRY_ASSIGN(const std::string file, file_of_key(files, key));
+  (*one)["written"] = true;
+  return change_text("measured " + key + " = " + value, file, replace_key(files.text(file), key, value), false,
+                     std::move(measured));
 }
 
 // Sets several keys of the board file as one step, because a device and its use belong together.

@@ -164,6 +164,25 @@ export interface RobotsStep extends Step {
   noise?: NoiseMeasure | null;
 }
 
+/** The newest bytes of a robot, decoded, a line for each field. */
+export interface RadioExchange {
+  sent: string;
+  received: string;
+  packets: number;
+  received_bytes: number;
+}
+
+export type DrivePattern = 'forward' | 'backward' | 'turn' | 'left-wheel' | 'right-wheel' | 'to-and-fro';
+
+/** The drive of a robot, as its motion under the camera shows it. */
+export interface DriveMeasure {
+  robot: number;
+  wiring: string;
+  wiring_ok: boolean;
+  values: { name: string; value: number | null; sigma: number | null; unit: string; known: boolean }[];
+  keys: { key: string; file: string; now: string; measured: string; unit: string; differs: boolean; written: boolean }[];
+}
+
 export interface RadioStep extends Step {
   values: Record<string, KeyValue>;
   format: string; // what the robots understand
@@ -171,6 +190,7 @@ export interface RadioStep extends Step {
   sample: string; // the bytes of a packet, a line for each field; '': the fields are wrong
   remarks: string; // warnings, or what is wrong, a line each
   devices: (string | { name: string; description?: string })[];
+  drive?: DriveMeasure | null;
 }
 
 export interface SetupSteps {
@@ -185,7 +205,7 @@ export interface SetupSteps {
 export interface SetupState {
   open: boolean; // a draft exists
   board?: string;
-  busy: { command: string; text: string; progress: number | null } | null;
+  busy: { command: string; text: string; progress: number | null; exchange?: RadioExchange } | null; // exchange: of a robot that is driven
   error: string | null;
   preview?: { source: 'draft' | 'saved'; ok?: boolean; error?: string }; // what the firmware runs with
   trying?: boolean; // robots play with the draft
@@ -224,7 +244,10 @@ export type SetupCommand =
   | { command: 'robots.set'; own?: TeamTable; opponent?: TeamTable; ball?: { color?: string; radius_m?: number }; layout?: RobotLayout }
   | { command: 'camera.set'; backend?: string; device?: string; format?: string; width_px?: number; height_px?: number; rate_hz?: number }
   | { command: 'radio.set'; backend?: string; device?: string; baud?: number }
-  | { command: 'radio.set'; format: string };
+  | { command: 'radio.set'; format: string }
+  | { command: 'radio.pattern'; robot: number; pattern: DrivePattern; speed_mps?: number; duration_s?: number } // result: RadioExchange
+  | { command: 'radio.measure'; robot: number }
+  | { command: 'radio.write'; key: string }; // a measured value, into the draft
 
 export interface Differences {
   files: { name: string; diff: string }[]; // unified; '': a picture that differs

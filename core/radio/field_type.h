@@ -14,6 +14,7 @@ namespace touchline {
 /// Instead of a percentage of received packets: the robot does not measure it.
 constexpr double kUnknownLink = 255.0;
 
+constexpr bool is_float(FieldType type) { return type == FieldType::kF32 || type == FieldType::kF64; }
 constexpr bool is_bits(FieldType type) { return type == FieldType::kBits || type == FieldType::kSignedBits; }
 
 /// Bytes of a number; 0: bits, digits and constant bytes.
@@ -29,6 +30,8 @@ constexpr std::size_t byte_count(FieldType type) {
     case FieldType::kI32:
     case FieldType::kF32:
       return 4;
+    case FieldType::kF64:
+      return 8;
     default:
       return 0;
   }
@@ -38,7 +41,7 @@ struct IntegerRange {
   std::int64_t low = 0, high = 0;
 };
 
-/// Range of an integer. Signed ones are symmetric, so that forward and backward saturate alike.
+/// Range of an integer of at most 32 bits. Signed ones are symmetric, so that forward and backward saturate alike.
 constexpr IntegerRange integer_range(const PacketField& field) {
   const unsigned bits = is_bits(field.type) ? field.bits : static_cast<unsigned>(8 * byte_count(field.type));
   const bool is_signed = field.type == FieldType::kI8 || field.type == FieldType::kI16 ||
@@ -84,6 +87,7 @@ inline double sent_number(const PacketField& field, double number) {
     constexpr auto kLargest = static_cast<double>(std::numeric_limits<float>::max());
     return static_cast<double>(static_cast<float>(std::clamp(limited, -kLargest, kLargest)));
   }
+  if (field.type == FieldType::kF64) return limited;
   const IntegerRange range = integer_range(field);
   return std::round(std::clamp(limited, static_cast<double>(range.low), static_cast<double>(range.high)));
 }

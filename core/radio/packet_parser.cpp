@@ -100,6 +100,10 @@ class PacketParser {
     if (field.value == FieldValue::kTeam && reading.number == field.offset && layout_.team != kNoTeamNumber) {
       state_ = State::kWrong;  // 0 is not a team's number
     }
+    // A packet for the robots of the other color.
+    if (field.value == FieldValue::kColor && reading.number != field.codes[layout_.is_yellow ? 1 : 0]) {
+      state_ = State::kWrong;
+    }
     if (field.value == FieldValue::kCount) {
       const double count = (reading.number - field.offset) / field.scale;
       if (!(count >= 0.0 && count <= static_cast<double>(kMaxRobotsPerTeam))) {
@@ -174,13 +178,15 @@ class PacketParser {
       state_ = State::kShort;
       return 0.0;
     }
-    std::uint32_t number = 0;
+    std::uint64_t number = 0;
     for (std::size_t i = 0; i < count; ++i) {
       const std::size_t place = field.big_endian ? count - 1 - i : i;
-      number |= std::to_integer<std::uint32_t>(bytes_[at_ + i]) << (8 * place);
+      number |= std::to_integer<std::uint64_t>(bytes_[at_ + i]) << (8 * place);
     }
     at_ += count;
-    return field.type == FieldType::kF32 ? static_cast<double>(std::bit_cast<float>(number)) : extended(number, field);
+    if (field.type == FieldType::kF64) return std::bit_cast<double>(number);
+    const auto low = static_cast<std::uint32_t>(number);
+    return field.type == FieldType::kF32 ? static_cast<double>(std::bit_cast<float>(low)) : extended(low, field);
   }
 
   // With the sign of signed types.
@@ -278,18 +284,18 @@ class PacketDecoder {
         return take_address(robot(reading), field, reading.number);
       case FieldValue::kLeft:
         robot(reading).left = value;
-        return std::isfinite(value);
+        return is_number(value);
       case FieldValue::kRight:
         robot(reading).right = value;
-        return std::isfinite(value);
+        return is_number(value);
       case FieldValue::kForward:
         robot(reading).forward = value;
         robot(reading).has_twist = true;
-        return std::isfinite(value);
+        return is_number(value);
       case FieldValue::kTurn:
         robot(reading).turn = value;
         robot(reading).has_twist = true;
-        return std::isfinite(value);
+        return is_number(value);
       case FieldValue::kDirections: {
         const std::size_t code = code_of(field, reading.number, 4);
         robot(reading).left_backward = (code & 1u) != 0u;
@@ -318,7 +324,7 @@ class PacketDecoder {
         return true;
       case FieldValue::kBattery:
         packet_.telemetry.battery_v = static_cast<float>(value);
-        return std::isfinite(value);
+        return is_number(value);
       case FieldValue::kLink:
         if (reading.number == kUnknownLink) return true;
         packet_.telemetry.link_percent = static_cast<std::int8_t>(std::lround(std::clamp(value, 0.0, kMaxLinkPercent)));
@@ -327,6 +333,9 @@ class PacketDecoder {
         return true;
     }
   }
+
+  // Whether it is finite as a float, too, and so is a sum of two. Comparisons with NaN are false.
+  static bool is_number(double value) { return std::abs(value) <= 1e30; }
 
   static bool take_direction(const PacketField& field, double number, bool& backward) {
     const std::size_t code = code_of(field, number, 2);

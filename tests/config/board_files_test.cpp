@@ -9,6 +9,7 @@
 #include "firmware/config/board_file.h"
 #include "firmware/config/configuration.h"
 #include "firmware/config/toml_file.h"
+#include "firmware/config/uncalibrated.h"
 #include "tests/results.h"
 
 namespace touchline::config {
@@ -103,6 +104,13 @@ TEST(FirasimBoard, PlaysAsYellowAndOnGrsim) {
   EXPECT_EQ(configuration.team.radio.format, "grsim");
   EXPECT_EQ(configuration.board.radio.address, "10.0.0.7:20012");
   EXPECT_EQ(configuration.team.half, Half::kPositive);
+}
+
+TEST(FirasimBoard, AMistakeIsNoMissingCalibration) {
+  static Configuration configuration;  // large
+  EXPECT_FALSE(
+      load({TOUCHLINE_BOARDS "/firasim/board.toml", "", "", {"control.play.robot_radius_m=7"}}, configuration).ok());
+  EXPECT_FALSE(lacks_calibration(configuration));
 }
 
 TEST(FirasimBoard, ErrorsNameTheKey) {

@@ -44,23 +44,29 @@ Status Pipeline::configure(const PipelineParameters& parameters, StageClock cloc
   trace_.tracks.robots.clear();
   trace_.tracks.ball = {};
   trace_.picture = {};
+  teams_ = parameters.marker.teams;
+  assignment_ = {};
+  controller_.set_turned(false);
+  has_pictures_ = parameters.has_pictures;
+  if (has_pictures_) {
+    if (Status s = configure_recognition(parameters); !s.ok()) return s;
+  }
+  if (Status s = tracker_.configure(parameters.track); !s.ok()) return s;
+  picture_check_.configure({parameters.scan.format, parameters.scan.width_px, parameters.scan.height_px,
+                            parameters.control.drive.wheel_base_m, parameters.track.robot.wheel_lag_s});
+  return controller_.configure(parameters.control, parameters.marker.field);
+}
+
+Status Pipeline::configure_recognition(const PipelineParameters& parameters) {
   if (Status s = scanner_.configure(parameters.scan); !s.ok()) return s;
   if (Status s = camera_.configure(parameters.camera); !s.ok()) return s;
   if (Status s = matcher_.configure(parameters.marker, camera_); !s.ok()) return s;
   matcher_.set_typical_colors(parameters.adaptation.typical);
-  teams_ = parameters.marker.teams;
-  assignment_ = {};
-  controller_.set_turned(false);
   const KernelChoice kernel = parameters.scan.kernel;
   patch_center_fit_.configure({parameters.marker.teams[0].layout, parameters.marker.teams[1].layout}, camera_, kernel);
   ball_center_fit_.configure(parameters.marker.ball, camera_, kernel);
   ball_center_fit_.set_robots(sizes_of(parameters.marker.teams));
-  if (Status s = tracker_.configure(parameters.track); !s.ok()) return s;
-  if (Status s = adaptation_.configure(parameters.adaptation, parameters.scan, parameters.marker.ball.color); !s.ok())
-    return s;
-  picture_check_.configure({parameters.scan.format, parameters.scan.width_px, parameters.scan.height_px,
-                            parameters.control.drive.wheel_base_m, parameters.track.robot.wheel_lag_s});
-  return controller_.configure(parameters.control, parameters.marker.field);
+  return adaptation_.configure(parameters.adaptation, parameters.scan, parameters.marker.ball.color);
 }
 
 Status Pipeline::teams_of(const TeamAssignment& assignment, TeamMarkings& out) const {
@@ -70,6 +76,7 @@ Status Pipeline::teams_of(const TeamAssignment& assignment, TeamMarkings& out) c
     if (!(height_m >= 0.0f && height_m <= kMaxMarkerHeight)) return ErrorCode::kOutOfRange;
     if (height_m > 0.0f) out[team].layout.height_m = height_m;
   }
+  if (!has_pictures_) return {};
   if (assignment.colors_exchanged) {
     if (out[0].team_color == kBackground || out[1].team_color == kBackground) return ErrorCode::kInconsistent;
     std::swap(out[0].team_color, out[1].team_color);
@@ -86,11 +93,16 @@ Status Pipeline::assign_teams(const TeamAssignment& assignment) {
   if (assignment == assignment_) return {};
   TeamMarkings teams;
   if (Status s = teams_of(assignment, teams); !s.ok()) return s;
-  if (Status s = matcher_.set_teams(teams); !s.ok()) return s;
-  patch_center_fit_.set_heights({teams[0].layout.height_m, teams[1].layout.height_m});
-  ball_center_fit_.set_robots(sizes_of(teams));
+  if (has_pictures_) {
+    if (Status s = matcher_.set_teams(teams); !s.ok()) return s;
+    patch_center_fit_.set_heights({teams[0].layout.height_m, teams[1].layout.height_m});
+    ball_center_fit_.set_robots(sizes_of(teams));
+  }
   controller_.set_turned(assignment.sides_exchanged);
-  if (assignment.colors_exchanged != assignment_.colors_exchanged) reset();
+  if (assignment.colors_exchanged != assignment_.colors_exchanged) {
+    radio_.is_yellow = !radio_.is_yellow;
+    reset();
+  }
   assignment_ = assignment;
   return {};
 }
@@ -146,8 +158,11 @@ const StepTrace& Pipeline::step(const Frame& frame, const StepInputs& inputs) {
   trace_.light = {};
   if (frame.sightings != nullptr) {
     adopt(*frame.sightings);
-  } else {
+  } else if (has_pictures_) {
     recognize(frame);
+  } else {
+    adopt({});
+    trace_.status = ErrorCode::kUnsupported;
   }
   trace_.overload = trace_.runs_dropped + trace_.regions_dropped > 0 || trace_.sightings.cut_short;
   check_picture();
@@ -193,6 +208,11 @@ void Pipeline::adopt(const Sightings& sightings) {
   trace_.stage_time = {};
   trace_.sightings.ball = sightings.ball;
   trace_.sightings.robots = sightings.robots;
+  if (assignment_.colors_exchanged) {
+    for (RobotSighting& robot : trace_.sightings.robots) {
+      robot.team = robot.team == Team::kOwn ? Team::kOpponent : Team::kOwn;
+    }
+  }
   trace_.sightings.verdicts.clear();
   trace_.sightings.cut_short = sightings.cut_short;
 }

@@ -17,6 +17,9 @@
 namespace touchline {
 
 struct PipelineParameters {
+  // False: each frame has the sightings of another source (Frame::sightings). Then scan, camera, adaptation and what
+  // `marker` says of patches have no meaning, and frames with a picture are refused.
+  bool has_pictures = true;
   ScanParameters scan;
   CameraParameters camera;
   MarkerParameters marker;
@@ -41,8 +44,8 @@ class Pipeline {
   Status configure(const PipelineParameters& parameters, StageClock clock = nullptr);
 
   /// Processes one frame, a picture or the sightings of another source, with everything else that the step depends on.
-  /// The trace is valid until the next call. For a
-  /// frame of another format or size, the trace is empty and has an error in `status`.
+  /// The trace is valid until the next call. For a frame of another format or size, the trace is empty and has an error
+  /// in `status`.
   const StepTrace& step(const Frame& frame, const StepInputs& inputs = {});
   /// Creates packets that stop all robots, for times without a frame. They act after the action delay, counted from
   /// `inputs.now`. Valid until the next call.
@@ -90,6 +93,7 @@ class Pipeline {
   // Takes the sightings of a source that recognizes robots and ball itself.
   void adopt(const Sightings& sightings);
   void listen(const StepEvents& events);
+  Status configure_recognition(const PipelineParameters& parameters);
   Status assign_teams(const TeamAssignment& assignment);
   Status teams_of(const TeamAssignment& assignment, TeamMarkings& out) const;
   void reset();
@@ -114,6 +118,7 @@ class Pipeline {
   ScanTables* released_tables_ = nullptr;
   std::uint32_t packet_sequence_ = 0;
   PacketLayout radio_;
+  bool has_pictures_ = true;
   int starts_left_ = kStarts;  // packets that get the bytes for the start
   Instant last_start_{};
   StepTrace trace_;

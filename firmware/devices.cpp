@@ -7,10 +7,12 @@
 
 #include "firmware/null_devices.h"
 #include "firmware/paced_clock.h"
+#include "firmware/pose_plan.h"
 #include "firmware/radio_group.h"
 #include "hal/linux/gpio/gpiod_gpio.h"
 #include "hal/linux/libcamera/libcamera_camera.h"
 #include "hal/linux/monotonic_clock.h"
+#include "hal/linux/network/pose_camera.h"
 #include "hal/linux/serial/serial_radio.h"
 #include "hal/linux/v4l2/v4l2_camera.h"
 #include "hal/mock/arena.h"
@@ -18,7 +20,6 @@
 #include "hal/replay/replay_camera.h"
 
 namespace touchline {
-
 Devices::Devices() = default;
 Devices::~Devices() {
   if (objects_ && arena_) objects_->detach();
@@ -38,6 +39,8 @@ std::unique_ptr<hal::Radio> Devices::make_radio(const PlannedRadio& radio) {
       return std::make_unique<hal::SerialRadio>(radio.settings);
     case hal::RadioBackend::kUdp:
       return std::make_unique<hal::UdpRadio>(radio.udp);
+    case hal::RadioBackend::kFirasim:  // config::use_simulator() has replaced them
+    case hal::RadioBackend::kGrsim:
     case hal::RadioBackend::kNone:
       break;
   }
@@ -99,6 +102,11 @@ Result<void> Devices::make(const config::Configuration& configuration, std::uint
           hal::ReplayParameters{board.camera.device, hal::pixel_format(board.camera.format), board.camera.rate_hz},
           clock_.get());
       break;
+    case hal::CameraBackend::kPoses: {
+      TOUCHLINE_TRY_ASSIGN(const hal::PoseCameraSettings settings, plan_poses(configuration));
+      camera_ = std::make_unique<hal::PoseCamera>(settings);
+      break;
+    }
   }
   if (radios.size() == 1) {
     radio_ = make_radio(radios.front());

@@ -124,7 +124,7 @@ TeamAssignment ExternalInput::wanted_assignment() const {
   const std::optional<bool> configured = settings_.own_is_yellow, demanded = referee_.own_is_yellow;
   TeamAssignment assignment;
   assignment.colors_exchanged = configured && demanded && *configured != *demanded;
-  assignment.sides_exchanged = referee_.own_on_positive_half.value_or(false);
+  assignment.sides_exchanged = is_on_positive_half();
   assignment.height_m = {referee_.own_height_m, referee_.opponent_height_m};
   return assignment;
 }

@@ -28,6 +28,7 @@ struct ExternalInputSettings {
   Mailbox<RefereeState>* referee = nullptr;       // null: there is no referee
   // Color of the own team in the team file; nullopt: the referee's team colors are ignored.
   std::optional<bool> own_is_yellow;
+  bool own_on_positive_half = false;  // until a referee says otherwise
   // Counts how often a person did something after which another referee may be followed (network::RefereeFollower);
   // null: no referee is followed.
   std::atomic<std::uint32_t>* referee_releases = nullptr;
@@ -60,6 +61,10 @@ class ExternalInput {
   /// time on the loop's clock, here and in referee().
   [[nodiscard]] const ExternalCommands& commands() const { return settings_.console != nullptr ? merged_ : commands_; }
   [[nodiscard]] const RefereeState& referee() const { return referee_; }
+  /// Returns whether the own team defends the half with positive x.
+  [[nodiscard]] bool is_on_positive_half() const {
+    return referee_.own_on_positive_half.value_or(settings_.own_on_positive_half);
+  }
   /// Returns the last assignment of the referee that the pipeline can use.
   [[nodiscard]] const TeamAssignment& teams() const { return teams_; }
   [[nodiscard]] const ConsoleInput& console() const { return console_; }

@@ -228,8 +228,9 @@ void Loop::take_external_input(Instant now) {
 void Loop::update_end(Instant now) {
   statistics_.end = now;
   statistics_.external = external_.counts();
+  statistics_.source = devices_.camera().source_counters();
   statistics_.score = score();
-  statistics_.own_on_positive_half = external_.referee().own_on_positive_half.value_or(false);
+  statistics_.own_on_positive_half = external_.is_on_positive_half();
   heartbeat_.good_frames.store(statistics_.good_frames, std::memory_order_relaxed);
   heartbeat_.iterations.fetch_add(1, std::memory_order_relaxed);
   const bool enough_frames = settings_.frames != 0 && statistics_.frames >= settings_.frames;

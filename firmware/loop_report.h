@@ -68,9 +68,9 @@ struct StatusReport {
   Duration p50{}, p99{}, max{};  // capture to send, over the interval
   std::uint64_t packets = 0;     // counted since the start, like all counts below
   std::uint64_t packets_dropped = 0, packets_refused = 0, stop_packets = 0, frames_lost = 0, future_stamps = 0,
-                overloads = 0, faults = 0;
-  std::optional<Score> score;          // nullopt: neither a referee nor an arena tells it
-  bool own_on_positive_half = false;   // if true, the own team plays towards negative x
+                overloads = 0, faults = 0, packets_ignored = 0;  // the last: of a source of poses
+  std::optional<Score> score;                                    // nullopt: neither a referee nor an arena tells it
+  bool own_on_positive_half = false;                             // if true, the own team plays towards negative x
   std::uint64_t commands_expired = 0;  // times that a robot stopped because its external command was too old
   std::uint32_t halt = kHaltNone;
   std::uint32_t stop_number = 0;  // ExternalInput::stop_number()

@@ -8,6 +8,7 @@
 #include "core/time.h"
 #include "firmware/latency_histogram.h"
 #include "firmware/loop_report.h"
+#include "hal/camera.h"
 
 namespace touchline {
 
@@ -35,6 +36,7 @@ struct LoopStatistics {
   std::uint64_t packets_unreachable = 0;  // packets of these that the network did not pass on to their receiver
   std::uint64_t stop_packets = 0;         // accepted packets that stop all robots
   ExternalCounts external;
+  hal::SourceCounters source;         // packets of a source of poses that were not used
   std::optional<Score> score;         // score from the referee or the arena; nullopt: neither reports it
   bool own_on_positive_half = false;  // if true, the own team plays towards negative x
   std::array<std::array<std::uint64_t, kErrorCodeCount>, kDeviceCount> faults{};

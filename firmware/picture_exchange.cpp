@@ -9,7 +9,7 @@ namespace touchline {
 
 void PictureExchange::put_findings(const Pipeline& pipeline, const StepTrace& trace) noexcept {
   const std::size_t count = trace.regions.size();
-  if (!wants_findings_ || trace.sightings.verdicts.size() != count) return;
+  if (!wants_findings_ || trace.frame.sightings != nullptr || trace.sightings.verdicts.size() != count) return;
   pipeline.copy_classifier(findings_->classifier);
   findings_->regions.resize(count);
   findings_->verdicts.resize(count);
@@ -22,7 +22,7 @@ void PictureExchange::put(const Frame& frame, std::uint64_t number) noexcept {
   number_ = number;
   frame_ = frame;
   const PictureLayout layout = picture_layout(frame.format, frame.width_px, frame.height_px);
-  if (layout.bytes > memory_.size()) {
+  if (frame.sightings != nullptr || layout.bytes > memory_.size()) {
     frame_.width_px = frame_.height_px = 0;
     state_.store(State::kArrived, std::memory_order_release);
     return;

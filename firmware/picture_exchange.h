@@ -42,8 +42,8 @@ class PictureExchange {
   }
   /// Tells the asking thread whether a picture has arrived since request().
   [[nodiscard]] bool has_arrived() const noexcept { return state_.load(std::memory_order_acquire) == State::kArrived; }
-  /// Returns the picture. Valid after has_arrived() until request(). A width of 0 means that the picture was larger
-  /// than the memory.
+  /// Returns the picture. Valid after has_arrived() until request(). A width of 0 means that there is no picture (the
+  /// source sends poses), or that it was larger than the memory.
   [[nodiscard]] const Frame& frame() const noexcept { return frame_; }
   /// Returns the findings, valid as long as frame(); null if they were not requested or the pipeline rejected the
   /// frame.

@@ -60,6 +60,7 @@ void ReportWriter::report_status_if_due(const LoopStatistics& statistics, std::u
   status.frames_lost = statistics.frames_lost;
   status.future_stamps = statistics.future_stamps;
   status.overloads = statistics.overloads;
+  status.packets_ignored = statistics.source.sum();
   status.faults = statistics.fault_count();
   status.score = statistics.score;
   status.own_on_positive_half = statistics.own_on_positive_half;

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "firmware/config/uncalibrated.h"
+#include "firmware/pose_plan.h"
 
 namespace touchline {
 
@@ -35,6 +36,7 @@ Result<void> Session::configure_pipeline() {
     return failure(s.code(), "%s and %s cannot be used together: %s", configuration_->venue_where.file().c_str(),
                    configuration_->team_where.file().c_str(), describe(s.code()));
   }
+  if (!configuration_->pipeline.has_pictures) TOUCHLINE_TRY(plan_poses(*configuration_));
   if (Result<std::vector<PlannedRadio>> radios = plan_radios(*configuration_); !radios.ok()) return radios.error();
   return {};
 }
@@ -62,6 +64,7 @@ Result<void> Session::open(LoopObserver observer) {
   settings.external = external_;
   settings.external.console = console_;
   settings.external.setup = setup_;
+  settings.external.own_on_positive_half = configuration_->team.half == config::Half::kPositive;
   settings.restart = restart_;
   settings.awaited = awaited_;
   settings.former_pauses = former_pauses_;
@@ -76,6 +79,7 @@ Result<void> Session::open(LoopObserver observer) {
   } else {
     const hal::CameraSettings& camera = configuration_->board.camera;
     camera_info_ = {hal::pixel_format(camera.format), camera.width_px, camera.height_px, camera.rate_hz};
+    if (!configuration_->pipeline.has_pictures) camera_info_.width_px = camera_info_.height_px = 0;
   }
   if (loop_->is_open(Device::kRadio)) radio_description_ = devices.radio.description();
   if (loop_->is_open(Device::kGpio)) gpio_description_ = devices.gpio.description();
@@ -89,7 +93,11 @@ Expectation Session::expectation() const {
     return robots == 0 ? team.max_robots : std::min<std::uint32_t>(robots, team.max_robots);
   };
   const MarkerParameters& marker = configuration_->pipeline.marker;
-  return {count(marker.teams[0]), count(marker.teams[1]), marker.field};
+  Expectation out{count(marker.teams[0]), count(marker.teams[1]), marker.field};
+  if (!configuration_->pipeline.has_pictures) {
+    out.source = hal::kPoseProtocolTable[static_cast<std::size_t>(configuration_->board.camera.poses)].word;
+  }
+  return out;
 }
 
 }  // namespace touchline

@@ -127,8 +127,9 @@ const char* describe_end(LoopEnd end) {
 
 std::string status_line(const StatusReport& status, const Expectation& expected) {
   std::string line;
-  print(line, "%.0f s  %.1f fps  own %u/%u  opp %u/%u  ", status.elapsed_s, status.rate_hz, status.own_seen,
-        expected.own, status.opponents_seen, expected.opponents);
+  print(line, "%.0f s  %.1f fps  ", status.elapsed_s, status.rate_hz);
+  if (!expected.source.empty()) line += "of " + expected.source + "  ";
+  print(line, "own %u/%u  opp %u/%u  ", status.own_seen, expected.own, status.opponents_seen, expected.opponents);
   if (status.ball_seen) {
     print(line, "ball (%.2f, %.2f)", static_cast<double>(status.ball.x_m), static_cast<double>(status.ball.y_m));
   } else {
@@ -145,6 +146,7 @@ std::string status_line(const StatusReport& status, const Expectation& expected)
   count("commands expired", status.commands_expired);
   count("frames lost", status.frames_lost);
   count("frames stamped in the future", status.future_stamps);
+  count("packets ignored", status.packets_ignored);
   count("overloads", status.overloads);
   count("faults", status.faults);
   // Changes below this are not shown, because noise changes the brightness by some percent.
@@ -211,6 +213,10 @@ std::string summary(const LoopStatistics& statistics, LoopEnd end) {
   if (statistics.future_stamps > 0) {
     print(text, "stamps    %llu frames with a time stamp in the future; the time of arrival was used\n",
           number(statistics.future_stamps));
+  }
+  if (const hal::SourceCounters& source = statistics.source; source.sum() > 0) {
+    print(text, "source    packets ignored: %llu late, %llu doubled, %llu of a second sender, %llu malformed\n",
+          number(source.late), number(source.doubled), number(source.foreign), number(source.malformed));
   }
   print(text, "latency   capture to send: p50 %.2f  p90 %.2f  p99 %.2f  p99.9 %.2f  max %.2f ms\n",
         milliseconds(statistics.latency.percentile(0.5)), milliseconds(statistics.latency.percentile(0.9)),

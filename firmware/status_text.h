@@ -13,6 +13,7 @@ namespace touchline {
 struct Expectation {
   std::uint32_t own = 0, opponents = 0;
   FieldParameters field;
+  std::string source{};  // of the poses; empty: a camera
 };
 
 /// Returns a text such as "12 s  60.0 fps  own 5/5  opp 5/5  ball (0.12, -0.30)  score 1:0  playing right  latency p50

@@ -68,6 +68,16 @@ struct CameraInfo {
   std::string negotiated{};
 };
 
+/// What a source of poses did not use.
+struct SourceCounters {
+  std::uint64_t late = 0;       // packets that a newer one had overtaken
+  std::uint64_t doubled = 0;    // packets that arrived twice
+  std::uint64_t foreign = 0;    // packets of a second sender
+  std::uint64_t malformed = 0;  // packets that cannot be read
+
+  [[nodiscard]] std::uint64_t sum() const { return late + doubled + foreign + malformed; }
+};
+
 /// A source of frames. After any error but kTimeout, kShortFrame and kCorruptFrame: close() and open() it again.
 /// Messages of errors name the device, the cause and what to do.
 class Camera {
@@ -93,6 +103,8 @@ class Camera {
 
   /// Returns the camera's format and settings; valid after open().
   [[nodiscard]] virtual const CameraInfo& info() const = 0;
+  /// Returns counts since the construction, for the loop's thread.
+  [[nodiscard]] virtual SourceCounters source_counters() const { return {}; }
 
  private:
   friend class FrameLease;

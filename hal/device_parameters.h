@@ -10,15 +10,17 @@
 #include "core/parameter_copy.h"
 #include "core/types.h"
 #include "hal/line_time.h"
+#include "hal/poses/pose_decoder.h"
 
 // Sections [camera], [radio] and [gpio] of the board file (docs/files.md), shared by the backends.
 namespace touchline::hal {
 
-enum class CameraBackend : std::uint8_t { kMock, kV4l2, kLibcamera, kReplay };
-inline constexpr std::array<Choice<CameraBackend>, 4> kCameraBackends{{{"mock", CameraBackend::kMock},
+enum class CameraBackend : std::uint8_t { kMock, kV4l2, kLibcamera, kReplay, kPoses };
+inline constexpr std::array<Choice<CameraBackend>, 5> kCameraBackends{{{"mock", CameraBackend::kMock},
                                                                        {"v4l2", CameraBackend::kV4l2},
                                                                        {"libcamera", CameraBackend::kLibcamera},
-                                                                       {"replay", CameraBackend::kReplay}}};
+                                                                       {"replay", CameraBackend::kReplay},
+                                                                       {"poses", CameraBackend::kPoses}}};
 
 /// The format in which a camera sends pictures: a pixel format of core/pixel_format.h, or JPEG, which is decoded on
 /// arrival.
@@ -85,6 +87,9 @@ struct CameraSettings {
   int white_balance_k = 4600;
   int focus = kFocusUnset;
   PowerLine power_line = PowerLine::kLeave;
+  PoseProtocol poses = PoseProtocol::kFirasim;
+  std::string address, interface;
+  double source_delay_s = 0.0;
 
   /// Copies the keys that Camera::adjust() can change.
   void take_controls(const CameraSettings& other) { copy_reloadable(other, *this, Reload::kCamera); }
@@ -140,14 +145,29 @@ struct CameraSettings {
                  {.name = "power_line",
                   .reload = Reload::kCamera,
                   .help = "Frequency of the lamps' flicker that the camera suppresses; leave: not set"});
+    visit.choice(self.poses, kPoseProtocols,
+                 {.name = "poses", .help = "poses: whose packets are received (docs/simulators.md)"});
+    visit.text(self.address, {.name = "address",
+                              .help = "poses: udp://ADDRESS:PORT, a multicast group or an address of this computer; "
+                                      "empty: the usual one of the packets"});
+    visit.text(self.interface, {.name = "interface",
+                                .help = "poses: network interface, such as eth0; empty: as the system's routes say"});
+    visit.number(self.source_delay_s,
+                 {.name = "source_delay_s",
+                  .range = {0.0, 1.0},
+                  .unit = "s",
+                  .help = "poses: time from the capture until the packet is sent, if the packets do not tell it"});
   }
 };
 
-enum class RadioBackend : std::uint8_t { kMock, kSerial, kUdp, kNone };
-inline constexpr std::array<Choice<RadioBackend>, 4> kRadioBackends{{{"mock", RadioBackend::kMock},
+// The last two are the backend udp with the address and the packets of a simulator; see use_simulator().
+enum class RadioBackend : std::uint8_t { kMock, kSerial, kUdp, kNone, kFirasim, kGrsim };
+inline constexpr std::array<Choice<RadioBackend>, 6> kRadioBackends{{{"mock", RadioBackend::kMock},
                                                                      {"serial", RadioBackend::kSerial},
                                                                      {"udp", RadioBackend::kUdp},
-                                                                     {"none", RadioBackend::kNone}}};
+                                                                     {"none", RadioBackend::kNone},
+                                                                     {"firasim", RadioBackend::kFirasim},
+                                                                     {"grsim", RadioBackend::kGrsim}}};
 
 /// [[radio.more]], and the part of [radio] that describes one radio.
 struct RadioPortSettings {
@@ -159,11 +179,15 @@ struct RadioPortSettings {
   std::string interface;
   int time_to_live = 1;
   std::vector<int> robots;
-  double pause_s = 0.0;  // serial: after each packet; of the robots' format (team file)
+  double pause_s = 0.0;   // serial: after each packet; of the robots' format (team file)
+  std::string simulator;  // udp: the format of the simulator that `backend` named; "": it named none
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
-    visit.choice(self.backend, kRadioBackends, {.name = "backend", .help = "Destination of the packets"});
+    visit.choice(self.backend, kRadioBackends,
+                 {.name = "backend",
+                  .help = "Destination of the packets; firasim, grsim: udp with the address 127.0.0.1:20011 "
+                          "and the packets of this simulator (radio.format of the team file)"});
     visit.text(self.device, {.name = "device",
                              .help = "serial: a port, preferably a link in /dev/serial/by-id; also a pseudo terminal "
                                      "or /dev/rfcomm0 (Bluetooth)"});

@@ -14,6 +14,7 @@ namespace touchline {
 /// Instead of a percentage of received packets: the robot does not measure it.
 constexpr double kUnknownLink = 255.0;
 
+constexpr bool is_float(FieldType type) { return type == FieldType::kF32 || type == FieldType::kF64; }
 constexpr bool is_bits(FieldType type) { return type == FieldType::kBits || type == FieldType::kSignedBits; }
 
 /// Bytes of a number; 0: bits, digits and constant bytes.
@@ -32,6 +33,7 @@ constexpr std::size_t byte_count(FieldType type) {
     case FieldType::kU48:
       return 6;
     case FieldType::kU64:
+    case FieldType::kF64:
       return 8;
     default:
       return 0;
@@ -42,7 +44,7 @@ struct IntegerRange {
   std::int64_t low = 0, high = 0;
 };
 
-/// Range of an integer. Signed ones are symmetric, so that forward and backward saturate alike.
+/// Range of an integer of at most 32 bits. Signed ones are symmetric, so that forward and backward saturate alike.
 constexpr IntegerRange integer_range(const PacketField& field) {
   if (field.type == FieldType::kU64) return {0, std::numeric_limits<std::int64_t>::max()};
   const unsigned bits = is_bits(field.type) ? field.bits : static_cast<unsigned>(8 * byte_count(field.type));
@@ -95,6 +97,7 @@ inline double sent_number(const PacketField& field, double number) {
     constexpr auto kLargest = static_cast<double>(std::numeric_limits<float>::max());
     return static_cast<double>(static_cast<float>(std::clamp(limited, -kLargest, kLargest)));
   }
+  if (field.type == FieldType::kF64) return limited;
   const IntegerRange range = integer_range(field);
   return std::round(std::clamp(limited, static_cast<double>(range.low), static_cast<double>(range.high)));
 }

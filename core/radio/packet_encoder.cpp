@@ -17,7 +17,7 @@ constexpr double kStandstill_mps = 0.0005;
 bool is_code(FieldValue value) {
   return value == FieldValue::kDirections || value == FieldValue::kLeftDirection ||
          value == FieldValue::kRightDirection || value == FieldValue::kForwardDirection ||
-         value == FieldValue::kTurnDirection || value == FieldValue::kStop;
+         value == FieldValue::kTurnDirection || value == FieldValue::kStop || value == FieldValue::kColor;
 }
 
 class PacketEncoder {
@@ -77,6 +77,8 @@ class PacketEncoder {
     } else if (field.type == FieldType::kF32) {
       write_bytes(std::bit_cast<std::uint32_t>(static_cast<float>(sent_number(field, number_of(field, robot)))), 4,
                   field.big_endian);
+    } else if (field.type == FieldType::kF64) {
+      write_bytes(std::bit_cast<std::uint64_t>(sent_number(field, number_of(field, robot))), 8, field.big_endian);
     } else {
       write_integer(field, integer_of(field, robot));
     }
@@ -128,6 +130,8 @@ class PacketEncoder {
         return values_.sequence;
       case FieldValue::kTeam:
         return layout_.team;
+      case FieldValue::kColor:
+        return field.codes[layout_.is_yellow ? 1 : 0];
       case FieldValue::kTime:
         return static_cast<double>(values_.time.time_since_epoch() / std::chrono::milliseconds(1));
       case FieldValue::kBattery:

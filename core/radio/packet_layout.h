@@ -40,12 +40,13 @@ enum class FieldValue : std::uint8_t {
   kLength,            // bytes from field `first` up to field `end`
   kSequence,          // number of the packet
   kTeam,              // TeamNumber
+  kColor,             // codes[0]: our team is the blue one, codes[1]: the yellow one
   kTime,              // milliseconds
   kCheck,             // checksum of the bytes from field `first` up to field `end`
   kBattery,           // V, of telemetry
   kLink               // percent of packets received, of telemetry
 };
-inline constexpr std::array<Choice<FieldValue>, 22> kFieldValues{{{"constant", FieldValue::kConstant},
+inline constexpr std::array<Choice<FieldValue>, 23> kFieldValues{{{"constant", FieldValue::kConstant},
                                                                   {"unused", FieldValue::kUnused},
                                                                   {"id", FieldValue::kId},
                                                                   {"address", FieldValue::kAddress},
@@ -63,6 +64,7 @@ inline constexpr std::array<Choice<FieldValue>, 22> kFieldValues{{{"constant", F
                                                                   {"length", FieldValue::kLength},
                                                                   {"sequence", FieldValue::kSequence},
                                                                   {"team", FieldValue::kTeam},
+                                                                  {"color", FieldValue::kColor},
                                                                   {"time", FieldValue::kTime},
                                                                   {"check", FieldValue::kCheck},
                                                                   {"battery", FieldValue::kBattery},
@@ -80,11 +82,12 @@ enum class FieldType : std::uint8_t {
   kU48,  // of addresses alone, as kU64: other numbers are doubles
   kU64,
   kF32,
+  kF64,
   kBits,
   kSignedBits,
   kDigits
 };
-inline constexpr std::array<Choice<FieldType>, 13> kFieldTypes{{{"bytes", FieldType::kBytes},
+inline constexpr std::array<Choice<FieldType>, 14> kFieldTypes{{{"bytes", FieldType::kBytes},
                                                                 {"u8", FieldType::kU8},
                                                                 {"i8", FieldType::kI8},
                                                                 {"u16", FieldType::kU16},
@@ -94,6 +97,7 @@ inline constexpr std::array<Choice<FieldType>, 13> kFieldTypes{{{"bytes", FieldT
                                                                 {"u48", FieldType::kU48},
                                                                 {"u64", FieldType::kU64},
                                                                 {"f32", FieldType::kF32},
+                                                                {"f64", FieldType::kF64},
                                                                 {"bits", FieldType::kBits},
                                                                 {"signed-bits", FieldType::kSignedBits},
                                                                 {"digits", FieldType::kDigits}}};
@@ -156,6 +160,7 @@ struct PacketLayout {
   std::uint8_t slots = 0;       // robots in each packet; 0: as many as there are
   RobotId first_id = 0;         // id of the first place, if places stand for ids
   TeamNumber team = kNoTeamNumber;
+  bool is_yellow = false;  // our team, of the leagues' two colors
   // Bytes before the first packets after the radio was opened, and before a packet every period; 0: not again.
   std::uint16_t start_at = 0;
   std::uint8_t start_size = 0;

@@ -90,9 +90,7 @@ class PacketParser {
       reading.number = extended(reading.address = read_bits(field), field);
     } else {
       reading.address = read_bytes(field);
-      reading.number = field.type == FieldType::kF32
-                           ? static_cast<double>(std::bit_cast<float>(static_cast<std::uint32_t>(reading.address)))
-                           : extended(reading.address, field);
+      reading.number = number_of(reading.address, field);
     }
     if (state_ != State::kFine) return;
     reading.end = static_cast<std::uint16_t>(is_bits(field.type) && bit_ > 0 ? at_ + 1 : at_);
@@ -102,6 +100,10 @@ class PacketParser {
     }
     if (field.value == FieldValue::kTeam && reading.number == field.offset && layout_.team != kNoTeamNumber) {
       state_ = State::kWrong;  // 0 is not a team's number
+    }
+    // A packet for the robots of the other color.
+    if (field.value == FieldValue::kColor && reading.number != field.codes[layout_.is_yellow ? 1 : 0]) {
+      state_ = State::kWrong;
     }
     if (field.value == FieldValue::kCount) {
       const double count = (reading.number - field.offset) / field.scale;
@@ -184,6 +186,12 @@ class PacketParser {
     }
     at_ += count;
     return number;
+  }
+
+  static double number_of(std::uint64_t bytes, const PacketField& field) {
+    if (field.type == FieldType::kF64) return std::bit_cast<double>(bytes);
+    if (field.type != FieldType::kF32) return extended(bytes, field);
+    return static_cast<double>(std::bit_cast<float>(static_cast<std::uint32_t>(bytes)));
   }
 
   // With the sign of signed types.
@@ -286,19 +294,19 @@ class PacketDecoder {
       case FieldValue::kLeft:
         robot(reading).left = value;
         robot(reading).has_left = true;
-        return std::isfinite(value);
+        return is_number(value);
       case FieldValue::kRight:
         robot(reading).right = value;
         robot(reading).has_right = true;
-        return std::isfinite(value);
+        return is_number(value);
       case FieldValue::kForward:
         robot(reading).forward = value;
         robot(reading).has_twist = true;
-        return std::isfinite(value);
+        return is_number(value);
       case FieldValue::kTurn:
         robot(reading).turn = value;
         robot(reading).has_twist = true;
-        return std::isfinite(value);
+        return is_number(value);
       case FieldValue::kDirections: {
         const std::size_t code = code_of(field, reading.number, 4);
         robot(reading).left_backward = (code & 1u) != 0u;
@@ -327,7 +335,7 @@ class PacketDecoder {
         return true;
       case FieldValue::kBattery:
         packet_.telemetry.battery_v = static_cast<float>(value);
-        return std::isfinite(value);
+        return is_number(value);
       case FieldValue::kLink:
         if (reading.number == kUnknownLink) return true;
         packet_.telemetry.link_percent = static_cast<std::int8_t>(std::lround(std::clamp(value, 0.0, kMaxLinkPercent)));
@@ -336,6 +344,9 @@ class PacketDecoder {
         return true;
     }
   }
+
+  // Whether it is finite as a float, too, and so is a sum of two. Comparisons with NaN are false.
+  static bool is_number(double value) { return std::abs(value) <= 1e30; }
 
   static bool take_direction(const PacketField& field, double number, bool& backward) {
     const std::size_t code = code_of(field, number, 2);

@@ -7,6 +7,7 @@
 #include "firmware/config/core_rules.h"
 #include "firmware/config/error_list.h"
 #include "firmware/config/key_list.h"
+#include "firmware/config/poses.h"
 #include "firmware/config/toml_writer.h"
 
 namespace touchline::config {
@@ -58,8 +59,8 @@ std::string path_of(const std::string& given, const std::string& named, const ch
 
 template <class File>
 void read_if_named(const std::string& path, std::string_view remedy, const std::vector<Override>& overrides, File& out,
-                   Locations& where, ErrorList& errors) {
-  if (!path.empty()) errors.add(read_toml(path, remedy, overrides, out, where));
+                   Locations& where, ErrorList& errors, std::span<const std::string_view> required = File::kRequired) {
+  if (!path.empty()) errors.add(read_toml(path, remedy, overrides, out, where, required));
 }
 
 // Checks the frame rate. A recording has its own rate, which the default must not replace; a camera needs a requested
@@ -177,6 +178,8 @@ Result<void> read_board(const std::string& path, const std::vector<Override>& ov
   ErrorList errors;
   check_rate(out, errors);
   check_exposure(out, errors);
+  use_simulator(out.board.radio);
+  for (hal::RadioPortSettings& port : out.board.radio.more) use_simulator(port);
   out.pipeline.scan.kernel = out.board.scan.kernel;
   out.pipeline.low_battery_v = static_cast<float>(out.board.radio.low_battery_v);
   const auto add = [&](const std::string& key, std::string_view message) {
@@ -218,10 +221,11 @@ std::vector<std::string> venue_and_team_overrides(const std::vector<std::string>
 }
 
 Result<void> resolve(const InputFormat& input, Configuration& configuration) {
+  if (takes_poses(configuration.board)) return resolve_for_poses(configuration);
   ErrorList errors;
   errors.add(resolve_venue(configuration.venue, configuration.venue_where, input, configuration.pipeline));
   errors.add(resolve_team(configuration.team, configuration.team_where, configuration.venue, configuration.venue_where,
-                          configuration.pipeline));
+                          Markers::kSeen, configuration.pipeline));
   // The core's own checks assume that all values were resolved.
   if (errors.empty()) add_core_refusals(configuration, errors);
   return errors.result();
@@ -246,8 +250,25 @@ Result<void> load(const FilePaths& paths, Configuration& out) {
   if (board.code() == ErrorCode::kNotFound) return errors.result(ErrorCode::kNotFound);
   const std::string venue = path_of(paths.venue, out.board.venue, "venue", out.board_where, errors);
   const std::string team = path_of(paths.team, out.board.team, "team", out.board_where, errors);
-  read_if_named(venue, kVenueRemedy, overrides.venue, out.venue, out.venue_where, errors);
-  read_if_named(team, kTeamRemedy, overrides.team, out.team, out.team_where, errors);
+  const bool has_pictures = !takes_poses(out.board);
+  using Keys = std::span<const std::string_view>;
+  read_if_named(venue, kVenueRemedy, overrides.venue, out.venue, out.venue_where, errors,
+                has_pictures ? Keys(VenueFile::kRequired) : Keys(VenueFile::kRequiredForPoses));
+  const Keys team_keys = has_pictures ? Keys(TeamFile::kRequired) : Keys(TeamFile::kRequiredForPoses);
+  read_if_named(team, kTeamRemedy, overrides.team, out.team, out.team_where, errors, team_keys);
+  if (const std::string format = simulator_format(out.board.radio); !format.empty() && errors.empty()) {
+    if (!out.team_where.has("radio.format")) {
+      // As if the team file had named it, so that its other keys of [radio] change the preset.
+      std::vector<Override> team_overrides = overrides.team;
+      team_overrides.insert(team_overrides.begin(), {"radio.format", format});
+      out.team = {};
+      read_if_named(team, kTeamRemedy, team_overrides, out.team, out.team_where, errors, team_keys);
+    } else if (out.team.radio.format != format && out.team.radio.format != "own") {
+      errors.add(out.board_where.of("radio.backend"), "radio.backend",
+                 "\"" + format + "\" understands its own packets, but " + out.team_where.of("radio.format") +
+                     " has radio.format = \"" + out.team.radio.format + "\"; remove one of the two keys");
+    }
+  }
   apply_format(out.team.radio, out.board_where, out.board.radio);
   // Invalid values are not checked against each other, because follow-up errors would hide the first ones.
   TOUCHLINE_TRY(errors.result());

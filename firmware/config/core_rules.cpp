@@ -50,6 +50,8 @@ Status check_camera_height(const PipelineParameters& p) {
                                                             : p.camera.paper.position_m[2]);
 }
 
+bool is_of_pictures(std::string_view stage) { return stage != "track" && stage != "control"; }
+
 const std::array rules{
     CoreRule{"camera", &Configuration::venue_where,
              [](const PipelineParameters& p) {
@@ -98,7 +100,7 @@ void add_core_refusals(const Configuration& configuration, ErrorList& errors) {
   const PipelineParameters& parameters = configuration.pipeline;
   std::string_view reported;
   for (const CoreRule& rule : rules) {
-    if (rule.stage == reported) continue;
+    if (rule.stage == reported || (!parameters.has_pictures && is_of_pictures(rule.stage))) continue;
     const Status status = rule.check(parameters);
     if (status.ok()) continue;
     reported = rule.stage;

@@ -33,6 +33,7 @@ std::size_t code_count(FieldValue value) {
     case FieldValue::kForwardDirection:
     case FieldValue::kTurnDirection:
     case FieldValue::kStop:
+    case FieldValue::kColor:
       return 2;
     default:
       return 0;
@@ -41,7 +42,7 @@ std::size_t code_count(FieldValue value) {
 
 /// Rounding error of numbers that are sent.
 double half_step(const PacketField& field) {
-  if (field.type == FieldType::kF32) return 0.0;
+  if (is_float(field.type)) return 0.0;
   return 0.5 / (field.type == FieldType::kDigits ? static_cast<double>(power_of_ten(field.decimals)) : 1.0);
 }
 
@@ -58,7 +59,7 @@ class PacketRules {
                  "has no room for a digit, the point and " + std::to_string(field.decimals) + " decimals");
     }
     if (field.low > field.high) return add(key + ".low", "is larger than high");
-    if (field.value == FieldValue::kConstant && field.type != FieldType::kBytes && field.type != FieldType::kF32) {
+    if (field.value == FieldValue::kConstant && field.type != FieldType::kBytes && !is_float(field.type)) {
       need_exact(field, key + ".offset", field.offset, "the constant " + plain_number(field.offset));
     }
     check_codes(field, key);
@@ -112,7 +113,7 @@ class PacketRules {
 
   void check_address(std::size_t index, bool has_own_receiver) {
     const PacketField& field = layout_.fields[index];
-    if (field.type == FieldType::kF32 || field.type == FieldType::kDigits || integer_range(field).low < 0) {
+    if (is_float(field.type) || field.type == FieldType::kDigits || integer_range(field).low < 0) {
       return add(element(list_, index) + ".type", "an address is a number of u8, u16, u32, u48, u64 or bits");
     }
     std::set<std::uint64_t> known;

@@ -90,7 +90,8 @@ struct FieldEntry {
     visit.numbers(
         self.codes,
         {.name = "codes",
-         .help = "stop: numbers of drive and stop; directions: of both forward, left backward, right backward, both "
+         .help = "stop: numbers of drive and stop; color: of blue and yellow; directions: of both forward, left "
+                 "backward, right backward, both "
                  "backward; left-direction and the like: of forward and backward; turn-direction: of left and right"});
     visit.choice(self.check, kCheckKinds, {.name = "check", .help = "Kind of the checksum"});
     visit.text(self.from, {.name = "from",

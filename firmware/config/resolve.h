@@ -24,10 +24,14 @@ struct InputFormat {
 Result<void> resolve_venue(const VenueFile& venue, const Locations& where, const InputFormat& input,
                            PipelineParameters& out);
 
+/// Whether robots are recognized by their markers. Otherwise a source of poses knows them by their ids, and robots need
+/// no colors.
+enum class Markers : std::uint8_t { kSeen, kUnseen };
+
 /// Fills the parameters that the team file defines: markers, ball, tracking (with the venue's noise added), control.
 /// Colors are found in the venue by name. Errors as of resolve_venue().
 Result<void> resolve_team(const TeamFile& team, const Locations& where, const VenueFile& venue,
-                          const Locations& venue_where, PipelineParameters& out);
+                          const Locations& venue_where, Markers markers, PipelineParameters& out);
 
 /// Returns the id of a color, or kBackground (0) if the venue has no such color.
 ColorId color_id(const VenueFile& venue, std::string_view name);

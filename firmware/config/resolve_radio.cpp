@@ -85,6 +85,11 @@ class LayoutResolver {
     layout.start_period_s = radio_.start_period_s;
     add_curve(layout);
     add_receivers(layout);
+    if (layout.has(FieldValue::kColor) && !own_is_yellow(team_)) {
+      add("own.color", "is \"" + team_.own.color + "\", but the packets of \"" + radio_.format +
+                           "\" tell whether we are \"blue\" or \"yellow\"; neither own.color nor opponent.color "
+                           "does");
+    }
     if (errors_.empty()) check_fields(layout, "radio.field", where_, errors_);
     if (errors_.empty()) check_commands(layout);
     if (errors_.empty()) check_robots(layout, "radio.field", where_, errors_);
@@ -139,6 +144,7 @@ class LayoutResolver {
   PacketLayout common(const std::vector<FieldEntry>& entries, const std::string& list) {
     PacketLayout layout;
     layout.team = static_cast<TeamNumber>(team_.team_number);
+    layout.is_yellow = own_is_yellow(team_).value_or(false);
     layout.framing = radio_.framing;
     layout.set_drive(team_.control.drive.wheel_base_m, team_.control.drive.max_wheel_speed_mps);
     if (entries.size() > kMaxPacketFields) {
@@ -296,7 +302,8 @@ class LayoutResolver {
   }
 
   void add_codes(const FieldEntry& entry, const std::string& key, PacketField& field) {
-    const bool has_two = entry.value == FieldValue::kStop || is_direction(entry.value);
+    const bool has_two =
+        entry.value == FieldValue::kStop || entry.value == FieldValue::kColor || is_direction(entry.value);
     const std::size_t count = has_two ? 2U : entry.value == FieldValue::kDirections ? 4U : 0U;
     if (!entry.codes.empty() && entry.codes.size() != count) {
       add(key + ".codes", std::to_string(entry.codes.size()) + " codes instead of " + std::to_string(count));

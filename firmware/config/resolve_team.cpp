@@ -13,8 +13,9 @@ namespace {
 
 class TeamResolver {
  public:
-  TeamResolver(const TeamFile& file, const Locations& where, const VenueFile& venue, const Locations& venue_where)
-      : file_(file), where_(where), venue_(venue), venue_where_(venue_where) {}
+  TeamResolver(const TeamFile& file, const Locations& where, const VenueFile& venue, const Locations& venue_where,
+               Markers markers)
+      : file_(file), where_(where), venue_(venue), venue_where_(venue_where), markers_(markers) {}
 
   ColorId color(const std::string& name, const std::string& key) {
     if (name.empty()) return kBackground;
@@ -72,7 +73,7 @@ class TeamResolver {
 
   bool patches(const LayoutEntry& entry, const std::string& key) {
     const std::size_t before = errors_.size();
-    if (entry.patch.empty()) add(key, "\"" + entry.name + "\" has no [[layout.patch]]");
+    if (entry.patch.empty() && markers_ == Markers::kSeen) add(key, "\"" + entry.name + "\" has no [[layout.patch]]");
     if (entry.patch.size() > kMaxPatches) {
       add(key + ".patch",
           std::to_string(entry.patch.size()) + " patches; a robot has at most " + std::to_string(kMaxPatches));
@@ -103,12 +104,12 @@ class TeamResolver {
       if (team.robot[j].id == entry.id) {
         add(key + ".id", "id " + std::to_string(entry.id) + " is already used by the robot" + there);
       }
-      if (team.robot[j].colors == entry.colors) {
+      if (team.robot[j].colors == entry.colors && !is_without_marker(entry)) {
         add(key + ".colors", "robot " + std::to_string(entry.id) + " has the same colors as robot " +
                                  std::to_string(team.robot[j].id) + there + "; they cannot be distinguished");
       }
     }
-    if (entry.colors.size() != identification) {
+    if (entry.colors.size() != identification && !is_without_marker(entry)) {
       add(key + ".colors", "the layout \"" + team.layout + "\" has " + std::to_string(identification) +
                                " identification patches, but the robot has " + std::to_string(entry.colors.size()) +
                                " colors");
@@ -124,10 +125,15 @@ class TeamResolver {
     out.robots.push_back(marking);
   }
 
+  [[nodiscard]] bool is_without_marker(const RobotEntry& robot) const {
+    return markers_ == Markers::kUnseen && robot.colors.empty();
+  }
+
   const TeamFile& file_;
   const Locations& where_;
   const VenueFile& venue_;
   const Locations& venue_where_;
+  const Markers markers_;
   ErrorList errors_;
   bool told_of_no_colors_ = false;
 };
@@ -171,12 +177,18 @@ void add_noise(const NoiseEntry& noise, TrackParameters& track) {
 
 }  // namespace
 
+std::optional<bool> own_is_yellow(const TeamFile& team) {
+  if (team.own.color == "yellow" || team.opponent.color == "blue") return true;
+  if (team.own.color == "blue" || team.opponent.color == "yellow") return false;
+  return std::nullopt;
+}
+
 Result<void> resolve_team(const TeamFile& team, const Locations& where, const VenueFile& venue,
-                          const Locations& venue_where, PipelineParameters& out) {
-  TeamResolver resolver(team, where, venue, venue_where);
+                          const Locations& venue_where, Markers markers, PipelineParameters& out) {
+  TeamResolver resolver(team, where, venue, venue_where, markers);
   resolver.team(team.own, "own", out.marker.teams[static_cast<std::size_t>(Team::kOwn)]);
   resolver.team(team.opponent, "opponent", out.marker.teams[static_cast<std::size_t>(Team::kOpponent)]);
-  if (team.own.robot.empty() && where.has("own")) {
+  if (team.own.robot.empty() && where.has("own") && markers == Markers::kSeen) {
     resolver.add("own.robot", "is missing; add an [[own.robot]] for each robot to drive");
   }
   out.marker.ball.color = resolver.color(team.ball.color, "ball.color");

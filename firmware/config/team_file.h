@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -130,6 +131,10 @@ struct TeamEntry {
   }
 };
 
+/// A half of the field, by the sign of x.
+enum class Half : std::uint8_t { kNegative, kPositive };
+inline constexpr std::array<Choice<Half>, 2> kHalves{{{"negative", Half::kNegative}, {"positive", Half::kPositive}}};
+
 struct BallEntry {
   std::string color;
   float radius_m = BallParameters{}.radius_m;
@@ -147,6 +152,7 @@ struct BallEntry {
 struct TeamFile {
   int version = kFileVersion;
   int team_number = kNoTeamNumber;
+  Half half = Half::kNegative;
   std::vector<LayoutEntry> layout;
   TeamEntry own, opponent;
   BallEntry ball;
@@ -169,6 +175,10 @@ struct TeamFile {
                                                               "layout.patch.length_m",
                                                               "layout.patch.width_m"};
 
+  // With a source of poses (camera.backend).
+  static constexpr std::array<std::string_view, 5> kRequiredForPoses{"own", "own.color", "own.robot.id",
+                                                                     "opponent.robot.id", "layout.name"};
+
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
     visit.number(self.version, {.name = "version", .range = kVersionRange, .help = "Version of the file format"});
@@ -179,6 +189,10 @@ struct TeamFile {
          .range = {kNoTeamNumber, 255},
          .help = "Number in the radio packets; robots with another one ignore them (docs/radio.md). 0: packets "
                  "without a number, which the robots of every team obey"});
+    visit.choice(self.half, kHalves,
+                 {.name = "half",
+                  .help = "Half of the field that the own team defends until a referee says otherwise: negative, the "
+                          "half with negative x, or positive"});
     visit.section(self.own, {.name = "own", .help = "The own team, which is driven"});
     visit.section(self.opponent, {.name = "opponent", .help = "The other team"});
     visit.section(self.ball, {.name = "ball", .help = "The ball"});
@@ -189,6 +203,10 @@ struct TeamFile {
                   {.name = "control", .reload = Reload::kControl, .help = "Drive limits, gains and play"});
   }
 };
+
+/// Returns whether our team is the yellow one of a league's game, in which the other one is blue; nullopt: the names of
+/// the team colors do not tell.
+std::optional<bool> own_is_yellow(const TeamFile& team);
 
 /// Reads the preset of radio.format into `out`; nothing if there is none of this name.
 void read_preset(std::string_view name, TeamFile& out);

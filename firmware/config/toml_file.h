@@ -31,16 +31,17 @@ Result<toml::table> parse_text(std::string_view content, const std::string& path
 /// Stores the value in the table, or adds it to the list there. The reader checks it later like a value from the file.
 Result<void> apply(const Override& override, toml::table& root);
 
-/// Checks all keys of a parsed file, and stores their values.
+/// Checks all keys of a parsed file, and stores their values. `required`: see TomlReader.
 template <class File>
-Result<void> read_table(toml::table& root, std::span<const Override> overrides, File& out, Locations& locations) {
+Result<void> read_table(toml::table& root, std::span<const Override> overrides, File& out, Locations& locations,
+                        std::span<const std::string_view> required = File::kRequired) {
   ErrorList errors;
   for (const Override& override : overrides) errors.add(apply(override, root));
   // The keys of a preset count before those of the file.
   if constexpr (requires { File::kPresetKey; }) {
     read_preset(root.at_path(File::kPresetKey).value_or(std::string_view()), out);
   }
-  TomlReader reader(root, File::kRequired, locations, errors);
+  TomlReader reader(root, required, locations, errors);
   reader.read(out);
   return errors.result();
 }
@@ -50,10 +51,10 @@ Result<void> read_table(toml::table& root, std::span<const Override> overrides, 
 /// wrong; the message has a line for each.
 template <class File>
 Result<void> read_toml(const std::string& path, std::string_view remedy, std::span<const Override> overrides, File& out,
-                       Locations& locations) {
+                       Locations& locations, std::span<const std::string_view> required = File::kRequired) {
   locations = Locations(path);
   TOUCHLINE_TRY_ASSIGN(toml::table root, parse_file(path, remedy));
-  return read_table(root, overrides, out, locations);
+  return read_table(root, overrides, out, locations, required);
 }
 
 }  // namespace touchline::config

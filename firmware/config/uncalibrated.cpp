@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "core/geometry/camera_model.h"
+#include "firmware/config/poses.h"
 
 namespace touchline::config {
 namespace {
@@ -38,6 +39,7 @@ bool has_camera_model(const Configuration& configuration) {
 }
 
 bool lacks_calibration(const Configuration& configuration) {
+  if (takes_poses(configuration.board)) return false;  // there is nothing to calibrate
   const Locations& where = configuration.venue_where;
   std::error_code unknown;
   if (!where.file().empty() && fs::status(where.file(), unknown).type() == fs::file_type::not_found) return true;

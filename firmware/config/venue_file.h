@@ -178,6 +178,9 @@ struct VenueFile {
       "field.length_m", "field.width_m", "camera_model.kind", "colors.space", "color.name",       "color.box.low",
       "color.box.high"};
 
+  // With a source of poses (camera.backend).
+  static constexpr std::array<std::string_view, 3> kRequiredForPoses{"field", "field.length_m", "field.width_m"};
+
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
     visit.number(self.version, {.name = "version", .range = kVersionRange, .help = "Version of the file format"});

@@ -242,7 +242,8 @@ void write_hello(JsonWriter& json, const Scene& scene, bool has_setup, std::uint
   json.boolean(scene.is_calibrated);
   write_text(json, "using", word_of_files(scene));
   json.key("projection");
-  if (scene.is_calibrated || config::has_camera_model(configuration)) {
+  const bool has_pictures = configuration.pipeline.has_pictures;
+  if (has_pictures && (scene.is_calibrated || config::has_camera_model(configuration))) {
     write_projection(json, scene);
   } else {
     json.null();

@@ -254,7 +254,7 @@ void Hub::watch(Client& client, const ClientMessage& message, Instant now) {
   client.findings = message.findings;
   const int wanted = client.picture_width_px > 0 ? client.picture_width_px : scene_.camera.width_px;
   const int full = scene_.camera.width_px;
-  client.link.set(wanted > 0 ? (full + wanted - 1) / wanted : 1, client.picture_period);
+  client.link.set(wanted > 0 ? std::max(1, (full + wanted - 1) / wanted) : 1, client.picture_period);
 }
 
 Result<void> Hub::move_object(const Client& client, const ClientMessage& message) {

@@ -109,8 +109,10 @@ VenueGeometry geometry_of(const config::Configuration& configuration) {
   VenueGeometry geometry;
   geometry.field = marker.field;
   geometry.camera = configuration.pipeline.camera;
-  geometry.width_px = configuration.board.camera.width_px;
-  geometry.height_px = configuration.board.camera.height_px;
+  if (configuration.pipeline.has_pictures) {
+    geometry.width_px = configuration.board.camera.width_px;
+    geometry.height_px = configuration.board.camera.height_px;
+  }
   geometry.ball_radius_m = marker.ball.radius_m;
   for (std::size_t team = 0; team < 2; ++team) {
     geometry.robot_height_m[team] = marker.teams[team].layout.height_m;

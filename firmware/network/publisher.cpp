@@ -99,9 +99,9 @@ PublisherOutputs make_outputs(const NetworkPlan& plan, const config::Configurati
 }
 
 std::optional<TeamColor> own_color(const config::TeamFile& team) {
-  if (team.own.color == "yellow" || team.opponent.color == "blue") return TeamColor::kYellow;
-  if (team.own.color == "blue" || team.opponent.color == "yellow") return TeamColor::kBlue;
-  return std::nullopt;
+  const std::optional<bool> is_yellow = config::own_is_yellow(team);
+  if (!is_yellow) return std::nullopt;
+  return *is_yellow ? TeamColor::kYellow : TeamColor::kBlue;
 }
 
 PublishedScene published_scene(const config::Configuration& configuration) {

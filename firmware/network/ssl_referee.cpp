@@ -5,8 +5,8 @@
 #include <optional>
 #include <string_view>
 
-#include "firmware/network/protobuf.h"
 #include "firmware/network/referee.h"
+#include "hal/poses/protobuf.h"
 
 namespace touchline::network {
 namespace {
@@ -80,7 +80,7 @@ float height_of(std::string_view team, const RefereeSettings& settings) {
 
 Result<RefereeMessage> decode_ssl_referee(std::span<const std::byte> bytes, const RefereeSettings& settings) {
   ssl_Referee message = ssl_Referee_init_zero;
-  TOUCHLINE_TRY(decode_message(ssl_Referee_fields, bytes, &message));
+  TOUCHLINE_TRY(hal::decode_message(ssl_Referee_fields, bytes, &message));
   const std::optional<bool> in_break = is_break(message.stage);
   if (!in_break) return failure(ErrorCode::kOutOfRange, "unknown stage %d", int{message.stage});
   const std::optional<GamePhase> phase = phase_of_command(message.command);

@@ -7,7 +7,7 @@
 #include <cstring>
 #include <random>
 
-#include "firmware/network/protobuf.h"
+#include "hal/poses/protobuf.h"
 
 namespace touchline::network {
 namespace {
@@ -74,7 +74,7 @@ std::size_t encode_ssl_tracked(const OutputFrame& frame, std::string_view uuid, 
   for (const RobotTrack& robot : snapshot.tracks.robots) {
     if (robot.id != kUnknownId) tracked.robots[tracked.robots_count++] = message_of(robot, frame.color_of(robot.team));
   }
-  return encode_message(ssl_TrackerWrapperPacket_fields, &packet, out);
+  return hal::encode_message(ssl_TrackerWrapperPacket_fields, &packet, out);
 }
 
 }  // namespace touchline::network

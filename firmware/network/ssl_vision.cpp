@@ -7,7 +7,7 @@
 #include <cstring>
 #include <numbers>
 
-#include "firmware/network/protobuf.h"
+#include "hal/poses/protobuf.h"
 
 namespace touchline::network {
 namespace {
@@ -137,18 +137,21 @@ SSL_GeometryCameraCalibration calibration_message(const SslCalibration& c, const
 std::size_t encode(SSL_WrapperPacket& packet, std::span<std::byte> out) {
   packet.has_source = true;
   packet.source = SSL_Source_SSL_SOURCE_OTHER;
-  return encode_message(SSL_WrapperPacket_fields, &packet, out);
+  return hal::encode_message(SSL_WrapperPacket_fields, &packet, out);
 }
 
 }  // namespace
 
 Status SslVisionEncoder::configure(const VenueGeometry& geometry) {
   const float height_m = std::max(geometry.robot_height_m[0], geometry.robot_height_m[1]);
+  geometry_ = geometry;
+  calibration_.reset();
+  // A source of poses has no pictures and no calibration.
+  if (geometry.width_px == 0) return {};
   if (const Status status = CameraModel().configure(geometry.camera); !status.ok()) return status;
   SslCalibration calibration;
   const Status fitted = fit_ssl_calibration(geometry.camera, geometry.field, geometry.width_px, geometry.height_px,
                                             height_m, calibration);
-  geometry_ = geometry;
   calibration_ = fitted.ok() ? std::optional(calibration) : std::nullopt;
   return {};
 }

@@ -18,7 +18,7 @@ namespace touchline::network {
 struct VenueGeometry {
   FieldParameters field;
   CameraParameters camera;
-  std::uint16_t width_px = 0, height_px = 0;  // size of the picture
+  std::uint16_t width_px = 0, height_px = 0;  // size of the picture; 0: a source of poses
   float ball_radius_m = 0.0f;
   std::array<float, 2> robot_height_m{};  // height by Team
 };

@@ -2,8 +2,8 @@
 
 #include <optional>
 
-#include "firmware/network/protobuf.h"
 #include "firmware/network/referee.h"
+#include "hal/poses/protobuf.h"
 
 namespace touchline::network {
 namespace {
@@ -32,7 +32,7 @@ std::optional<GamePhase> phase_of_foul(std::int32_t foul) {
 Result<RefereeMessage> decode_vss_referee(std::span<const std::byte> bytes) {
   if (bytes.empty()) return failure(ErrorCode::kCorruptFrame, "the datagram is empty");
   VSSRef_VSSRef_Command message = VSSRef_VSSRef_Command_init_zero;
-  TOUCHLINE_TRY(decode_message(VSSRef_VSSRef_Command_fields, bytes, &message));
+  TOUCHLINE_TRY(hal::decode_message(VSSRef_VSSRef_Command_fields, bytes, &message));
   const std::optional<GamePhase> phase = phase_of_foul(message.foul);
   if (!phase) return failure(ErrorCode::kOutOfRange, "unknown foul %d", int{message.foul});
   RefereeState state;

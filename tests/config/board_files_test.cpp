@@ -9,6 +9,7 @@
 #include "firmware/config/board_file.h"
 #include "firmware/config/configuration.h"
 #include "firmware/config/toml_file.h"
+#include "firmware/config/uncalibrated.h"
 #include "tests/results.h"
 
 namespace touchline::config {
@@ -51,12 +52,12 @@ TEST_P(BoardFiles, AMissingVenueIsReportedWithTheProgramThatMakesIt) {
       << text;
 }
 
-/// All folders except those of the arena and of the radio formats, so that no new board is forgotten.
+/// All folders except those of the arena, of simulators and of the radio formats, so that no new board is forgotten.
 std::vector<std::string> real_boards() {
   std::vector<std::string> names;
   for (const auto& entry : std::filesystem::directory_iterator(TOUCHLINE_BOARDS)) {
     const std::string name = entry.path().filename();
-    if (name != "mock" && name != "radios") names.push_back(name);
+    if (name != "mock" && name != "firasim" && name != "radios") names.push_back(name);
   }
   std::sort(names.begin(), names.end());
   return names;
@@ -73,6 +74,56 @@ TEST(MockBoard, IsValidAndHasAReadme) {
   static Configuration configuration;  // large
   EXPECT_OK(load({folder + "/board.toml", "", "", {}}, configuration));
   EXPECT_TRUE(std::filesystem::exists(folder + "/README.md"));
+}
+
+TEST(FirasimBoard, IsValidWithoutCameraModelAndColors) {
+  const std::string folder = TOUCHLINE_BOARDS "/firasim";
+  static Configuration configuration;  // large
+  ASSERT_OK(load({folder + "/board.toml", "", "", {}}, configuration));
+  EXPECT_TRUE(std::filesystem::exists(folder + "/README.md"));
+  EXPECT_FALSE(configuration.pipeline.has_pictures);
+  EXPECT_EQ(configuration.board.radio.backend, hal::RadioBackend::kUdp);
+  EXPECT_EQ(configuration.board.radio.address, "127.0.0.1:20011");
+  EXPECT_EQ(configuration.team.radio.format, "firasim");
+  EXPECT_FALSE(configuration.pipeline.radio.is_yellow);
+  EXPECT_EQ(configuration.pipeline.marker.teams[0].robots.size(), 3u);
+  // Reports and the page name the colors.
+  EXPECT_EQ(configuration.venue.color.size(), 3u);
+}
+
+TEST(FirasimBoard, PlaysAsYellowAndOnGrsim) {
+  const std::string folder = TOUCHLINE_BOARDS "/firasim";
+  static Configuration configuration;  // large
+  ASSERT_OK(load({folder + "/board.toml",
+                  "",
+                  "",
+                  {"own.color=yellow", "opponent.color=blue", "half=positive", "radio.backend=grsim",
+                   "camera.poses=ssl-vision", "radio.address=10.0.0.7:20012"}},
+                 configuration));
+  EXPECT_TRUE(configuration.pipeline.radio.is_yellow);
+  EXPECT_EQ(configuration.team.radio.format, "grsim");
+  EXPECT_EQ(configuration.board.radio.address, "10.0.0.7:20012");
+  EXPECT_EQ(configuration.team.half, Half::kPositive);
+}
+
+TEST(FirasimBoard, AMistakeIsNoMissingCalibration) {
+  static Configuration configuration;  // large
+  EXPECT_FALSE(
+      load({TOUCHLINE_BOARDS "/firasim/board.toml", "", "", {"control.play.robot_radius_m=7"}}, configuration).ok());
+  EXPECT_FALSE(lacks_calibration(configuration));
+}
+
+TEST(FirasimBoard, ErrorsNameTheKey) {
+  const std::string folder = TOUCHLINE_BOARDS "/firasim";
+  static Configuration configuration;  // large
+  const auto refusal = [&](std::vector<std::string> overrides) {
+    return load({folder + "/board.toml", "", "", std::move(overrides)}, configuration).text();
+  };
+  EXPECT_NE(refusal({"own.color=green", "opponent.color=red"}).find("own.color: is \"green\"; poses are of a blue and"),
+            std::string::npos);
+  EXPECT_NE(refusal({"radio.format=unball"}).find("radio.backend: \"firasim\" understands its own packets, but"),
+            std::string::npos);
+  EXPECT_NE(refusal({"own.robot[2].id=1"}).find("id 1 is already used"), std::string::npos);
 }
 
 }  // namespace

@@ -47,7 +47,7 @@ TEST_F(ConfigFiles, ControlCharactersOfAFileAreShownAsNumbers) {
   EXPECT_EQ(
       refusal(),
       "board.toml:14: radio.backend: \"none\\u001b[2J\\u000aboard.toml: fine\\u009b\" is not one of mock, serial, udp, "
-      "none\n");
+      "none, firasim, grsim\n");
 }
 
 TEST_F(ConfigFiles, UnknownSectionIsReportedAsAnUnknownKey) {

@@ -14,6 +14,7 @@ inline TeamFile team_of(const std::string& format) {
   TeamFile team;
   read_radio_preset(format, team.radio);
   team.radio.format = format;
+  team.own.color = "blue";
   if (team.radio.wheel_radius_m == 0.0) team.radio.wheel_radius_m = 0.03;
   if (team.radio.steps_per_turn == 0.0) team.radio.steps_per_turn = 1000.0;
   const bool has_places = team.radio.places > 0 && team.radio.packet_for == PacketFor::kAll;

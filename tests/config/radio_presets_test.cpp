@@ -3,6 +3,7 @@
 
 #include <optional>
 
+#include "core/radio/field_type.h"
 #include "core/radio/packet.h"
 #include "core/radio/packet_parser.h"
 #include "core/radio/telemetry.h"
@@ -45,6 +46,7 @@ PresetTeam team_of(std::string_view name) {
   team.radio.format = format;
   if (team.radio.wheel_radius_m == 0.0) team.radio.wheel_radius_m = kWheelRadius_m;
   if (team.radio.steps_per_turn == 0.0) team.radio.steps_per_turn = kStepsPerTurn;
+  team.own.color = "blue";
   team.control.drive.wheel_base_m = kWheelBase_m;
   team.control.drive.max_wheel_speed_mps = kMaxWheelSpeed_mps;
   if (out.radio.places == 3 && out.radio.first_id == 0) out.first_id = 0;
@@ -139,7 +141,7 @@ double count_mps(const PacketLayout& layout) {
   for (const PacketField& field : layout.fields) {
     double unit = 1.0;
     for (unsigned i = 0; i < field.decimals; ++i) unit *= 10.0;
-    const double step = field.type == FieldType::kF32 ? 0.0 : 1.0 / std::abs(field.scale * unit);
+    const double step = is_float(field.type) ? 0.0 : 1.0 / std::abs(field.scale * unit);
     if (field.value == FieldValue::kLeft) count += step * (layout.pwm.empty() ? 1.0 : kMaxWheelSpeed_mps);
     if (field.value == FieldValue::kForward) count += step;
     if (field.value == FieldValue::kTurn) count += step * kWheelBase_m / 2;

@@ -40,6 +40,20 @@ TEST(StatusText, LineWithProblems) {
       "frames lost 3  overloads 2  faults 7  HALTED: no good frame, emergency stop");
 }
 
+TEST(StatusText, ASourceOfPosesIsNamedAndItsUnusedPacketsAreCounted) {
+  StatusReport status = good_status();
+  status.packets_ignored = 12;
+  const std::string line = status_line(status, {5, 5, {}, "ssl-vision"});
+  EXPECT_NE(line.find("12 s  60.0 fps  of ssl-vision  own 5/5"), std::string::npos) << line;
+  EXPECT_NE(line.find("  packets ignored 12"), std::string::npos) << line;
+  LoopStatistics statistics;
+  EXPECT_EQ(summary(statistics, LoopEnd::kLimit).find("source"), std::string::npos);
+  statistics.source = {1, 2, 3, 4};
+  EXPECT_NE(summary(statistics, LoopEnd::kLimit)
+                .find("\nsource    packets ignored: 1 late, 2 doubled, 3 of a second sender, 4 malformed\n"),
+            std::string::npos);
+}
+
 TEST(StatusText, ScoreAndDirectionOfPlay) {
   StatusReport status = good_status();
   status.score = Score{1, 2};

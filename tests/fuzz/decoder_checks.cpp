@@ -1,8 +1,9 @@
 #include "tests/fuzz/decoder_checks.h"
 
-#include <firmware/network/proto/firasim.pb.h>
 #include <firmware/network/proto/ssl_referee.pb.h>
 #include <firmware/network/proto/vss_referee.pb.h>
+#include <hal/poses/proto/firasim.pb.h>
+#include <hal/poses/proto/ssl_poses.pb.h>
 
 #include <algorithm>
 #include <array>
@@ -10,13 +11,16 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <memory>
 
 #include "firmware/console/client_message.h"
 #include "firmware/console/foxglove_client.h"
 #include "firmware/network/firasim.h"
 #include "firmware/network/json_commands.h"
-#include "firmware/network/protobuf.h"
 #include "firmware/network/referee.h"
+#include "hal/poses/firasim_packets.h"
+#include "hal/poses/pose_source.h"
+#include "hal/poses/protobuf.h"
 
 namespace touchline::fuzz {
 namespace {
@@ -63,6 +67,46 @@ void check_firasim_packet(std::span<const std::byte> bytes) {
   }
 }
 
+void check_firasim_replacement(std::span<const std::byte> bytes) {
+  hal::FirasimPacket packet;
+  const Result<void> result = hal::decode_firasim(bytes, packet);
+  if (!result.ok()) return require_error(result.error());
+  for (const hal::FirasimCommand& command : packet.commands) {
+    require(command.id >= 0 && std::isfinite(command.left_radps) && std::isfinite(command.right_radps),
+            "a command has an id and finite speeds");
+  }
+  for (const hal::FirasimPlacement& placement : packet.placements) {
+    require(placement.id >= 0 && std::isfinite(placement.x_m) && std::isfinite(placement.theta_rad),
+            "a placement has an id and finite numbers");
+  }
+}
+
+/// Whatever a source sends, the pipeline gets finite positions within reach, and no time after the arrival.
+void check_poses(hal::PoseProtocol protocol, std::span<const std::byte> bytes) {
+  hal::PoseSourceSettings settings;
+  settings.protocol = protocol;
+  settings.teams.own_ids.push_back(1);
+  static const auto out = std::make_unique<hal::MergedPoses>();
+  const auto source = std::make_unique<hal::PoseSource>(settings);
+  const Instant arrival{std::chrono::seconds(100)};
+  const Result<bool> taken = source->take(bytes, 1, arrival, *out);
+  if (!taken.ok()) return require_error(taken.error());
+  if (!taken.value()) return;
+  require(out->capture_time <= arrival, "no frame is captured after its arrival");
+  require(!out->sightings.ball.seen || is_within(out->sightings.ball.position.x_m, 100.0), "the ball is within reach");
+  for (const RobotSighting& robot : out->sightings.robots) {
+    require(is_within(robot.pose.position.x_m, 100.0) && is_within(robot.pose.position.y_m, 100.0),
+            "a robot is within reach");
+    require(is_within(robot.pose.theta_rad, 3.15), "a heading is within half a turn");
+    require(robot.confidence >= 0.0f && robot.confidence < 1.0f, "a confidence is a probability");
+    require(robot.team == Team::kOpponent || robot.id == kUnknownId || robot.id == 1, "own robots are known ones");
+  }
+}
+
+void check_firasim_poses(std::span<const std::byte> bytes) { check_poses(hal::PoseProtocol::kFirasim, bytes); }
+void check_ssl_vision_poses(std::span<const std::byte> bytes) { check_poses(hal::PoseProtocol::kSslVision, bytes); }
+void check_ssl_tracked_poses(std::span<const std::byte> bytes) { check_poses(hal::PoseProtocol::kSslTracked, bytes); }
+
 void check_json_commands(std::span<const std::byte> bytes) { require_commands(network::decode_json_commands(bytes)); }
 
 void check_ssl_referee(std::span<const std::byte> bytes) {
@@ -106,7 +150,7 @@ void check_foxglove_client(std::span<const std::byte> bytes) {
 template <class Message>
 std::string encoded(const pb_msgdesc_t* fields, const Message& message) {
   std::array<std::byte, 2048> memory{};
-  const std::size_t size = network::encode_message(fields, &message, memory);
+  const std::size_t size = hal::encode_message(fields, &message, memory);
   return {reinterpret_cast<const char*>(memory.data()), size};
 }
 
@@ -117,6 +161,61 @@ std::vector<std::string> firasim_seeds() {
     packet.cmd.robot_commands[packet.cmd.robot_commands_count++] = {id, id == 3, 10.0 * id, -5.0};
   }
   return {encoded(fira_message_Packet_fields, packet)};
+}
+
+std::vector<std::string> firasim_replacement_seeds() {
+  hal::FirasimPacket packet;
+  packet.commands.push_back({hal::FirasimTeam::kBlue, 1, 3.0, -4.0});
+  packet.ball = hal::FirasimBall{0.1, 0.2, 0.3, -0.4};
+  packet.placements.push_back({hal::FirasimTeam::kYellow, 2, 0.5, -0.5, 1.0, true});
+  std::array<std::byte, 512> memory{};
+  const std::size_t size = hal::encode_firasim(packet, memory);
+  return {{reinterpret_cast<const char*>(memory.data()), size}};
+}
+
+std::vector<std::string> firasim_pose_seeds() {
+  hal::FirasimEnvironment environment;
+  environment.step = 7;
+  environment.ball = hal::FirasimBall{0.1, 0.2, 0.3, -0.4};
+  for (RobotId id = 0; id < 3; ++id) {
+    environment.robots[0].push_back({id, 0.1 * id, -0.2, 0.5, 0.0, 0.0, 0.0});
+    environment.robots[1].push_back({id, -0.1 * id, 0.2, -3.0, 0.0, 0.0, 0.0});
+  }
+  std::array<std::byte, 2048> memory{};
+  const std::size_t size = hal::encode_firasim(environment, memory);
+  return {{reinterpret_cast<const char*>(memory.data()), size}};
+}
+
+std::vector<std::string> ssl_vision_pose_seeds() {
+  static poses_Wrapper message = poses_Wrapper_init_zero;
+  message.has_detection = true;
+  poses_Detection& frame = message.detection;
+  frame.frame_number = 9;
+  frame.has_t_capture = frame.has_t_sent = true;
+  frame.t_capture = 1700000000.25;
+  frame.t_sent = 1700000000.27;
+  frame.camera_id = 2;
+  frame.balls_count = 1;
+  frame.balls[0] = {true, 0.9f, 100.0f, -200.0f};
+  frame.robots_blue_count = frame.robots_yellow_count = 1;
+  frame.robots_blue[0] = {true, 0.8f, true, 1, 500.0f, 600.0f, true, 1.5f};
+  frame.robots_yellow[0] = {true, 0.8f, true, 4, -500.0f, 600.0f, false, 0.0f};
+  return {encoded(poses_Wrapper_fields, message)};
+}
+
+std::vector<std::string> ssl_tracked_pose_seeds() {
+  static poses_TrackerWrapper message = poses_TrackerWrapper_init_zero;
+  std::strcpy(message.uuid, "8f2c");
+  message.has_tracked_frame = true;
+  poses_TrackedFrame& frame = message.tracked_frame;
+  frame.frame_number = 9;
+  frame.has_timestamp = true;
+  frame.timestamp = 1700000000.25;
+  frame.balls_count = 1;
+  frame.balls[0] = {{1.0f, 2.0f}, true, 1.0f};
+  frame.robots_count = 1;
+  frame.robots[0] = {{1, 2}, {0.5f, -0.5f}, 1.0f, true, 0.5f};
+  return {encoded(poses_TrackerWrapper_fields, message)};
 }
 
 std::vector<std::string> json_seeds() {
@@ -156,20 +255,25 @@ std::vector<std::string> foxglove_seeds() {
           R"({"op":"unsubscribe","subscriptionIds":[0,1]})"};
 }
 
-constexpr std::array<DecoderCheck, 14> kChecks{{{"firasim_packet", check_firasim_packet, firasim_seeds},
-                                                {"json_commands", check_json_commands, json_seeds},
-                                                {"ssl_referee", check_ssl_referee, ssl_referee_seeds},
-                                                {"vss_referee", check_vss_referee, vss_referee_seeds},
-                                                {"client_message", check_client_message, client_message_seeds},
-                                                {"foxglove_client", check_foxglove_client, foxglove_seeds},
-                                                {"setup_message", check_setup_message, setup_message_seeds},
-                                                {"telemetry", check_telemetry, telemetry_seeds},
-                                                {"command_packet", check_command_packet, command_packet_seeds},
-                                                {"robot", check_robot, robot_seeds},
-                                                {"mjpg", check_mjpg, mjpg_seeds, 5000},
-                                                {"board_file", check_board_file, board_file_seeds, 2000},
-                                                {"venue_file", check_venue_file, venue_file_seeds, 2000},
-                                                {"team_file", check_team_file, team_file_seeds, 2000}}};
+constexpr std::array<DecoderCheck, 18> kChecks{
+    {{"firasim_packet", check_firasim_packet, firasim_seeds},
+     {"json_commands", check_json_commands, json_seeds},
+     {"ssl_referee", check_ssl_referee, ssl_referee_seeds},
+     {"vss_referee", check_vss_referee, vss_referee_seeds},
+     {"client_message", check_client_message, client_message_seeds},
+     {"foxglove_client", check_foxglove_client, foxglove_seeds},
+     {"setup_message", check_setup_message, setup_message_seeds},
+     {"telemetry", check_telemetry, telemetry_seeds},
+     {"command_packet", check_command_packet, command_packet_seeds},
+     {"robot", check_robot, robot_seeds},
+     {"mjpg", check_mjpg, mjpg_seeds, 5000},
+     {"board_file", check_board_file, board_file_seeds, 2000},
+     {"venue_file", check_venue_file, venue_file_seeds, 2000},
+     {"team_file", check_team_file, team_file_seeds, 2000},
+     {"firasim_replacement", check_firasim_replacement, firasim_replacement_seeds},
+     {"firasim_poses", check_firasim_poses, firasim_pose_seeds},
+     {"ssl_vision_poses", check_ssl_vision_poses, ssl_vision_pose_seeds},
+     {"ssl_tracked_poses", check_ssl_tracked_poses, ssl_tracked_pose_seeds}}};
 
 }  // namespace
 

@@ -168,7 +168,8 @@ void check_team_file(std::span<const std::byte> bytes) {
     return out;
   }();
   const auto parameters = std::make_unique<PipelineParameters>();
-  require_lines(config::resolve_team(*team, where, venue, config::Locations("venue.toml"), *parameters));
+  require_lines(
+      config::resolve_team(*team, where, venue, config::Locations("venue.toml"), config::Markers::kSeen, *parameters));
 }
 
 std::vector<std::string> board_file_seeds() { return {kBoard}; }

@@ -142,7 +142,7 @@ TEST(FirasimPacket, RejectsWhatMakesNoSense) {
 
 TEST(FirasimPacket, PlacementsAndEmptyPacketsHaveNoCommands) {
   pb::Packet packet;
-  packet.set_replace("\x0a\x02\x08\x01");
+  packet.mutable_replace()->mutable_ball()->set_x(0.5);
   for (const pb::Packet& each : {packet, pb::Packet()}) {
     const Result<CommandBatch> batch = decoded(each);
     ASSERT_TRUE(batch.ok());

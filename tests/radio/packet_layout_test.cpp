@@ -201,6 +201,45 @@ TEST(PacketLayout, ALengthCoversTheFieldsAfterIt) {
   EXPECT_FALSE(decode_packet(layout, {packet.data(), packet.size()}, 1, read).ok());
 }
 
+TEST(PacketLayout, DoublesHaveEightBytesInEitherOrder) {
+  for (const bool big_endian : {false, true}) {
+    PacketLayout layout;
+    layout.one_each = true;
+    layout.receivers.push_back({1, 0});
+    for (const FieldValue value : {FieldValue::kLeft, FieldValue::kRight}) {
+      PacketField field = field_of(value, FieldType::kF64, 50.0);
+      field.big_endian = big_endian;
+      layout.fields.push_back(field);
+    }
+    const Packet packet = packet_of(layout, drive({{1, {}, {0.25f, -1.5f}}}));
+    ASSERT_EQ(packet.size(), 16U);
+    EXPECT_EQ(largest_packet(layout, 1), 16U);
+    // 12.5 is 0x4029000000000000.
+    EXPECT_EQ(packet[big_endian ? 0 : 7], std::byte{0x40});
+    EXPECT_EQ(packet[big_endian ? 1 : 6], std::byte{0x29});
+    ParsedPacket read;
+    ASSERT_TRUE(decode_packet(layout, {packet.data(), packet.size()}, 1, read).ok());
+    EXPECT_EQ(read.commands.robots[0].wheels.left_mps, 0.25f);
+    EXPECT_EQ(read.commands.robots[0].wheels.right_mps, -1.5f);
+  }
+}
+
+TEST(PacketLayout, RobotsOfTheOtherColorIgnoreAPacket) {
+  PacketLayout blue;
+  blue.one_each = true;
+  blue.receivers.push_back({1, 0});
+  blue.fields.push_back(field_of(FieldValue::kColor, FieldType::kU8));
+  blue.fields.push_back(field_of(FieldValue::kLeft, FieldType::kF32));
+  blue.fields.push_back(field_of(FieldValue::kRight, FieldType::kF32));
+  PacketLayout yellow = blue;
+  yellow.is_yellow = true;
+  const Packet packet = packet_of(yellow, drive({{1, {}, {0.25f, 0.25f}}}));
+  EXPECT_EQ(packet[0], std::byte{1});
+  ParsedPacket read;
+  EXPECT_TRUE(decode_packet(yellow, {packet.data(), packet.size()}, 1, read).ok());
+  EXPECT_FALSE(decode_packet(blue, {packet.data(), packet.size()}, 1, read).ok());
+}
+
 TEST(PacketLayout, BytesForTheStartComeBeforeThePacketThatAsksForThem) {
   PacketLayout layout = bit_layout();
   layout.text.push_back(std::byte{128});

@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "core/time.h"
 #include "hal/linux/network/network_address.h"
 #include "hal/result.h"
 
@@ -19,6 +20,7 @@ struct ReceivedMessage {
   bool is_local = false;     // sent by this computer
   std::uint32_t sender = 0;  // IPv4 address; 0: unix socket
   std::uint16_t port = 0;    // port of the sender; unix socket: number of the connection
+  Duration waited{};         // UDP: time since its arrival at this computer
 };
 
 /// A source of messages. No call blocks.

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <cstring>
+#include <ctime>
 #include <utility>
 
 namespace touchline::hal {
@@ -24,6 +26,24 @@ void enlarge_buffer(const Descriptor& socket) {
     return ::setsockopt(socket.get(), SOL_SOCKET, option, &kReceiveBufferBytes, sizeof(kReceiveBufferBytes)) == 0;
   };
   if (!set(SO_RCVBUFFORCE)) static_cast<void>(set(SO_RCVBUF));
+}
+
+// A message that waited longer, according to its stamp, arrived before the system's clock was set.
+constexpr Duration kLongestWait = std::chrono::seconds(10);
+
+/// Returns the time since the system received the message.
+Duration time_waited(const msghdr& header) {
+  for (cmsghdr* part = CMSG_FIRSTHDR(&header); part != nullptr;
+       part = CMSG_NXTHDR(const_cast<msghdr*>(&header), part)) {
+    if (part->cmsg_level != SOL_SOCKET || part->cmsg_type != SCM_TIMESTAMPNS) continue;
+    timespec arrival{}, now{};
+    std::memcpy(&arrival, CMSG_DATA(part), sizeof(arrival));
+    ::clock_gettime(CLOCK_REALTIME, &now);
+    const Duration waited =
+        std::chrono::seconds(now.tv_sec - arrival.tv_sec) + std::chrono::nanoseconds(now.tv_nsec - arrival.tv_nsec);
+    return waited >= Duration{} && waited <= kLongestWait ? waited : Duration{};
+  }
+  return {};
 }
 
 std::vector<std::uint32_t> addresses_of_this_computer() {
@@ -45,6 +65,7 @@ Result<void> UdpInput::open() {
   TOUCHLINE_TRY_ASSIGN(Descriptor socket, udp_socket(name_));
   TOUCHLINE_TRY_ASSIGN(interface_, interface_index(address_));
   enlarge_buffer(socket);
+  TOUCHLINE_TRY(set_option(socket, SOL_SOCKET, SO_TIMESTAMPNS, 1, name_, "stamping messages with their arrival"));
   if (address_.is_multicast()) {
     // Several programs may listen to a multicast group. With unicast, two programs at one port would take messages from
     // each other.
@@ -88,6 +109,9 @@ Result<std::optional<ReceivedMessage>> UdpInput::receive(std::span<std::byte> in
   header.msg_namelen = sizeof(from);
   header.msg_iov = &part;
   header.msg_iovlen = 1;
+  alignas(cmsghdr) std::array<char, CMSG_SPACE(sizeof(timespec))> control{};
+  header.msg_control = control.data();
+  header.msg_controllen = control.size();
   ssize_t size = 0;
   do {
     size = ::recvmsg(socket_.get(), &header, 0);
@@ -102,6 +126,7 @@ Result<std::optional<ReceivedMessage>> UdpInput::receive(std::span<std::byte> in
   message.sender = ntohl(from.sin_addr.s_addr);
   message.port = ntohs(from.sin_port);
   message.is_local = is_local(message.sender);
+  message.waited = time_waited(header);
   return std::optional(message);
 }
 

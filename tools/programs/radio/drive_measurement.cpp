@@ -64,8 +64,8 @@ bool DriveMeasurement::has_room(const Tracks& tracks, const RobotTrack& robot) c
 }
 
 void DriveMeasurement::record(const DriveStep& step) {
-  const auto on_line = settings_.radio_line.of(step.packet_bytes) +
-                       static_cast<Duration::rep>(step.pauses) * settings_.radio_line.pause;
+  const auto on_line =
+      settings_.radio_line.of(step.packet_bytes) + static_cast<Duration::rep>(step.pauses) * settings_.radio_line.pause;
   estimator_.add_command(step.sent + on_line, step.wheels);
   if (step.sighting) estimator_.add_sighting(step.captured, *step.sighting);
 }

@@ -27,7 +27,7 @@ Result<TeamColors> read_team_colors(const std::string& path) {
     venue.color.back().name = name;
   }
   const auto parameters = std::make_unique<PipelineParameters>();
-  TOUCHLINE_TRY(config::resolve_team(team, where, venue, config::Locations(), *parameters));
+  TOUCHLINE_TRY(config::resolve_team(team, where, venue, config::Locations(), config::Markers::kSeen, *parameters));
   out.marker = parameters->marker;
   return out;
 }

@@ -8,7 +8,7 @@
 #include "hal/result.h"
 
 // Protocol buffers in fixed memory: structures and tables that nanopb generates from proto/.
-namespace touchline::network {
+namespace touchline::hal {
 
 /// Encodes the structure `message`, which `fields` describes. Returns the number of bytes; 0: `out` is too small.
 std::size_t encode_message(const pb_msgdesc_t* fields, const void* message, std::span<std::byte> out);
@@ -18,4 +18,4 @@ std::size_t encode_message(const pb_msgdesc_t* fields, const void* message, std:
 /// too long.
 Result<void> decode_message(const pb_msgdesc_t* fields, std::span<const std::byte> bytes, void* message);
 
-}  // namespace touchline::network
+}  // namespace touchline::hal

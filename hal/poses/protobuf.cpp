@@ -1,9 +1,9 @@
-#include "firmware/network/protobuf.h"
+#include "hal/poses/protobuf.h"
 
 #include <pb_decode.h>
 #include <pb_encode.h>
 
-namespace touchline::network {
+namespace touchline::hal {
 
 std::size_t encode_message(const pb_msgdesc_t* fields, const void* message, std::span<std::byte> out) {
   pb_ostream_t stream = pb_ostream_from_buffer(reinterpret_cast<pb_byte_t*>(out.data()), out.size());
@@ -16,4 +16,4 @@ Result<void> decode_message(const pb_msgdesc_t* fields, std::span<const std::byt
   return failure(ErrorCode::kCorruptFrame, "not a valid message: %s", PB_GET_ERROR(&stream));
 }
 
-}  // namespace touchline::network
+}  // namespace touchline::hal

@@ -1,0 +1,44 @@
+#include "hal/poses/pose_source.h"
+
+namespace touchline::hal {
+namespace {
+
+// FNV-1a.
+std::uint64_t content_hash(std::span<const std::byte> bytes) {
+  std::uint64_t hash = 0xcbf29ce484222325u;
+  for (const std::byte byte : bytes) hash = (hash ^ std::to_integer<std::uint64_t>(byte)) * 0x100000001b3u;
+  return hash;
+}
+
+}  // namespace
+
+Result<bool> PoseSource::take(std::span<const std::byte> bytes, std::uint64_t sender, Instant arrival,
+                              MergedPoses& out) {
+  const Result<bool> decoded = decode_poses(settings_.protocol, bytes, poses_);
+  if (!decoded.ok()) {
+    ++counters_.malformed;
+    return decoded;
+  }
+  if (!decoded.value()) return false;
+  Stream& stream = streams_[poses_.camera];
+  switch (stream.order.place(poses_.number, sender ^ poses_.source, content_hash(bytes), arrival)) {
+    case PacketPlace::kNext:
+      break;
+    case PacketPlace::kDoubled:
+      ++counters_.doubled;
+      return false;
+    case PacketPlace::kLate:
+      ++counters_.late;
+      return false;
+    case PacketPlace::kForeign:
+      ++counters_.foreign;
+      return false;
+  }
+  sequence_ += stream.order.missing();
+  const Instant captured = stream.estimate.capture_time(poses_.captured_s, poses_.sent_s, arrival) - settings_.delay;
+  if (!merger_.add(poses_, captured, arrival, out)) return false;
+  ++sequence_;
+  return true;
+}
+
+}  // namespace touchline::hal

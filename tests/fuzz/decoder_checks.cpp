@@ -156,7 +156,7 @@ std::vector<std::string> foxglove_seeds() {
           R"({"op":"unsubscribe","subscriptionIds":[0,1]})"};
 }
 
-constexpr std::array<DecoderCheck, 14> kChecks{{{"firasim_packet", check_firasim_packet, firasim_seeds},
+constexpr std::array<DecoderCheck, 15> kChecks{{{"firasim_packet", check_firasim_packet, firasim_seeds},
                                                 {"json_commands", check_json_commands, json_seeds},
                                                 {"ssl_referee", check_ssl_referee, ssl_referee_seeds},
                                                 {"vss_referee", check_vss_referee, vss_referee_seeds},
@@ -169,7 +169,8 @@ constexpr std::array<DecoderCheck, 14> kChecks{{{"firasim_packet", check_firasim
                                                 {"mjpg", check_mjpg, mjpg_seeds, 5000},
                                                 {"board_file", check_board_file, board_file_seeds, 2000},
                                                 {"venue_file", check_venue_file, venue_file_seeds, 2000},
-                                                {"team_file", check_team_file, team_file_seeds, 2000}}};
+                                                {"team_file", check_team_file, team_file_seeds, 2000},
+                                                {"lockstep_message", check_lockstep_message, lockstep_message_seeds}}};
 
 }  // namespace
 

@@ -26,6 +26,12 @@ hal::mock::SideSettings side_settings(const config::Configuration& configuration
   return settings;
 }
 
+std::array<std::string, 2> team_colors(const config::Configuration& configuration) {
+  const std::string &own = configuration.team.own.color, &opponent = configuration.team.opponent.color;
+  return {own.empty() ? configuration.board.arena.own_color : own,
+          opponent.empty() ? configuration.board.arena.opponent_color : opponent};
+}
+
 Result<ArenaOpponents> make_opponents(const config::Configuration& configuration, std::uint64_t seed) {
   const hal::mock::ArenaParameters& arena = configuration.board.arena;
   ArenaOpponents opponents;

@@ -1,7 +1,9 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory>
+#include <string>
 
 #include "firmware/config/configuration.h"
 #include "hal/mock/simulated_side.h"
@@ -13,6 +15,9 @@ namespace touchline {
 /// Returns how a side of the configured arena plays without pictures: with the camera's rate and latency, the radio's
 /// delays, and the team's control. The opponents' robots understand Touchline's own packet.
 hal::mock::SideSettings side_settings(const config::Configuration& configuration, hal::mock::Side side);
+
+/// Returns the names of the teams, by Side. A team that the team file does not describe has the name of its paint.
+std::array<std::string, 2> team_colors(const config::Configuration& configuration);
 
 /// The arena's other team, which the board file describes (arena.opponents). Nobody plays if it stands.
 struct ArenaOpponents {

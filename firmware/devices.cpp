@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cinttypes>
 #include <cstdio>
+#include <mutex>
 #include <utility>
 
 #include "firmware/null_devices.h"
@@ -28,7 +29,7 @@ Devices::~Devices() {
 void Devices::attach(std::shared_ptr<ArenaObjects> objects) {
   if (!arena_ || !objects) return;
   objects_ = std::move(objects);
-  objects_->attach(*arena_);
+  objects_->attach(*arena_, colors_, time_control_);
 }
 
 std::unique_ptr<hal::Radio> Devices::make_radio(const PlannedRadio& radio) {
@@ -66,18 +67,21 @@ Result<void> Devices::make(const config::Configuration& configuration, std::uint
     arena_ =
         std::make_unique<hal::mock::Arena>(board.arena, board.camera, board.radio, seed,
                                            simulated_time_ ? hal::mock::Arena::kBegin : hal::MonotonicClock::read());
+    colors_ = team_colors(configuration);
     arena_->channel().set_layouts(configuration.pipeline.radio, configuration.pipeline.telemetry);
     TOUCHLINE_TRY_ASSIGN(opponents_, make_opponents(configuration, seed));
     arena_->game().set_side(hal::mock::Side::kOpponent, opponents_.side.get());
   }
   if (simulated_time_) {
     clock_ = std::make_unique<hal::mock::ArenaClock>(*arena_);
+    time_control_ = ArenaTimeControl::kPause;
   } else {
     clock_ = std::make_unique<hal::MonotonicClock>();
   }
   if (simulated_time_ && time == ArenaTime::kPaced) {
     slowed_clock_ = std::move(clock_);
-    clock_ = std::make_unique<PacedClock>(*slowed_clock_);
+    clock_ = std::make_unique<PacedClock>(*slowed_clock_, arena_->pace());
+    time_control_ = ArenaTimeControl::kSpeed;
   }
   hal::mock::RenderingClock* rendering = nullptr;
   if (alone && time == ArenaTime::kMachine) {
@@ -138,6 +142,16 @@ ScoreSource Devices::score() const {
   return {[](const void* arena) {
             const hal::mock::GameStatistics& game = static_cast<const hal::mock::Arena*>(arena)->game().statistics();
             return Score{game.goals_own, game.goals_opponent};
+          },
+          arena_.get()};
+}
+
+JumpSource Devices::jumps() const {
+  if (!arena_) return {};
+  return {[](void* context) {
+            auto& arena = *static_cast<hal::mock::Arena*>(context);
+            const std::scoped_lock lock(arena.mutex());
+            return arena.game().last_jump();
           },
           arena_.get()};
 }

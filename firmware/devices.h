@@ -48,6 +48,8 @@ class Devices {
   [[nodiscard]] bool simulated_time() const { return simulated_time_; }
   /// Returns the source of the goals of a simulation; an empty one for real devices.
   [[nodiscard]] ScoreSource score() const;
+  /// Returns when robots of a simulation were put elsewhere; an empty one for real devices.
+  [[nodiscard]] JumpSource jumps() const;
   /// Returns the result of a simulation, several lines; empty for real devices.
   [[nodiscard]] std::string summary() const;
 
@@ -62,6 +64,8 @@ class Devices {
   std::unique_ptr<hal::Radio> radio_;
   std::unique_ptr<hal::Gpio> gpio_;
   std::shared_ptr<ArenaObjects> objects_;
+  std::array<std::string, 2> colors_;  // names of the teams, by Side
+  ArenaTimeControl time_control_ = ArenaTimeControl::kNone;
   bool simulated_time_ = false;
 };
 

@@ -139,6 +139,7 @@ void Loop::process_frame(const hal::FrameLease& lease) {
   rules_.check_frame(frame.capture_time, timing.received);
   take_external_input(timing.received);
   const Duration to_wheels = latency_.value() + packet_time_ + settings_.radio_delay;
+  note_jump(frame);
   fill_inputs(timing.received, std::clamp<Duration>(to_wheels, 0s, 1s));
   const StepTrace& trace = pipeline_.step(frame, inputs_);
   on_inputs_used(timing.received);

@@ -32,6 +32,13 @@ struct ScoreSource {
   const void* context = nullptr;
 };
 
+/// Reads when robots of a simulation were put elsewhere for the last time, on the loop's clock. Called on the loop's
+/// thread.
+struct JumpSource {
+  Instant (*read)(void* context) = nullptr;  // null: robots only drive
+  void* context = nullptr;
+};
+
 struct LoopSettings {
   config::FaultSettings faults;
   Duration radio_delay{};    // time from the last byte sent until the wheels react
@@ -58,6 +65,7 @@ struct LoopSettings {
   SnapshotRing* snapshots = nullptr;    // gets a snapshot of every frame; null: no snapshots are made
   PictureExchange* pictures = nullptr;  // requests single pictures; null: no pictures are requested
   ScoreSource score;                    // used if no referee tells the score
+  JumpSource jumps;                     // of a simulation
 };
 
 /// Times of one frame.
@@ -160,6 +168,8 @@ class Loop {
   /// Clears the events after a step or a stop has used them.
   void on_inputs_used(Instant now);
   void write_snapshot(const StepTrace& trace, const StepTiming& timing, Instant machine_sent);
+  // Begins tracks anew with the first frame that shows robots of a simulation elsewhere.
+  void note_jump(const Frame& frame);
   /// Returns the score of the referee, or of a simulation that counts goals.
   [[nodiscard]] std::optional<Score> score() const;
 
@@ -206,9 +216,10 @@ class Loop {
   Duration input_due_{}, radio_due_{};  // due times of an input line and the radio, before the next frame
   Instant last_frame_{};                // arrival of the last frame, good or not
   Instant last_packet_{};
-  Duration packet_time_{};          // time of the last frame's first packet on the radio's line
-  DeviceFlags was_open_{};          // since open()
-  bool needs_final_stops_ = false;  // packets were sent since the last final stop packets
+  std::optional<Instant> last_jump_;  // JumpSource as the last frame with a jump found it
+  Duration packet_time_{};            // time of the last frame's first packet on the radio's line
+  DeviceFlags was_open_{};            // since open()
+  bool needs_final_stops_ = false;    // packets were sent since the last final stop packets
   OutgoingPackets stop_packets_;
   FrameGaps frame_gaps_;
   LatencyEstimate latency_;

@@ -39,6 +39,16 @@ void Loop::note_live_settings() {
   settings->taken_after = statistics_.frames;
 }
 
+void Loop::note_jump(const Frame& frame) {
+  if (settings_.jumps.read == nullptr) return;
+  const Instant jump = settings_.jumps.read(settings_.jumps.context);
+  if (!last_jump_) last_jump_ = jump;
+  if (jump == *last_jump_ || frame.capture_time < jump) return;
+  last_jump_ = jump;
+  inputs_.events.reset = true;
+  inputs_.events.picture_acknowledged = true;
+}
+
 void Loop::acknowledge_start() {
   if (rules_.take_start()) inputs_.events.picture_acknowledged = true;
 }

@@ -332,6 +332,7 @@ int run_command(const CommandLine& command_line) {
   }
   network::Connections connections(std::move(plan).value());
   const auto console = std::make_unique<console::Console>(std::move(console_plan).value());
+  connections.set_arena_objects(console->arena_objects());
   const bool paced = is_paced(command_line, connections.plan());
   const bool serves_console = is_served(console->plan(), board, paced);
   if (!session->is_calibrated() && !serves_console) {

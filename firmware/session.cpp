@@ -72,6 +72,7 @@ Result<void> Session::open(LoopObserver observer) {
   settings.snapshots = snapshots_;
   settings.pictures = pictures_;
   settings.score = devices_.score();
+  settings.jumps = devices_.jumps();
   loop_ = std::make_unique<Loop>(devices, *pipeline_, settings, *reports_, observer);
   TOUCHLINE_TRY(loop_->open());
   if (loop_->is_open(Device::kCamera)) {

@@ -5,6 +5,8 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "firmware/network/arena_message.h"
+
 namespace touchline::console {
 namespace {
 
@@ -15,7 +17,7 @@ struct MessageWord {
   std::string_view word;
   MessageKind kind;
 };
-constexpr std::array<MessageWord, 14> kMessageWords{{{"watch", MessageKind::kWatch},
+constexpr std::array<MessageWord, 15> kMessageWords{{{"watch", MessageKind::kWatch},
                                                      {"seen", MessageKind::kSeen},
                                                      {"stop", MessageKind::kStop},
                                                      {"start", MessageKind::kStart},
@@ -28,7 +30,8 @@ constexpr std::array<MessageWord, 14> kMessageWords{{{"watch", MessageKind::kWat
                                                      {"use_saved", MessageKind::kUseSaved},
                                                      {"probe", MessageKind::kProbe},
                                                      {"score", MessageKind::kScore},
-                                                     {"move", MessageKind::kMove}}};
+                                                     {"move", MessageKind::kMove},
+                                                     {"arena", MessageKind::kArena}}};
 // Largest number of goals of a team in a game.
 constexpr std::int64_t kMaxGoals = 999;
 
@@ -167,6 +170,14 @@ void read_move(MemberReader& reader, ClientMessage& out) {
   out.to = pixel("to_u_px", "to_v_px");
 }
 
+void read_arena(MemberReader& reader, const Json& object, ClientMessage& out) {
+  if (!reader.has("do")) return reader.fail(failure(ErrorCode::kInconsistent, "\"do\" is missing"));
+  std::optional<Error> error;
+  network::JsonMembers request(object.at("do"), "do", error);
+  out.arena = network::read_arena_request(request);
+  if (error) reader.fail(*std::move(error));
+}
+
 void read_score(MemberReader& reader, ClientMessage& out) {
   if (!reader.has("own") && !reader.has("opponent")) return;
   out.score = Score{static_cast<std::uint32_t>(reader.integer("own", 0, kMaxGoals)),
@@ -203,6 +214,7 @@ Result<ClientMessage> parse_client_message(std::string_view text) {
   if (out.kind == MessageKind::kProbe) read_probe(reader, out);
   if (out.kind == MessageKind::kScore) read_score(reader, out);
   if (out.kind == MessageKind::kMove) read_move(reader, out);
+  if (out.kind == MessageKind::kArena) read_arena(reader, object, out);
   if (reader.error()) return *reader.error();
   return out;
 }

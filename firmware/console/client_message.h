@@ -8,6 +8,7 @@
 #include "core/adaptation.h"
 #include "core/control/referee_state.h"
 #include "core/types.h"
+#include "firmware/arena_places.h"
 #include "hal/result.h"
 
 namespace touchline::console {
@@ -44,7 +45,8 @@ struct ClientMessage {
     kUseSaved,
     kProbe,
     kScore,
-    kMove
+    kMove,
+    kArena
   };
   Kind kind = Kind::kPing;
   std::optional<std::int64_t> request;  // number that the answer repeats
@@ -68,6 +70,8 @@ struct ClientMessage {
   RobotId id = kUnknownId;
   Twist twist;
   bool gives_back = false;  // the client no longer drives this robot
+
+  ArenaRequest arena;  // for kArena
 
   AdaptationMode adaptation = AdaptationMode::kFollow;  // for kAdaptation
 };

@@ -45,6 +45,8 @@ class Console {
   /// `is_terminal` is true, the text also contains their login links. The links contain the token, so they are printed
   /// only to a terminal, which only its user reads.
   [[nodiscard]] std::string start_text(bool is_terminal) const;
+  /// Returns the object with which the console and other programs control an arena.
+  [[nodiscard]] const std::shared_ptr<ArenaObjects>& arena_objects() const { return arena_objects_; }
   [[nodiscard]] SharedReports& reports() { return reports_; }
   /// Returns the port; 0 if the console is not served.
   [[nodiscard]] std::uint16_t port() const { return port_; }

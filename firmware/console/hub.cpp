@@ -237,6 +237,9 @@ Result<void> Hub::obey(Client& client, const ClientMessage& message, Instant arr
       return {};
     case Kind::kMove:
       return move_object(client, message);
+    case Kind::kArena:
+      TOUCHLINE_TRY(driving_.require_driver(client.number));
+      return links_.arena != nullptr ? links_.arena->control(message.arena) : ArenaObjects().control(message.arena);
     case Kind::kAdaptation:
       return change_adaptation(client, message.adaptation);
   }

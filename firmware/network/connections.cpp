@@ -63,6 +63,7 @@ bool Connections::has_input(bool of_referee) const {
 
 void Connections::attach(Session& session) {
   session.set_snapshots(snapshots_.get());
+  if (has_input(false)) session.set_arena_objects(arena_objects_);
   ExternalInputSettings external;
   if (has_input(false)) external.commands = commands_.get();
   if (has_input(true)) {
@@ -85,7 +86,7 @@ void Connections::start(const config::Configuration& configuration, const Print&
     std::vector<RobotId> robots;
     for (const RobotMarking& robot : configuration.pipeline.marker.teams[0].robots) robots.push_back(robot.id);
     receiver_ = std::make_unique<Receiver>(make_inputs(plan_, configuration), scene.own, std::move(robots), *commands_,
-                                           *referee_, referee_releases_, print);
+                                           *referee_, referee_releases_, print, arena_objects_);
   }
 }
 

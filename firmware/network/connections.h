@@ -16,6 +16,8 @@ class Connections {
  public:
   explicit Connections(NetworkPlan plan) : plan_(std::move(plan)) {}
 
+  /// Sets the object that other programs control an arena with, if there is one; call it before start().
+  void set_arena_objects(std::shared_ptr<ArenaObjects> objects) { arena_objects_ = std::move(objects); }
   /// Passes ring and mailboxes to the session; call it before Session::open().
   void attach(Session& session);
   [[nodiscard]] const NetworkPlan& plan() const { return plan_; }
@@ -48,6 +50,7 @@ class Connections {
   std::unique_ptr<Mailbox<ExternalCommands>> commands_ = std::make_unique<Mailbox<ExternalCommands>>();
   std::unique_ptr<Mailbox<RefereeState>> referee_ = std::make_unique<Mailbox<RefereeState>>();
   std::atomic<std::uint32_t> referee_releases_{0};
+  std::shared_ptr<ArenaObjects> arena_objects_;
   std::unique_ptr<Publisher> publisher_;
   std::unique_ptr<Receiver> receiver_;
 };

@@ -5,6 +5,7 @@
 #include <optional>
 #include <span>
 
+#include "firmware/arena_places.h"
 #include "firmware/config/configuration.h"
 #include "firmware/network/messages.h"
 #include "firmware/network/referee.h"
@@ -16,6 +17,7 @@ namespace touchline::network {
 struct DecodedMessage {
   CommandBatch batch;
   std::optional<RefereeMessage> referee;
+  std::optional<ArenaRequest> arena;  // of a protocol that controls simulations
 };
 
 /// Reads the messages of one protocol, in fixed memory and bounded time. Messages may have any content.

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <charconv>
+#include <optional>
 
 namespace touchline::network {
 namespace {
@@ -102,19 +103,50 @@ void write_telemetry(JsonWriter& json, const Snapshot& snapshot) {
   json.end_object();
 }
 
+void write_score(JsonWriter& json, const std::optional<Score>& score) {
+  if (!score) return json.null();
+  json.begin_object();
+  json.key("own");
+  json.integer(score->own);
+  json.key("opponent");
+  json.integer(score->opponent);
+  json.end_object();
+}
+
+void write_side(JsonWriter& json, const RefereeState& referee, const report::TraceNames& names) {
+  json.begin_object();
+  json.key("team");
+  json.string(names.teams[static_cast<std::size_t>(Team::kOwn)]);
+  json.key("half");
+  // Until a referee says otherwise, the own team attacks towards positive x.
+  json.string(referee.own_on_positive_half.value_or(false) ? "positive" : "negative");
+  json.end_object();
+}
+
+void write_referee(JsonWriter& json, const Snapshot& snapshot) {
+  const RefereeState& referee = snapshot.referee;
+  if (referee.phase == GamePhase::kNoReferee) return json.null();
+  json.begin_object();
+  json.key("phase");
+  json.string(word_of(referee.phase));
+  write_number(json, "age", seconds(snapshot.sent - referee.received), report::kSecondStep);
+  json.end_object();
+}
+
 }  // namespace
 
-std::size_t write_json_line(const OutputFrame& frame, const report::TraceNames& names, std::string_view device,
-                            std::span<std::byte> out) {
-  const Snapshot& snapshot = frame.snapshot;
-  JsonWriter json({reinterpret_cast<char*>(out.data()), out.size()});
+void write_field(JsonWriter& json, const FieldParameters& field) {
+  json.key("field");
   json.begin_object();
-  json.key("schema");
-  json.integer(kJsonSchema);
-  write_number(json, "timestamp", frame.captured_unix_s, report::kSecondStep);
-  write_number(json, "sent", frame.sent_unix_s, report::kSecondStep);
-  report::write_frame(json, {snapshot.captured, snapshot.ball, snapshot.robots, snapshot.tracks, snapshot.overload},
-                      names, snapshot.number, device);
+  write_number(json, "length", field.length_m, report::kMeterStep);
+  write_number(json, "width", field.width_m, report::kMeterStep);
+  write_number(json, "goal_width", field.goal_width_m, report::kMeterStep);
+  write_number(json, "goal_depth", field.goal_depth_m, report::kMeterStep);
+  json.end_object();
+}
+
+void write_game_members(JsonWriter& json, const Snapshot& snapshot, const report::TraceNames& names,
+                        const FieldParameters& field) {
   json.key("robots");
   write_robots(json, snapshot, names);
   json.key("stop");
@@ -127,6 +159,27 @@ std::size_t write_json_line(const OutputFrame& frame, const report::TraceNames& 
   write_commands(json, snapshot.commands);
   json.key("telemetry");
   write_telemetry(json, snapshot);
+  json.key("score");
+  write_score(json, snapshot.referee.score);
+  json.key("side");
+  write_side(json, snapshot.referee, names);
+  write_field(json, field);
+  json.key("referee");
+  write_referee(json, snapshot);
+}
+
+std::size_t write_json_line(const OutputFrame& frame, const report::TraceNames& names, const FieldParameters& field,
+                            std::string_view device, std::span<std::byte> out) {
+  const Snapshot& snapshot = frame.snapshot;
+  JsonWriter json({reinterpret_cast<char*>(out.data()), out.size()});
+  json.begin_object();
+  json.key("schema");
+  json.integer(kJsonSchema);
+  write_number(json, "timestamp", frame.captured_unix_s, report::kSecondStep);
+  write_number(json, "sent", frame.sent_unix_s, report::kSecondStep);
+  report::write_frame(json, {snapshot.captured, snapshot.ball, snapshot.robots, snapshot.tracks, snapshot.overload},
+                      names, snapshot.number, device);
+  write_game_members(json, snapshot, names, field);
   json.end_object();
   json.line_end();
   return json.fits() ? json.size() : 0;

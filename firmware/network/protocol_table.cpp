@@ -4,6 +4,7 @@
 #include <string>
 #include <utility>
 
+#include "firmware/network/arena_message.h"
 #include "firmware/network/decoder.h"
 #include "firmware/network/encoder.h"
 #include "firmware/network/firasim.h"
@@ -76,12 +77,17 @@ std::unique_ptr<Decoder> decoder_of(Function function) {
 
 Result<DecodedMessage> of_commands(Result<CommandBatch> batch) {
   if (!batch.ok()) return std::move(batch).error();
-  return DecodedMessage{std::move(batch).value(), std::nullopt};
+  return DecodedMessage{std::move(batch).value(), std::nullopt, std::nullopt};
+}
+
+Result<DecodedMessage> of_request(Result<ArenaRequest> request) {
+  if (!request.ok()) return std::move(request).error();
+  return DecodedMessage{{}, std::nullopt, std::move(request).value()};
 }
 
 Result<DecodedMessage> of_referee(Result<RefereeMessage> message) {
   if (!message.ok()) return std::move(message).error();
-  return DecodedMessage{{}, std::move(message).value()};
+  return DecodedMessage{{}, std::move(message).value(), std::nullopt};
 }
 
 /// Returns the names for each color that our team may have, indexed by TeamColor, because a referee may exchange the
@@ -146,10 +152,11 @@ Result<std::unique_ptr<Encoder>> make_encoder(config::OutputProtocol protocol,
             return encode_firasim_environment(frame, field, out);
           });
     case config::OutputProtocol::kJson:
-      return encoder_of([names = names_of(configuration), device = device_of(configuration.board.camera)](
-                            const OutputFrame& frame, std::span<std::byte> out) {
-        return write_json_line(frame, names[static_cast<std::size_t>(frame.own)], device, out);
-      });
+      return encoder_of(
+          [names = names_of(configuration), field = configuration.pipeline.marker.field,
+           device = device_of(configuration.board.camera)](const OutputFrame& frame, std::span<std::byte> out) {
+            return write_json_line(frame, names[static_cast<std::size_t>(frame.own)], field, device, out);
+          });
   }
   return failure(ErrorCode::kUnsupported, "no such protocol");
 }
@@ -163,7 +170,9 @@ std::unique_ptr<Decoder> make_decoder(config::InputProtocol protocol, const conf
           });
     case config::InputProtocol::kJson:
       return decoder_of([](std::span<const std::byte> message, TeamColor /*own*/) {
-        return of_commands(decode_json_commands(message));
+        const std::string_view text(reinterpret_cast<const char*>(message.data()), message.size());
+        return is_arena_request(text) ? of_request(decode_arena_request(text))
+                                      : of_commands(decode_json_commands(message));
       });
     case config::InputProtocol::kSslReferee:
       return decoder_of(

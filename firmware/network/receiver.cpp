@@ -136,7 +136,7 @@ void ReceiverInput::accept(const hal::ReceivedMessage& message, DecodedMessage& 
                            std::optional<AcceptedMessage>& out, const Print& print) {
   count(counts_.accepted);
   count(counts_.other_team, decoded.batch.other_team);
-  out.emplace(AcceptedMessage{decoded.batch, std::nullopt});
+  out.emplace(AcceptedMessage{decoded.batch, std::nullopt, std::move(decoded.arena)});
   for (ExternalCommand& command : out->batch.commands) command.received = now;
   if (!decoded.referee) return;
   out->referee = referee_.follow(message, *decoded.referee, now, print);
@@ -155,13 +155,14 @@ ReceiverInputs make_inputs(const NetworkPlan& plan, const config::Configuration&
 
 Receiver::Receiver(ReceiverInputs inputs, TeamColor own, std::vector<RobotId> robots,
                    Mailbox<ExternalCommands>& commands, Mailbox<RefereeState>& referee,
-                   const std::atomic<std::uint32_t>& referee_releases, Print print)
+                   const std::atomic<std::uint32_t>& referee_releases, Print print, std::shared_ptr<ArenaObjects> arena)
     : inputs_(std::move(inputs)),
       commands_(commands),
       referee_(referee),
       referee_releases_(referee_releases),
       releases_seen_(referee_releases.load(std::memory_order_relaxed)),
       print_(std::move(print)),
+      arena_(std::move(arena)),
       own_(own),
       robots_(std::move(robots)),
       buffer_(kMaxMessageBytes) {
@@ -207,9 +208,16 @@ void Receiver::drain(ReceiverInput& input) {
   for (int i = 0; i < kMessagesPerTurn; ++i) {
     const Instant now = hal::MonotonicClock::read();
     if (!input.receive(now, own_, buffer_, message, print_)) return;
-    if (message) input.count_unknown_robots(apply(*message));
+    if (!message) continue;
+    input.count_unknown_robots(apply(*message));
+    if (message->arena) control_arena(input, *message->arena);
   }
   messages_wait_ = true;
+}
+
+void Receiver::control_arena(const ReceiverInput& input, const ArenaRequest& request) {
+  const Result<void> done = arena_ != nullptr ? arena_->control(request) : ArenaObjects().control(request);
+  if (!done.ok()) input.refuse_request(done.error(), print_);
 }
 
 std::uint64_t Receiver::apply(const AcceptedMessage& message) {

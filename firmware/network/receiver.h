@@ -10,6 +10,7 @@
 
 #include "core/control/external_command.h"
 #include "core/control/referee_state.h"
+#include "firmware/arena_objects.h"
 #include "firmware/network/decoder.h"
 #include "firmware/network/message_limit.h"
 #include "firmware/network/network_plan.h"
@@ -37,6 +38,7 @@ struct InputCounts {
 struct AcceptedMessage {
   CommandBatch batch;
   std::optional<RefereeState> referee;
+  std::optional<ArenaRequest> arena;
 };
 
 /// A source: protocol, socket, permitted senders and their rate. Rejected messages are counted, and each kind is
@@ -58,6 +60,10 @@ class ReceiverInput {
   /// Call it when a person has done something that releases the referee (RefereeFollower).
   void release_referee() { referee_.release(); }
 
+  /// Prints why a request of an accepted message was not carried out.
+  void refuse_request(const Error& error, const Print& print) const {
+    print("network: " + name_ + ": " + error.text.str());
+  }
   void count_unknown_robots(std::uint64_t count) { counts_.unknown_robot.fetch_add(count, std::memory_order_relaxed); }
 
   // Any thread may call the functions below.
@@ -100,9 +106,11 @@ class Receiver {
  public:
   /// Mailboxes and `referee_releases` must outlive the receiver. `own`: color of our team until a referee assigns it.
   /// `print` is called on the receiver's thread. `robots`: ids of our robots; commands for others are ignored and
-  /// counted. `referee_releases` counts the acts of persons that release a referee (RefereeFollower).
+  /// counted. `arena`: carries out requests to a simulation; null: the field is real. `referee_releases` counts the
+  /// acts of persons that release a referee (RefereeFollower).
   Receiver(ReceiverInputs inputs, TeamColor own, std::vector<RobotId> robots, Mailbox<ExternalCommands>& commands,
-           Mailbox<RefereeState>& referee, const std::atomic<std::uint32_t>& referee_releases, Print print);
+           Mailbox<RefereeState>& referee, const std::atomic<std::uint32_t>& referee_releases, Print print,
+           std::shared_ptr<ArenaObjects> arena = nullptr);
   ~Receiver() { end(); }
   Receiver(const Receiver&) = delete;
   Receiver& operator=(const Receiver&) = delete;
@@ -116,6 +124,7 @@ class Receiver {
   void work();
   void receive_all();
   void drain(ReceiverInput& input);
+  void control_arena(const ReceiverInput& input, const ArenaRequest& request);
   /// Returns the number of commands for robots that we do not have.
   std::uint64_t apply(const AcceptedMessage& message);
 
@@ -125,6 +134,7 @@ class Receiver {
   const std::atomic<std::uint32_t>& referee_releases_;
   std::uint32_t releases_seen_ = 0;
   const Print print_;
+  const std::shared_ptr<ArenaObjects> arena_;
   TeamColor own_;
   const std::vector<RobotId> robots_;
   ExternalCommands table_;  // last command of each robot

@@ -69,6 +69,8 @@ void write_sightings(JsonWriter& json, const FrameResults& results, const TraceN
   json.end_object();
 }
 
+}  // namespace
+
 void write_tracks(JsonWriter& json, const Tracks& tracks, const TraceNames& names) {
   json.begin_object();
   json.key("ball");
@@ -97,8 +99,6 @@ void write_tracks(JsonWriter& json, const Tracks& tracks, const TraceNames& name
   json.end_array();
   json.end_object();
 }
-
-}  // namespace
 
 void write_identity(JsonWriter& json, std::string_view team, RobotId id) {
   json.key("team");

@@ -36,6 +36,9 @@ constexpr double kMeterStep = 1e-5, kRadianStep = 1e-5, kSpeedStep = 1e-4, kPixe
 void write_frame(JsonWriter& json, const FrameResults& results, const TraceNames& names, std::uint64_t frame,
                  std::string_view file);
 
+/// Writes the value of the member `tracks`.
+void write_tracks(JsonWriter& json, const Tracks& tracks, const TraceNames& names);
+
 /// Writes a pair of key and rounded number.
 void write_number(JsonWriter& json, std::string_view key, double value, double step);
 void write_number(JsonWriter& json, std::string_view key, float value, double step);

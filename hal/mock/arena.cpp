@@ -31,6 +31,7 @@ Arena::Arena(const ArenaParameters& parameters, const CameraSettings& camera, co
              std::uint64_t seed, Instant begin)
     : parameters_(parameters),
       camera_(camera),
+      faults_(parameters.fault),
       game_(parameters, radio.baud, seed, begin, from_seconds(radio.pause_s)),
       renderer_(parameters, camera.width_px, camera.height_px),
       sensor_(parameters.sensor, pixel_format(camera.format), camera.width_px, camera.height_px, seed),
@@ -42,7 +43,7 @@ Arena::Arena(const ArenaParameters& parameters, const CameraSettings& camera, co
 
 bool Arena::fault_active(FaultKind kind, Instant at) const {
   const double t = seconds(at - game_.begin());
-  return std::any_of(parameters_.fault.begin(), parameters_.fault.end(), [&](const ArenaFault& fault) {
+  return std::any_of(faults_.begin(), faults_.end(), [&](const ArenaFault& fault) {
     return fault.kind == kind && t >= fault.at_s && t < fault.at_s + fault.for_s;
   });
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <mutex>
 #include <optional>
@@ -31,6 +32,36 @@ struct Exposure {
   double led = 0.0;  // share of the exposure in which the LED was on
 };
 
+/// How fast the time of an arena passes, as a person wants it. Any thread may change it.
+class ArenaPace {
+ public:
+  void pause() { paused_.store(true, std::memory_order_relaxed); }
+  void resume() {
+    frames_.store(0, std::memory_order_relaxed);
+    paused_.store(false, std::memory_order_relaxed);
+  }
+  /// Pauses after so many frames.
+  void step(int frames) {
+    frames_.fetch_add(frames, std::memory_order_relaxed);
+    pause();
+  }
+  /// `speed`: times real time, for a clock that follows real time.
+  void set_speed(double speed) { speed_.store(speed, std::memory_order_relaxed); }
+  [[nodiscard]] double speed() const { return speed_.load(std::memory_order_relaxed); }
+  [[nodiscard]] bool is_paused() const { return paused_.load(std::memory_order_relaxed); }
+  /// Returns whether the time stands still until a change.
+  [[nodiscard]] bool stands() const { return is_paused() && frames_.load(std::memory_order_relaxed) <= 0; }
+  /// The camera has taken a frame.
+  void count_frame() {
+    if (is_paused()) frames_.fetch_sub(1, std::memory_order_relaxed);
+  }
+
+ private:
+  std::atomic<bool> paused_{false};
+  std::atomic<int> frames_{0};  // until the time stands still
+  std::atomic<double> speed_{1.0};
+};
+
 /// Runs a game and its camera on one time line. Time advances only by advance_to(), in steps of the world. Packets,
 /// time-outs and exposures take effect in the order of time, on these steps: a packet on the first step after its
 /// arrival, the opening and closing of the shutter on the first step at or after its time. If the exposure time or the
@@ -54,7 +85,11 @@ class Arena {
   void advance_to(Instant instant);
   [[nodiscard]] bool fault_active(FaultKind kind) const { return fault_active(kind, now_); }
   [[nodiscard]] bool fault_active(FaultKind kind, Instant at) const;
-  [[nodiscard]] const std::vector<ArenaFault>& faults() const { return parameters_.fault; }
+  [[nodiscard]] const std::vector<ArenaFault>& faults() const { return faults_; }
+  /// Adds a fault to those of the parameters.
+  void inject(const ArenaFault& fault) { faults_.push_back(fault); }
+  [[nodiscard]] ArenaPace& pace() { return pace_; }
+  [[nodiscard]] const ArenaParameters& parameters() const { return parameters_; }
   [[nodiscard]] Instant begin() const { return game_.begin(); }
 
   void start_camera();
@@ -112,6 +147,8 @@ class Arena {
 
   const ArenaParameters parameters_;
   const CameraSettings camera_;
+  std::vector<ArenaFault> faults_;
+  ArenaPace pace_;
   Game game_;
   Renderer renderer_;
   Sensor sensor_;

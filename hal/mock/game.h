@@ -41,6 +41,13 @@ class Game {
   void advance_to(Instant instant) {
     while (now_ + kStep <= instant) step();
   }
+  /// Begins the game anew at the present time, with other random numbers: robots and ball are where they were at the
+  /// begin, the statistics are zero. The same robots play.
+  void restart(std::uint64_t seed);
+  /// Call it when robots were put elsewhere: both sides' tracks begin anew with the next frame.
+  void note_jump() { jumped_ = true; }
+  /// Returns when robots were put elsewhere for the last time; begin() if they never were.
+  [[nodiscard]] Instant last_jump() const { return last_jump_; }
   [[nodiscard]] Instant begin() const { return begin_; }
   [[nodiscard]] Instant now() const { return now_; }
 
@@ -60,7 +67,8 @@ class Game {
   std::array<RadioChannel, 2> channels_;  // by Side
   std::array<SimulatedSide*, 2> sides_{};
   const Instant begin_;
-  Instant now_;
+  Instant now_, last_jump_;
+  bool jumped_ = false;  // since the last step
 };
 
 }  // namespace touchline::hal::mock

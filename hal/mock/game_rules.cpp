@@ -45,6 +45,14 @@ void GameRules::return_robots() {
   for (std::size_t i = 0; i < start_.robots.size(); ++i) world_.place(i, start_.robots[i]);
 }
 
+void GameRules::restart(std::uint64_t seed) {
+  random_ = Random(seed, kRulesStream);
+  statistics_ = {};
+  touches_ball_ = 0;
+  last_contact_ = {};
+  kick_off();
+}
+
 void GameRules::kick_off() {
   if (returns_robots_) {
     return_robots();

@@ -35,6 +35,8 @@ class GameRules {
 
   /// Judges the world after each of its steps.
   void update();
+  /// Begins the game anew, with other random numbers: the statistics are zero, and the ball is near the center.
+  void restart(std::uint64_t seed);
   /// Puts the ball somewhere else; it then waits there for as long as after a kick-off.
   void place_ball(const Placement& placement, Vector2 velocity_mps = {});
   /// Returns whether all robots must stand: for a second after they were put back (ArenaParameters::robots_return).

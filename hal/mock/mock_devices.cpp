@@ -3,9 +3,16 @@
 #include <algorithm>
 #include <cstddef>
 #include <mutex>
+#include <thread>
 #include <utility>
 
 namespace touchline::hal::mock {
+namespace {
+
+// How often a paused arena is looked at. The loop's other work goes on at this rate.
+constexpr std::chrono::milliseconds kPausePoll{10};
+
+}  // namespace
 
 Instant RenderingClock::now() const {
   const std::scoped_lock lock(mutex_);
@@ -67,6 +74,11 @@ Result<FrameLease> MockCamera::do_wait(Instant deadline) {
   if (!streaming_) {
     return failure(ErrorCode::kIo, "mock camera: used before it was opened and started");
   }
+  if (arena_.pace().stands()) {
+    // The caller looks after its other devices meanwhile, as without frames.
+    std::this_thread::sleep_for(kPausePoll);
+    return Error{ErrorCode::kTimeout, "mock camera: the arena is paused"};
+  }
   std::unique_lock lock(arena_.mutex());
   for (;;) {
     arena_.advance_to(clock_.now());
@@ -74,7 +86,10 @@ Result<FrameLease> MockCamera::do_wait(Instant deadline) {
     if (lost_) {
       return failure(ErrorCode::kDisconnected, "mock camera: unplugged (injected by [[arena.fault]])");
     }
-    if (const std::optional<Exposure> exposure = arena_.take_exposure()) return hand_out(*exposure);
+    if (const std::optional<Exposure> exposure = arena_.take_exposure()) {
+      arena_.pace().count_frame();
+      return hand_out(*exposure);
+    }
     if (clock_.now() >= deadline) {
       const bool all_held = std::find(held_.begin(), held_.end(), false) == held_.end();
       return failure(ErrorCode::kTimeout, "mock camera: %s",

@@ -49,6 +49,7 @@ void SimulatedSide::advance(Instant now, const World& world, RadioChannel& chann
 void SimulatedSide::capture(Instant now, const World& world) {
   const auto sequence = static_cast<std::uint32_t>(next_frame_++);
   const bool is_late = random_.bernoulli(view_.late);
+  if (camera_stalled_) return;
   if (waiting_ == pending_.size()) return;  // as a camera without a free buffer
   PendingFrame& frame = pending_[(first_ + waiting_) % pending_.size()];
   ++waiting_;
@@ -73,6 +74,7 @@ void SimulatedSide::process(const PendingFrame& pending, Instant now, RadioChann
     if (outgoing.receiver < inputs_.lateness.size()) {
       inputs_.lateness[outgoing.receiver] = settings_.line.until_sent(trace.packets, i) - packet_time_;
     }
+    if (radio_lost_) continue;
     // A full queue rejects the packet, and the channel counts it.
     static_cast<void>(channel.send({outgoing.packet.data(), outgoing.packet.size()}, now, outgoing.receiver));
   }

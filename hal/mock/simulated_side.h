@@ -53,6 +53,11 @@ class SimulatedSide {
   /// Tells the side before a step whether its robots must stand, and whether everything was put elsewhere, so that
   /// tracks begin anew.
   void hold(bool stands, bool restarts);
+  /// Sets whether the camera delivers no frames, and whether the radio sends no packets.
+  void set_faults(bool camera_stalled, bool radio_lost) {
+    camera_stalled_ = camera_stalled;
+    radio_lost_ = radio_lost;
+  }
   /// Calls `on_step` after each step; `trace` is valid during the call. Null: nobody is called.
   void set_observer(void (*on_step)(void* context, const StepTrace& trace), void* context) {
     on_step_ = on_step;
@@ -87,6 +92,7 @@ class SimulatedSide {
   std::uint64_t next_frame_ = 0, frames_ = 0;
   Instant begin_{};
   bool begun_ = false;
+  bool camera_stalled_ = false, radio_lost_ = false;
   Duration packet_time_{};
   void (*on_step_)(void* context, const StepTrace& trace) = nullptr;
   void* context_ = nullptr;

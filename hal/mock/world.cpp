@@ -72,6 +72,14 @@ World::World(const ArenaParameters& parameters, std::uint64_t seed)
   ball_.inverse_inertia = 0.0;
 }
 
+void World::restart(std::uint64_t seed) {
+  random_ = Random(seed, kPhysicsStream);
+  for (std::size_t i = 0; i < robots_.size(); ++i) {
+    const ArenaRobot& entry = parameters_.robot[i];
+    place(i, {entry.x_m, entry.y_m, entry.theta_rad});
+  }
+}
+
 void World::place(std::size_t robot, const Placement& placement, Vector2 velocity_mps, double w_radps) {
   Robot& moved = robots_[robot];
   moved.body.position = {placement.x_m, placement.y_m};

@@ -46,6 +46,7 @@ class World {
   [[nodiscard]] Side side(std::size_t robot) const { return robots_[robot].team; }
   [[nodiscard]] int id(std::size_t robot) const { return robots_[robot].id; }
   [[nodiscard]] Vector2 ball() const { return ball_.position; }
+  [[nodiscard]] Vector2 ball_velocity() const { return ball_.velocity; }
   /// Returns whether the robot touches the ball, or is so near that nobody sees a gap.
   [[nodiscard]] bool touches_ball(std::size_t robot) const;
   /// Returns the robots that this one touches, as bits.
@@ -66,6 +67,9 @@ class World {
   /// Robots are numbered as in ArenaParameters::robot.
   [[nodiscard]] Motors motors(std::size_t robot) const { return {robots_[robot].gain, robots_[robot].lag_s}; }
 
+  /// Puts the robots where they were at the begin, and draws other random numbers from now on. The robots stay the
+  /// same.
+  void restart(std::uint64_t seed);
   /// For scenes and tests. A placed robot rolls with this velocity, and stops unless drive() is called for it.
   void place(std::size_t robot, const Placement& placement, Vector2 velocity_mps = {}, double w_radps = 0.0);
   void place_ball(const Placement& placement, Vector2 velocity_mps = {});

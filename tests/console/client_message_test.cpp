@@ -45,6 +45,9 @@ TEST(ClientMessageParser, ReadsEachType) {
   EXPECT_EQ(message.pixel.v_px, 0.0f);
   EXPECT_EQ(parsed(R"({"type":"score","own":3,"opponent":0})").score, (Score{3, 0}));
   EXPECT_FALSE(parsed(R"({"type":"score"})").score.has_value());
+  message = parsed(R"({"type":"arena","do":{"step":{"frames":3}}})");
+  EXPECT_EQ(message.kind, Kind::kArena);
+  EXPECT_EQ(message.arena.frames, 3);
   message = parsed(R"({"type":"move","u_px":10.5,"v_px":0,"to_u_px":30,"to_v_px":40})");
   EXPECT_EQ(message.kind, Kind::kMove);
   EXPECT_EQ(message.pixel.u_px, 10.5f);
@@ -84,6 +87,9 @@ TEST(ClientMessageParser, RefusesEverythingElseAndNamesTheMember) {
   EXPECT_EQ(error(R"({"type":"probe","request":1,"u_px":1,"v_px":-0.1})"), "\"v_px\" is not within 0 to 1944");
   EXPECT_EQ(error(R"({"type":"score","own":3})"), "\"opponent\" is missing");
   EXPECT_EQ(error(R"({"type":"move","u_px":1,"v_px":2,"to_u_px":3})"), "\"to_v_px\" is missing");
+  EXPECT_EQ(error(R"({"type":"arena"})"), "\"do\" is missing");
+  EXPECT_EQ(error(R"({"type":"arena","do":{"speed":{"factor":1000}}})"),
+            "do.speed.factor = 1000 is not within 0.01 to 100");
   EXPECT_EQ(error(R"({"type":"score","own":1000,"opponent":0})"), "\"own\" is out of range");
   EXPECT_FALSE(parse_client_message(std::string(4096, '[')).ok());
 }

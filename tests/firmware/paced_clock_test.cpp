@@ -18,7 +18,8 @@ class JumpingClock final : public hal::Clock {
 
 TEST(PacedClock, SimulatedTimePassesAsFastAsRealTime) {
   JumpingClock simulated;
-  PacedClock clock(simulated);
+  const hal::mock::ArenaPace pace;
+  PacedClock clock(simulated, pace);
   const Instant begin = hal::MonotonicClock::read(), simulated_begin = clock.now();
   for (int i = 1; i <= 10; ++i) {
     clock.sleep_until(simulated_begin + i * 10ms);
@@ -28,6 +29,20 @@ TEST(PacedClock, SimulatedTimePassesAsFastAsRealTime) {
   const Duration elapsed = hal::MonotonicClock::read() - begin;
   EXPECT_GE(elapsed, 99ms);
   EXPECT_LT(elapsed, 5s);
+}
+
+TEST(PacedClock, TheSpeedOfTheArenaCountsFromItsChangeOn) {
+  JumpingClock simulated;
+  hal::mock::ArenaPace pace;
+  PacedClock clock(simulated, pace);
+  pace.set_speed(100.0);
+  const Instant begin = hal::MonotonicClock::read(), simulated_begin = clock.now();
+  clock.sleep_until(simulated_begin + 2s);
+  pace.set_speed(0.5);
+  clock.sleep_until(simulated_begin + 2s + 10ms);
+  const Duration elapsed = hal::MonotonicClock::read() - begin;
+  EXPECT_GE(elapsed, 39ms);
+  EXPECT_LT(elapsed, 1900ms) << "at real time, two seconds would have passed";
 }
 
 }  // namespace

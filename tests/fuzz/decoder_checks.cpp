@@ -255,7 +255,7 @@ std::vector<std::string> foxglove_seeds() {
           R"({"op":"unsubscribe","subscriptionIds":[0,1]})"};
 }
 
-constexpr std::array<DecoderCheck, 18> kChecks{
+constexpr std::array<DecoderCheck, 19> kChecks{
     {{"firasim_packet", check_firasim_packet, firasim_seeds},
      {"json_commands", check_json_commands, json_seeds},
      {"ssl_referee", check_ssl_referee, ssl_referee_seeds},
@@ -270,6 +270,7 @@ constexpr std::array<DecoderCheck, 18> kChecks{
      {"board_file", check_board_file, board_file_seeds, 2000},
      {"venue_file", check_venue_file, venue_file_seeds, 2000},
      {"team_file", check_team_file, team_file_seeds, 2000},
+     {"lockstep_message", check_lockstep_message, lockstep_message_seeds},
      {"firasim_replacement", check_firasim_replacement, firasim_replacement_seeds},
      {"firasim_poses", check_firasim_poses, firasim_pose_seeds},
      {"ssl_vision_poses", check_ssl_vision_poses, ssl_vision_pose_seeds},

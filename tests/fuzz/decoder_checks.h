@@ -43,11 +43,13 @@ void check_mjpg(std::span<const std::byte> bytes);
 void check_telemetry(std::span<const std::byte> bytes);
 void check_command_packet(std::span<const std::byte> bytes);
 void check_setup_message(std::span<const std::byte> bytes);
+void check_lockstep_message(std::span<const std::byte> bytes);
 void check_robot(std::span<const std::byte> bytes);
 std::vector<std::string> mjpg_seeds();
 std::vector<std::string> telemetry_seeds();
 std::vector<std::string> command_packet_seeds();
 std::vector<std::string> setup_message_seeds();
+std::vector<std::string> lockstep_message_seeds();
 std::vector<std::string> robot_seeds();
 
 }  // namespace touchline::fuzz

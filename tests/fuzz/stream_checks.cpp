@@ -12,6 +12,7 @@
 #include "tests/radio/touchline_packets.h"
 #include "tools/programs/setup/arguments.h"
 #include "tools/programs/setup/message_link.h"
+#include "tools/programs/simulate/lockstep_message.h"
 
 namespace touchline::fuzz {
 namespace {
@@ -192,6 +193,49 @@ std::vector<std::string> setup_message_seeds() {
       R"("corners":[[1,2],[3.5,4],[5,6],[7,8]]})");
   const nlohmann::json frame = nlohmann::json::parse(R"({"type":"frame","error":""})");
   return {setup::framed(command), setup::framed(frame, "pixels") + setup::framed(command)};
+}
+
+namespace {
+
+void require_places(const ArenaPlaces& places) {
+  require(places.robots.size() <= kMaxRobots + 1, "there are no more robots than can exist, and one that is refused");
+  for (const PlacedRobot& robot : places.robots) {
+    require(robot.id >= 0 && robot.id <= 127, "an id is 0 to 127");
+    require(std::abs(robot.at.x_m) <= 20.0 && std::abs(robot.at.theta_rad) <= 3.15, "places are limited");
+  }
+  if (!places.ball) return;
+  require(std::abs(places.ball->velocity_mps.x) <= 10.0 && std::abs(places.ball->velocity_mps.y) <= 10.0,
+          "the ball's velocity is limited");
+}
+
+}  // namespace
+
+void check_lockstep_message(std::span<const std::byte> bytes) {
+  const Result<simulate::LockstepMessage> message = simulate::parse_lockstep_message(text_of(bytes));
+  require_result(message);
+  if (!message.ok()) return;
+  if (const auto* step = std::get_if<simulate::StepMessage>(&message.value())) {
+    require(step->frames >= 1 && step->frames <= simulate::kMaxStepFrames, "a step has frames, and an end");
+    for (const ExternalCommand& command : step->commands) {
+      require(command.id >= 0 && std::abs(command.twist.v_mps) <= 10.0f, "commands are limited");
+    }
+  }
+  if (const auto* place = std::get_if<simulate::PlaceMessage>(&message.value())) require_places(place->places);
+  if (const auto* reset = std::get_if<simulate::ResetMessage>(&message.value())) {
+    require_places(reset->places);
+    require(reset->robots >= 0 && reset->robots <= static_cast<int>(kMaxRobotsPerTeam), "a side has 11 robots at most");
+  }
+}
+
+std::vector<std::string> lockstep_message_seeds() {
+  return {
+      R"({"step": {"frames": 4, "commands": [{"id": 1, "v": 0.5, "w": -2}], "only_last": true, "truth": true}})",
+      R"({"reset": {"seed": 7, "own": "play", "opponent": "univector", "robots": 3, "settings": {"arena.radio.delay_s": 0.03},)"
+      R"("place": {"ball": {"x": 0.1, "y": 0.2}}, "faults": [{"kind": "radio_lost", "at_s": 2, "for_s": 0.5}]}})",
+      R"({"place": {"robots": {"blue": {"2": {"x": -0.5, "y": 0, "theta": 1.5}}}}})",
+      R"({"throw": {"vx": 1, "vy": -1}})",
+      R"({"fault": {"kind": "camera_stall", "for_s": 1}})",
+      R"({"hash": {}})"};
 }
 
 }  // namespace touchline::fuzz

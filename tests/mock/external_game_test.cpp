@@ -5,6 +5,7 @@
 #include <chrono>
 
 #include "core/geometry/vector2.h"
+#include "firmware/arena_objects.h"
 #include "firmware/session.h"
 #include "hal/linux/monotonic_clock.h"
 #include "tests/results.h"
@@ -103,6 +104,23 @@ TEST_F(ExternalGame, WhenAStrategyEndsItsRobotStopsAndTheOthersPlayOn) {
   }
   EXPECT_GT(way_m_[0] + way_m_[1] + way_m_[3] + way_m_[4], 0.5);
   EXPECT_EQ(session_.loop().statistics().external.commands_expired, 1U);
+}
+
+// All robots are elsewhere at once, which without the arena's word would be a reason to stop them (kHaltMotion).
+TEST_F(ExternalGame, AResetOfTheArenaBeginsTracksAnewAndStopsNobody) {
+  const auto objects = std::make_shared<ArenaObjects>();
+  session_.set_arena_objects(objects);
+  begin({"arena.opponents=stand"});
+  run(150);
+  EXPECT_GT(worst_error_m(), 0.2) << "robots have left their places";
+  ArenaRequest reset;
+  reset.kind = ArenaRequest::Kind::kReset;
+  ASSERT_OK(objects->control(reset));
+  run(4);
+  EXPECT_LT(worst_error_m(), 0.03);
+  run(60);
+  EXPECT_FALSE(sent_.stop);
+  EXPECT_GT(worst_error_m(), 0.05) << "they play on";
 }
 
 TEST_F(ExternalGame, TeamColorsAreExchangedDuringAGame) {

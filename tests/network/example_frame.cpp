@@ -56,6 +56,8 @@ Snapshot example_snapshot() {
       track(Team::kOpponent, 0, TrackState::kSeen, {{1.0005f, -0.7505f}, 3.12f}, {0.0f, -3.5f}));
   snapshot.commands.stop = false;
   snapshot.referee.phase = GamePhase::kRunning;
+  snapshot.referee.received = Instant(from_seconds(12.2));
+  snapshot.referee.score = Score{2, 1};
   snapshot.commands.robots.push_back({3, {0.4f, 1.0f}, {0.365f, 0.435f}});
   RobotReport report;
   report.last = {3, 17, 7.412f, 98};

@@ -25,6 +25,9 @@ VenueGeometry example_geometry();
 
 inline const report::TraceNames kExampleNames{{"background", "orange", "blue", "yellow", "red"}, {"blue", "yellow"}};
 
+inline const FieldParameters kExampleField{
+    .length_m = 2.2f, .width_m = 1.8f, .goal_width_m = 0.4f, .goal_depth_m = 0.15f};
+
 /// Calls `encode` with memory for the largest datagram and returns the bytes.
 template <class Encode>
 std::string datagram(Encode encode) {

@@ -16,8 +16,9 @@ namespace {
 using nlohmann::ordered_json;
 
 std::string line_of(const Snapshot& snapshot) {
-  return datagram(
-      [&](auto out) { return write_json_line(example_output(snapshot), kExampleNames, "/dev/video0", out); });
+  return datagram([&](auto out) {
+    return write_json_line(example_output(snapshot), kExampleNames, kExampleField, "/dev/video0", out);
+  });
 }
 
 TEST(JsonLine, HasTheDocumentedFormat) {
@@ -40,7 +41,9 @@ TEST(JsonLine, HasTheDocumentedFormat) {
       R"("1":{"x":-0.3,"y":0.1,"theta":0.5,"v":-0.25,"w":0.0,"confidence":0.9995,"seen":false}},)"
       R"("yellow":{"0":{"x":1.0005,"y":-0.7505,"theta":3.12,"v":0.0,"w":-3.5,"confidence":0.9995,"seen":true}}},)"
       R"("stop":false,"halt":0,"phase":"running","commands":{"3":{"v":0.4,"w":1.0,"left":0.365,"right":0.435}},)"
-      R"("telemetry":{"3":{"battery":7.412,"link":98,"age":0.25},"1":{"battery":null,"link":null,"age":0.25}}})"
+      R"("telemetry":{"3":{"battery":7.412,"link":98,"age":0.25},"1":{"battery":null,"link":null,"age":0.25}},)"
+      R"("score":{"own":2,"opponent":1},"side":{"team":"blue","half":"negative"},)"
+      R"("field":{"length":2.2,"width":1.8,"goal_width":0.4,"goal_depth":0.15},"referee":{"phase":"running","age":0.063}})"
       "\n");
 }
 
@@ -50,6 +53,17 @@ TEST(JsonLine, ContainsTheWheelSpeedsOfRobotsThatReportThem) {
   EXPECT_NE(line_of(snapshot).find(R"({"3":{"battery":7.412,"link":98,"left":0.25,"right":-0.5,"age":0.25},"1":{)"),
             std::string::npos)
       << line_of(snapshot);
+}
+
+TEST(JsonLine, WhatNobodyTellsIsNull) {
+  Snapshot snapshot = example_snapshot();
+  snapshot.referee = {};
+  const ordered_json unknown = ordered_json::parse(line_of(snapshot));
+  EXPECT_TRUE(unknown["score"].is_null());
+  EXPECT_TRUE(unknown["referee"].is_null());
+  EXPECT_EQ(unknown["side"]["half"], "negative");
+  snapshot.referee.own_on_positive_half = true;
+  EXPECT_EQ(ordered_json::parse(line_of(snapshot))["side"]["half"], "positive");
 }
 
 TEST(JsonLine, ContainsTheReplaysLine) {
@@ -77,8 +91,8 @@ TEST(JsonLine, LeavesOutATeamThatIsNotDetected) {
   report::TraceNames names = kExampleNames;
   names.teams[1].clear();
   const Snapshot snapshot = example_snapshot();
-  const ordered_json parsed = ordered_json::parse(
-      datagram([&](auto out) { return write_json_line(example_output(snapshot), names, "camera", out); }));
+  const ordered_json parsed = ordered_json::parse(datagram(
+      [&](auto out) { return write_json_line(example_output(snapshot), names, kExampleField, "camera", out); }));
   EXPECT_EQ(parsed["robots"].size(), 1u);
 }
 
@@ -86,7 +100,9 @@ TEST(JsonLine, TooSmallAMemoryGivesNothing) {
   const Snapshot snapshot = example_snapshot();
   const std::string whole = line_of(snapshot);
   std::vector<std::byte> memory(whole.size());
-  const auto write = [&] { return write_json_line(example_output(snapshot), kExampleNames, "/dev/video0", memory); };
+  const auto write = [&] {
+    return write_json_line(example_output(snapshot), kExampleNames, kExampleField, "/dev/video0", memory);
+  };
   EXPECT_EQ(write(), whole.size());
   memory.pop_back();
   EXPECT_EQ(write(), 0u);

@@ -11,6 +11,7 @@
 #include "tools/programs/command_line/progress.h"
 #include "tools/programs/simulate/game_series.h"
 #include "tools/programs/simulate/series_report.h"
+#include "tools/programs/simulate/serve_command.h"
 
 namespace touchline::simulate {
 namespace {
@@ -143,7 +144,12 @@ int main(int argc, char** argv) {
   add_examples(app, {{"touchline-simulate --opponent univector --seeds 100", "measure the built-in play"},
                      {"touchline-simulate --own new.toml --baseline team.toml", "compare two team files"},
                      {"touchline-simulate --table --seeds 10 --duration 120", "everybody against everybody"}});
+  simulate::ServeOptions serve_options;
+  serve_options.board = options.board;
+  app.add_subcommand("play", "Play games, as without a command")->fallthrough();
+  const CLI::App* const serve = simulate::add_serve_command(app, serve_options);
+  app.require_subcommand(0, 1);
   if (const auto exit_code = parse_arguments(app, argc, argv)) return *exit_code;
-  const Result<void> done = simulate::run(options);
+  const Result<void> done = serve->parsed() ? simulate::run_serve(serve_options) : simulate::run(options);
   return done.ok() ? kExitOk : fail("touchline-simulate", done.text());
 }

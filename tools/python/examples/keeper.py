@@ -1,7 +1,9 @@
 #!/usr/bin/env python3
 """A goalkeeper: it moves along its goal line to where the ball will cross it. The arena's other team attacks.
 
-  tools/python/examples/keeper.py [SEED [SECONDS]]
+  tools/python/examples/keeper.py [SEED [SECONDS [lock-step]]]
+
+In lock-step, the game has no pictures and waits for this program, so that it is many times faster and can be repeated.
 """
 import math
 import sys
@@ -39,7 +41,14 @@ def keep(frame: touchline.Frame) -> dict[int, touchline.Command]:
     return {keeper.id: Velocity(v * along, GAIN * math.cos(keeper.theta) * along)}
 
 
-def main(seed: int = 1, seconds: float = 30.0) -> None:
+def main(seed: int = 1, seconds: int = 30, *, lock_step: bool = False) -> None:
+    if lock_step:
+        with touchline.Simulation() as game:
+            frame = game.reset(seed, opponent="follow")
+            for _ in range(round(seconds * game.description["rate_hz"])):
+                frame = game.step(keep(frame))
+            print("goals", (frame.score["own"], frame.score["opponent"]), "game", game.hash())
+        return
     with touchline.Arena(seed=seed, duration=seconds) as arena:
         for frame in arena.client:
             arena.client.send(keep(frame))
@@ -47,4 +56,4 @@ def main(seed: int = 1, seconds: float = 30.0) -> None:
 
 
 if __name__ == "__main__":
-    main(*map(int, sys.argv[1:3]))
+    main(*map(int, sys.argv[1:3]), lock_step="lock-step" in sys.argv[3:])

@@ -1,7 +1,9 @@
 #!/usr/bin/env python3
 """An attacker in a univector field: each point of the field has a heading that leads around other robots to the ball, towards the goal.
 
-  tools/python/examples/univector.py [SEED [SECONDS]]
+  tools/python/examples/univector.py [SEED [SECONDS [lock-step]]]
+
+In lock-step, the game has no pictures and waits for this program, so that it is many times faster and can be repeated.
 
 The heading to the ball is that of Y.-J. Kim, J.-H. Kim, D.-S. Kwon: "Evolutionary programming-based univector field navigation method for
 fast mobile robots", IEEE Trans. Systems, Man, and Cybernetics B 31 (2001). The way around moving robots is that of Y.-S. Lim, S.-H. Choi,
@@ -116,7 +118,14 @@ def attack(frame: touchline.Frame) -> dict[int, touchline.Command]:
     return {robot.id: follow(ahead_of_time(robot), ball, [expected_place(robot, other) for other in others])}
 
 
-def main(seed: int = 1, seconds: float = 30.0) -> None:
+def main(seed: int = 1, seconds: int = 30, *, lock_step: bool = False) -> None:
+    if lock_step:
+        with touchline.Simulation() as game:
+            frame = game.reset(seed, opponent="stand")
+            for _ in range(round(seconds * game.description["rate_hz"])):
+                frame = game.step(attack(frame))
+            print("goals", (frame.score["own"], frame.score["opponent"]), "game", game.hash())
+        return
     with touchline.Arena(seed=seed, duration=seconds, opponents="stand") as arena:
         for frame in arena.client:
             arena.client.send(attack(frame))
@@ -124,4 +133,4 @@ def main(seed: int = 1, seconds: float = 30.0) -> None:
 
 
 if __name__ == "__main__":
-    main(*map(int, sys.argv[1:3]))
+    main(*map(int, sys.argv[1:3]), lock_step="lock-step" in sys.argv[3:])

@@ -35,28 +35,28 @@ def _clone() -> Path:
     return Path(recorded.read_text(encoding="utf-8").strip()) if recorded.exists() else package.parents[2]
 
 
-def find_program(program: Optional[FilePath] = None) -> Path:
+def find_program(program: Optional[FilePath] = None, *, name: str = "touchline", in_clone: Path = PROGRAM_IN_CLONE) -> Path:
     """The program of the argument, else the clone's, else that of PATH. Raises ArenaError."""
-    built = _clone() / PROGRAM_IN_CLONE
+    built = _clone() / in_clone
     if program is not None:
         found = shutil.which(program)
         if found is None:
             raise ArenaError(f"{program} is not a program that can be run")
     else:
-        found = shutil.which(built) or shutil.which("touchline")
+        found = shutil.which(built) or shutil.which(name)
         if found is None:
-            raise ArenaError(f"no touchline in PATH, and none at {built}; build it (tools/run --help), or name it: Arena(program=...)")
+            raise ArenaError(f"no {name} in PATH, and none at {built}; build it (tools/run --help), or name it: program=...")
     return Path(found).resolve()
 
 
 def find_board(program: Path) -> Path:
     """The mock board beside this program: in its clone, or where the package installs it. Raises ArenaError."""
     folders = [program.parent.parent / "share/touchline"]  # of PREFIX/bin/touchline
-    folders += program.parents[3:4]  # of CLONE/build/PRESET/firmware/touchline
+    folders += program.parents[3:6]  # of CLONE/build/PRESET/firmware/touchline, or a tool's, which lies deeper
     for folder in [*folders, _clone()]:
         if (folder / BOARD).exists():
             return folder / BOARD
-    raise ArenaError(f"{program}: no {BOARD} beside it; name the board file: Arena(board=...)")
+    raise ArenaError(f"{program}: no {BOARD} beside it; name the board file: board=...")
 
 
 def _stop(process: subprocess.Popen[bytes]) -> None:

@@ -71,8 +71,8 @@ def _check(robot: int, name: str, value: object) -> None:
         raise RefusedCommandError(f"robot {robot}: {name} = {value:g} is not within {-limit:g} to {limit:g}")
 
 
-def command_message(commands: Mapping[int, Command]) -> bytes:
-    """Returns the message for these robots, by id, without a line end. Raises RefusedCommandError."""
+def command_list(commands: Mapping[int, Command]) -> list[dict[str, Optional[float]]]:
+    """Returns the commands of these robots, by id, as the list of a message. Raises RefusedCommandError."""
     if len(commands) > MAX_ROBOTS:
         raise RefusedCommandError(f"commands for {len(commands)} robots; a message has at most {MAX_ROBOTS}")
     out: list[dict[str, Optional[float]]] = []
@@ -83,4 +83,9 @@ def command_message(commands: Mapping[int, Command]) -> bytes:
         for name, value in members.items():
             _check(robot, name, value)
         out.append({"id": robot, **members})
-    return json.dumps({"commands": out}).encode()
+    return out
+
+
+def command_message(commands: Mapping[int, Command]) -> bytes:
+    """Returns the message for these robots, by id, without a line end. Raises RefusedCommandError."""
+    return json.dumps({"commands": command_list(commands)}).encode()

@@ -26,5 +26,9 @@ class RefusedCommandError(TouchlineError, ValueError):
     """Touchline would refuse this command. Nothing was sent."""
 
 
+class RefusedMessageError(TouchlineError, ValueError):
+    """The simulation refused a message. Nothing has changed, and the game goes on."""
+
+
 class ArenaError(TouchlineError):
     """The arena could not be started, or has failed."""

@@ -66,11 +66,19 @@ class Telemetry:
 
 
 @dataclass(frozen=True)
+class Event:
+    """What happened in a simulation: "goal", "touch", "contact", "free_ball" or "restart". `team`: whose; None: nobody's, or both."""
+
+    kind: str
+    team: Optional[str]
+
+
+@dataclass(frozen=True)
 class Frame:
     """One frame. `robots[color][id]` has the robots of known id, `unidentified` the others.
 
-    `score`, `side`, `field` and `referee` are the members of the line as they are, None if Touchline does not send them.
-    `raw` is the whole line.
+    `score`, `side`, `field` and `referee` are the members of the line as they are, None if Touchline does not send them. Only a
+    Simulation sends `events` and, if it is asked to, `truth`. `raw` is the whole line.
     """
 
     number: int
@@ -90,6 +98,8 @@ class Frame:
     field: Any
     referee: Any
     raw: Mapping[str, Any]
+    events: tuple[Event, ...] = ()
+    truth: Any = None
 
     @property
     def halt_reasons(self) -> tuple[str, ...]:
@@ -180,12 +190,25 @@ def _ball(tracks: _Object) -> Optional[Ball]:
     return Ball(ball.number("x"), ball.number("y"), ball.number("vx"), ball.number("vy"), _optional_number(ball, "confidence"))
 
 
+def _events(whole: _Object) -> tuple[Event, ...]:
+    events = whole.value.get("events") or []
+    if not isinstance(events, list):
+        raise MalformedFrameError(f"events = {_shown(events)} is not a list")
+    members = [_Object(event, f"events[{i}]") for i, event in enumerate(events)]
+    return tuple(Event(member.text("kind"), member.text("team") if member.has("team") else None) for member in members)
+
+
 def parse_frame(line: Union[str, bytes]) -> Frame:
     """Reads one line. Unknown members are ignored. Raises MalformedFrameError, which names the member."""
     try:
         value = json.loads(line)
     except (ValueError, RecursionError) as error:  # also text that is not UTF-8
         raise MalformedFrameError(f"the line is not JSON: {error}") from None
+    return frame_of(value)
+
+
+def frame_of(value: Any) -> Frame:
+    """Reads the object of a line. Raises MalformedFrameError."""
     whole = _Object(value, "")
     if whole.has("schema") and whole.integer("schema") != SCHEMA:
         raise MalformedFrameError(f"schema = {_shown(whole.value['schema'])}, but this package reads {SCHEMA}; install the package of the "
@@ -202,4 +225,5 @@ def parse_frame(line: Union[str, bytes]) -> Frame:
         sent=_optional_number(whole, "sent"), ball=_ball(tracks), robots=teams, unidentified=_unidentified(tracks),
         stop=whole.boolean("stop") if whole.has("stop") else None, halt=whole.integer("halt") if whole.has("halt") else None,
         phase=whole.text("phase") if whole.has("phase") else None, commands=commands, telemetry=telemetry,
-        score=value.get("score"), side=value.get("side"), field=value.get("field"), referee=value.get("referee"), raw=value)
+        score=value.get("score"), side=value.get("side"), field=value.get("field"), referee=value.get("referee"), raw=value,
+        events=_events(whole), truth=value.get("truth"))

@@ -266,6 +266,14 @@ export interface Answer {
 
 export type ServerMessage = Hello | State | Status | EventLine | Driver | Answer | Regions | SetupProgram | SetupMessage;
 
+/** What is wanted of a simulated field. */
+export type ArenaRequest =
+  | { pause: Record<string, never> }
+  | { resume: Record<string, never> }
+  | { step: { frames: number } }
+  | { speed: { factor: number } }
+  | { reset: { seed: number } };
+
 export type ClientMessage =
   | { type: 'watch'; picture: { rate_hz: number; max_width_px: number } | null; state_hz: number; setup?: boolean; findings?: FindingsName[] }
   | { type: 'probe'; u_px: number; v_px: number }
@@ -280,6 +288,7 @@ export type ClientMessage =
   | { type: 'drive'; id: number; speed_mps: number; turn_radps: number }
   | { type: 'drive'; id: number; give_back: true }
   | { type: 'adaptation'; action: 'freeze' | 'follow' | 'reset' }
+  | { type: 'arena'; do: ArenaRequest }
   | { type: 'move'; u_px: number; v_px: number; to_u_px: number; to_v_px: number };
 
 /** Header of a binary message: 32 bytes, little-endian; the content follows: a JPEG of the camera, or a picture of the setup. */

@@ -2,7 +2,7 @@ import { Connection } from './connection';
 import { paintClasses, paintLight, type ValueGrid } from './findings';
 import { pageVersion } from './page_version';
 import { PixelMap } from './projection';
-import { PROTOCOL, type ClientMessage, type Driver, type EventLine, type FindingsName, type Hello, type PictureHeader, type ProbeResult, type Regions, type ServerMessage, type State, type Status } from './protocol';
+import { PROTOCOL, type ArenaRequest, type ClientMessage, type Driver, type EventLine, type FindingsName, type Hello, type PictureHeader, type ProbeResult, type Regions, type ServerMessage, type State, type Status } from './protocol';
 import { Setup } from './setup.svelte';
 import { StopRequest } from './stop_request';
 import { Trails } from './trails';
@@ -212,6 +212,11 @@ class Session {
   moveObject(from: [number, number], to: [number, number]): void {
     const [u_px, v_px, to_u_px, to_v_px] = [...from, ...to].map((value) => Math.max(0, value)) as [number, number, number, number];
     this.ask({ type: 'move', u_px, v_px, to_u_px, to_v_px }, 'Move');
+  }
+
+  /** Stops the arena's time, lets it pass, or begins its game anew. */
+  controlArena(request: ArenaRequest, what: string): void {
+    this.ask({ type: 'arena', do: request }, what);
   }
 
   tell(message: ClientMessage): void {

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <string_view>
+
+#include "firmware/arena_places.h"
+#include "firmware/network/json_members.h"
+#include "hal/mock/arena_parameters.h"
+
+// The parts of messages that control a simulation (docs/arena.md), for `touchline run` and `touchline-simulate serve`.
+namespace touchline::network {
+
+/// Reads {"ball": {"x": 0, "y": 0, "vx": 1, "vy": 0}, "robots": {"blue": {"3": {"x": 0, "y": 0, "theta": 0}}}}: the
+/// members of a frame, whose other members are ignored where a frame has them.
+ArenaPlaces read_places(JsonMembers& places);
+/// Reads {"vx": 1, "vy": 0, "x": 0, "y": 0}; the ball is thrown from where it is without x and y.
+PlacedBall read_throw(JsonMembers& members);
+/// Reads {"kind": "radio_lost", "for_s": 1, "at_s": 3}; `at_s` is counted from now, and 0 if it is absent.
+hal::mock::ArenaFault read_fault(JsonMembers& members);
+
+/// Reads a request with one member: {"reset": {"seed": 2}}, {"place": ...}, {"throw": ...}, {"pause": {}},
+/// {"resume": {}}, {"step": {"frames": 1}}, {"speed": {"factor": 2}} or {"fault": {"kind": "dark", "for_s": 1}}.
+ArenaRequest read_arena_request(JsonMembers& members);
+/// Reads a message that is such a request. Errors name the member and its value.
+Result<ArenaRequest> decode_arena_request(std::string_view text);
+/// Returns whether the message is to be read by decode_arena_request(), not by decode_json_commands().
+bool is_arena_request(std::string_view text);
+
+}  // namespace touchline::network

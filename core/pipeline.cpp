@@ -51,6 +51,7 @@ Status Pipeline::configure(const PipelineParameters& parameters, StageClock cloc
   teams_ = parameters.marker.teams;
   assignment_ = {};
   controller_.set_turned(false);
+  controller_.set_situation({});
   const KernelChoice kernel = parameters.scan.kernel;
   patch_center_fit_.configure({parameters.marker.teams[0].layout, parameters.marker.teams[1].layout}, camera_, kernel);
   ball_center_fit_.configure(parameters.marker.ball, camera_, kernel);
@@ -126,6 +127,7 @@ void Pipeline::apply(const StepInputs& inputs) {
     if (id >= 0) tracker_.set_lateness(id, inputs_.lateness[i]);
   }
   controller_.set_external(inputs_.commands, inputs_.now);
+  controller_.set_situation(inputs_.situation);
 }
 
 const StepTrace& Pipeline::step(const Frame& frame, const StepInputs& inputs) {

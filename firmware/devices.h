@@ -48,6 +48,8 @@ class Devices {
   [[nodiscard]] bool simulated_time() const { return simulated_time_; }
   /// Returns the source of the goals of a simulation; an empty one for real devices.
   [[nodiscard]] ScoreSource score() const;
+  /// Returns the simulation's referee; an empty source for real devices.
+  [[nodiscard]] RefereeSource referee() const;
   /// Returns the result of a simulation, several lines; empty for real devices.
   [[nodiscard]] std::string summary() const;
 

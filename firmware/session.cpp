@@ -69,6 +69,7 @@ Result<void> Session::open(LoopObserver observer) {
   settings.snapshots = snapshots_;
   settings.pictures = pictures_;
   settings.score = devices_.score();
+  settings.external.simulated_referee = devices_.referee();
   loop_ = std::make_unique<Loop>(devices, *pipeline_, settings, *reports_, observer);
   TOUCHLINE_TRY(loop_->open());
   if (loop_->is_open(Device::kCamera)) {

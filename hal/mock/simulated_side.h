@@ -51,6 +51,11 @@ class SimulatedSide {
   /// Tells the side before a step whether its robots must stand, and whether everything was put elsewhere, so that
   /// tracks begin anew.
   void hold(bool stands, bool restarts);
+  /// Tells the side the referee's decision, and whether the teams play on each other's half.
+  void set_referee(const GameSituation& situation, bool sides_exchanged) {
+    inputs_.situation = situation;
+    inputs_.teams.sides_exchanged = sides_exchanged;
+  }
   /// Calls `on_step` after each step; `trace` is valid during the call. Null: nobody is called.
   void set_observer(void (*on_step)(void* context, const StepTrace& trace), void* context) {
     on_step_ = on_step;

@@ -27,7 +27,7 @@ class MockGame {
     EXPECT_TRUE(pipeline->configure(configuration->pipeline).ok());
     arena.emplace(board.arena, board.camera, board.radio, seed);
     Result<ArenaOpponents> made = make_opponents(*configuration, seed);
-    EXPECT_OK(made);
+    EXPECT_TRUE(made.ok()) << made.text();
     if (made.ok()) opponents = std::move(made).value();
     arena->game().set_side(hal::mock::Side::kOpponent, opponents.side.get());
     clock.emplace(*arena);

@@ -162,7 +162,7 @@ TEST(SslReferee, CommandsTellTheRestartAndWhoTakesIt) {
                                                     Expected{Referee::DIRECT_FREE_YELLOW, Restart::kFreeKick, true},
                                                     Expected{Referee::DIRECT_FREE_BLUE, Restart::kFreeKick, false},
                                                     Expected{Referee::INDIRECT_FREE_BLUE, Restart::kFreeKick, false}}) {
-    Referee message = first_half();
+    Referee message = example_message();
     message.set_command(command);
     const RefereeState state = decoded(message, {"Lemons", {}}).value();
     EXPECT_EQ(state.restart, restart);
@@ -170,7 +170,7 @@ TEST(SslReferee, CommandsTellTheRestartAndWhoTakesIt) {
     EXPECT_TRUE(state.lines_up);
     EXPECT_EQ(decoded(message, {}, TeamColor::kBlue).value().restart_is_ours, !of_yellow) << "by the team file";
   }
-  Referee stop = first_half();
+  Referee stop = example_message();
   stop.set_command(Referee::STOP);
   EXPECT_EQ(decoded(stop, {"Lemons", {}}).value().restart, Restart::kNone);
   EXPECT_FALSE(decoded(stop, {"Lemons", {}}).value().restart_is_ours);

@@ -34,6 +34,8 @@ PipelineParameters all_parameters() {
   parameters.scan.boxes.push_back({4, {0, 200, 0}, {10, 220, 10}});
   parameters.marker.teams[1].team_color = 4;
   parameters.marker.teams[1].max_robots = 1;
+  // The robot is no goalkeeper, so that its place depends on the restart.
+  parameters.control.play.goalkeeper_id = 7;
   PacketLayout& radio = parameters.radio;
   radio.receivers.push_back({0, 0});
   radio.start_at = static_cast<std::uint16_t>(radio.text.size());
@@ -149,10 +151,10 @@ class StepInputsTest : public ::testing::Test {
     EXPECT_FALSE(colors || ours || reset || oldest == 0s) << "the bindings are only counted";
     const auto always = [](auto set) { return [set](int, StepInputs& in) { set(in); }; };
     // The robot lines up if no other program drives it.
-    const auto lining_up = [&](Restart next, bool is_ours) {
+    const auto lining_up = [&](GamePhase in_phase, Restart next, bool is_ours) {
       return always([=](StepInputs& in) {
         in.commands.clear();
-        in.situation = {GamePhase::kPrepare, next, is_ours, true};
+        in.situation = {in_phase, next, is_ours, true};
       });
     };
     const auto once = [](auto set) {
@@ -177,10 +179,10 @@ class StepInputsTest : public ::testing::Test {
            in.teams.height_m = {0.1f, 0.1f};
          })},
         {"commands, none", always([](StepInputs& in) { in.commands.clear(); })},
-        {"situation.phase", always([](StepInputs& in) { in.situation.phase = GamePhase::kPrepare; })},
-        {"situation.lines_up", lining_up(Restart::kNone, false)},
-        {"situation.restart", lining_up(Restart::kPenalty, false)},
-        {"situation.ours", lining_up(Restart::kPenalty, true)},
+        {"situation.lines_up", lining_up(GamePhase::kPrepare, Restart::kNone, false)},
+        {"situation.restart", lining_up(GamePhase::kPrepare, Restart::kPenalty, false)},
+        {"situation.ours", lining_up(GamePhase::kPrepare, Restart::kPenalty, true)},
+        {"situation.phase", lining_up(GamePhase::kStop, Restart::kPenalty, true)},
         {"halt", always([](StepInputs& in) { in.halt = 4; })},
         {"observing", always([](StepInputs& in) { in.observing = true; })},
         {"picture_check.oldest", always([](StepInputs& in) { in.picture_check.oldest = 5s; })},

@@ -39,10 +39,10 @@ struct RefereeMessage {
 };
 
 /// Decodes the SSL game controller's Referee (docs/network.md). Case and surrounding spaces of names are ignored. Color
-/// and side stay unknown if neither team, or both, have the own name; then `own` is our color. Errors of
+/// and side stay unknown if neither team, or both, have the own name; then our color is `our_color`. Errors of
 /// decode_message(), and kOutOfRange: the stage or command is unknown.
 Result<RefereeMessage> decode_ssl_referee(std::span<const std::byte> bytes, const RefereeSettings& settings,
-                                          TeamColor own);
+                                          TeamColor our_color);
 
 /// Decodes the VSSS referee's VSSRef_Command, which contains no assignment of colors and sides. `own`: our color.
 /// Older versions have a time stamp instead of a quadrant, and no half. Errors of

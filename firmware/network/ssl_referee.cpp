@@ -92,7 +92,7 @@ float height_of(std::string_view team, const RefereeSettings& settings) {
 }  // namespace
 
 Result<RefereeMessage> decode_ssl_referee(std::span<const std::byte> bytes, const RefereeSettings& settings,
-                                          TeamColor own) {
+                                          TeamColor our_color) {
   ssl_Referee message = ssl_Referee_init_zero;
   TOUCHLINE_TRY(decode_message(ssl_Referee_fields, bytes, &message));
   const std::optional<bool> in_break = is_break(message.stage);
@@ -118,7 +118,7 @@ Result<RefereeMessage> decode_ssl_referee(std::span<const std::byte> bytes, cons
     state.own_height_m = height_of(own_is_yellow ? yellow : blue, settings);
     state.opponent_height_m = height_of(own_is_yellow ? blue : yellow, settings);
   }
-  const bool we_are_yellow = state.own_is_yellow.value_or(own == TeamColor::kYellow);
+  const bool we_are_yellow = state.own_is_yellow.value_or(our_color == TeamColor::kYellow);
   state.restart_is_ours =
       state.restart != Restart::kNone && meaning->taker == (we_are_yellow ? Taker::kYellow : Taker::kBlue);
   RefereeOrder order{message.command_counter, message.packet_timestamp, 0};

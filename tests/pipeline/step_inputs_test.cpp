@@ -36,6 +36,7 @@ PipelineParameters all_parameters() {
   parameters.marker.teams[1].max_robots = 1;
   // The robot is no goalkeeper, so that its place depends on the restart.
   parameters.control.play.goalkeeper_id = 7;
+  parameters.control.line_up.penalty_distance_m = 0.7;  // there is room on both sides of the ball
   PacketLayout& radio = parameters.radio;
   radio.receivers.push_back({0, 0});
   radio.start_at = static_cast<std::uint16_t>(radio.text.size());

@@ -215,11 +215,12 @@ Result<std::vector<Series>> from_json(const std::string& text) {
         s.free_balls = game.at("free_balls");
         s.contacts = game.at("contacts");
         s.mixed_contacts = game.at("mixed_contacts");
-        // Results of older versions have no fouls.
-        s.fouls = game.value("fouls", s.fouls);
-        s.restarts[index_of(Restart::kPenalty)] = game.value("penalties", 0U);
-        s.restarts[index_of(Restart::kGoalKick)] = game.value("goal_kicks", 0U);
-        s.restarts[index_of(Restart::kKickOff)] = game.value("kick_offs", 0U);
+        if (game.contains("fouls")) {  // results of older versions have none
+          s.fouls = game.at("fouls");
+          s.restarts[index_of(Restart::kPenalty)] = game.at("penalties");
+          s.restarts[index_of(Restart::kGoalKick)] = game.at("goal_kicks");
+          s.restarts[index_of(Restart::kKickOff)] = game.at("kick_offs");
+        }
         series.games.push_back(result);
       }
       all.push_back(std::move(series));

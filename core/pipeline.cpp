@@ -47,6 +47,7 @@ Status Pipeline::configure(const PipelineParameters& parameters, StageClock cloc
   teams_ = parameters.marker.teams;
   assignment_ = {};
   controller_.set_turned(false);
+  controller_.set_situation({});
   has_pictures_ = parameters.has_pictures;
   if (has_pictures_) {
     if (Status s = configure_recognition(parameters); !s.ok()) return s;
@@ -150,6 +151,7 @@ void Pipeline::apply(const StepInputs& inputs) {
     if (id >= 0) tracker_.set_lateness(id, inputs_.lateness[i]);
   }
   controller_.set_external(inputs_.commands, inputs_.now);
+  controller_.set_situation(inputs_.situation);
 }
 
 const StepTrace& Pipeline::step(const Frame& frame, const StepInputs& inputs) {

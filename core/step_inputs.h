@@ -9,6 +9,7 @@
 #include "core/adaptation.h"
 #include "core/control/control_parameters.h"
 #include "core/control/external_command.h"
+#include "core/control/referee_state.h"
 #include "core/region/region_scanner.h"
 #include "core/supervision/picture_check.h"
 #include "core/types.h"
@@ -77,6 +78,8 @@ struct StepInputs {
   ExternalCommands commands;
   // The referee's assignment. New team colors reset tracks and game; positions remain in the venue's coordinates.
   TeamAssignment teams;
+  // The referee's decision. Robots stand in phases in which they may neither play nor line up.
+  GameSituation situation;
   // Reasons for which robots must stand, as bits of the firmware's Halt (also the referee's, and the silence of a
   // driver). With any of them, stop commands replace the controller's output.
   std::uint32_t halt = 0;

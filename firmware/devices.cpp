@@ -156,6 +156,12 @@ JumpSource Devices::jumps() const {
           arena_.get()};
 }
 
+RefereeSource Devices::referee() const {
+  if (!arena_) return {};
+  return {[](const void* arena) { return static_cast<const hal::mock::Arena*>(arena)->game().rules().referee(); },
+          arena_.get()};
+}
+
 std::string Devices::summary() const {
   if (!arena_) return {};
   const hal::mock::GameStatistics& game = arena_->game().statistics();

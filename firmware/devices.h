@@ -50,6 +50,8 @@ class Devices {
   [[nodiscard]] ScoreSource score() const;
   /// Returns when robots of a simulation were put elsewhere; an empty one for real devices.
   [[nodiscard]] JumpSource jumps() const;
+  /// Returns the simulation's referee; an empty source for real devices.
+  [[nodiscard]] RefereeSource referee() const;
   /// Returns the result of a simulation, several lines; empty for real devices.
   [[nodiscard]] std::string summary() const;
 

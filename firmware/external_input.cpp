@@ -41,7 +41,14 @@ void ExternalInput::take_commands(Instant now, Instant machine_now) {
 
 void ExternalInput::take_referee(Instant now, Instant machine_now) {
   RefereeState state;
-  if (settings_.referee == nullptr || !settings_.referee->take(state)) return;
+  if (settings_.referee == nullptr) {
+    const RefereeSource& simulated = settings_.simulated_referee;
+    if (simulated.read == nullptr) return;
+    referee_ = simulated.read(simulated.context).value_or(RefereeState{});
+    referee_.received = now;
+    return;
+  }
+  if (!settings_.referee->take(state)) return;
   state.received = on_loop_clock(state.received, now, machine_now);
   if (!state.own_is_yellow) state.own_is_yellow = referee_.own_is_yellow;
   if (!state.own_on_positive_half) state.own_on_positive_half = referee_.own_on_positive_half;
@@ -98,7 +105,7 @@ void ExternalInput::count_expired(const Commands& commands) {
 
 std::uint32_t ExternalInput::halt(Instant now, Duration timeout) const {
   std::uint32_t reasons = kHaltNone;
-  if (!may_move_in(referee_.phase)) reasons |= kHaltReferee;
+  if (permission_in(referee_) == Permission::kStand) reasons |= kHaltReferee;
   const bool is_silent = referee_.repeats && now - referee_.received > timeout;
   const bool is_awaited = settings_.awaits_referee && counts_.referee_messages == 0;
   if (is_silent || is_awaited) reasons |= kHaltSilence;

@@ -23,6 +23,12 @@ enum class SetupMode : std::uint8_t {
   kUncalibrated,  // saved files or a draft without calibration: robots stand
 };
 
+/// Reads the state of a simulated referee, without its time of reception. nullopt: there is no referee.
+struct RefereeSource {
+  std::optional<RefereeState> (*read)(const void* context) = nullptr;  // null: there is none
+  const void* context = nullptr;
+};
+
 struct ExternalInputSettings {
   Mailbox<ExternalCommands>* commands = nullptr;  // null: no other program may drive robots
   Mailbox<RefereeState>* referee = nullptr;       // null: there is no referee
@@ -36,6 +42,7 @@ struct ExternalInputSettings {
   bool awaits_referee = false;
   ConsoleLink* console = nullptr;  // null: there is no console
   SetupMode setup = SetupMode::kCalibrated;
+  RefereeSource simulated_referee{};  // used if there is no other referee
 };
 
 /// Takes the commands of other programs, the messages of a referee and the console's input from their mailboxes. Values

@@ -8,6 +8,7 @@ void Loop::fill_inputs(Instant now, Duration action_delay) {
   inputs_.action_delay = action_delay;
   inputs_.commands = external_.commands();
   inputs_.teams = external_.teams();
+  inputs_.situation = external_.referee().situation();
   inputs_.halt = rules_.halt();
   inputs_.picture_check = {from_seconds(settings_.faults.stop_after_s), settings_.faults.unusable_frames};
 }

@@ -73,6 +73,7 @@ Result<void> Session::open(LoopObserver observer) {
   settings.pictures = pictures_;
   settings.score = devices_.score();
   settings.jumps = devices_.jumps();
+  settings.external.simulated_referee = devices_.referee();
   loop_ = std::make_unique<Loop>(devices, *pipeline_, settings, *reports_, observer);
   TOUCHLINE_TRY(loop_->open());
   if (loop_->is_open(Device::kCamera)) {

@@ -167,6 +167,37 @@ struct PlayParameters {
   }
 };
 
+/// How the team takes its places while the game is stopped. Defaults: rules of the RoboCup Small Size League, sections
+/// "Stop" (speed of robots, distance to the ball), "Penalty Kick" and "Defense Area Distance".
+struct LineUpParameters {
+  double max_speed_mps = 1.5;
+  double ball_distance_m = 0.5;
+  double penalty_distance_m = 1.0;
+  double area_distance_m = 0.2;
+
+  template <class Self, class Visitor>
+  static void describe(Self& self, Visitor& visit) {
+    visit.number(self.max_speed_mps, {.name = "max_speed_mps",
+                                      .range = {0.05, 10.0},
+                                      .unit = "m/s",
+                                      .help = "Maximum speed of all own robots while the game is stopped"});
+    visit.number(self.ball_distance_m,
+                 {.name = "ball_distance_m",
+                  .range = {0.05, 5.0},
+                  .unit = "m",
+                  .help = "Distance to the ball of all robots but the one that takes our restart"});
+    visit.number(self.penalty_distance_m,
+                 {.name = "penalty_distance_m",
+                  .range = {0.0, 5.0},
+                  .unit = "m",
+                  .help = "Distance behind the ball of the robots that take no part in a penalty kick"});
+    visit.number(self.area_distance_m, {.name = "area_distance_m",
+                                        .range = {0.0, 5.0},
+                                        .unit = "m",
+                                        .help = "Distance to the other team's penalty area"});
+  }
+};
+
 /// Commands of other programs.
 struct ExternalParameters {
   double max_age_s = 0.2;
@@ -184,6 +215,7 @@ struct ControlParameters {
   DriveParameters drive;
   MotionParameters motion;
   PlayParameters play;
+  LineUpParameters line_up;
   ExternalParameters external;
 
   template <class Self, class Visitor>
@@ -191,6 +223,7 @@ struct ControlParameters {
     visit.section(self.drive, {.name = "drive", .help = "Wheels and limits of the drive"});
     visit.section(self.motion, {.name = "motion", .help = "Gains of the control laws"});
     visit.section(self.play, {.name = "play", .help = "Roles and rules of the built-in game"});
+    visit.section(self.line_up, {.name = "line_up", .help = "Places and speed while the referee has stopped the game"});
     visit.section(self.external, {.name = "external", .help = "Robots that other programs drive"});
   }
 };

@@ -29,6 +29,7 @@ Status Controller::apply(const ControlParameters& parameters, const FieldParamet
   }
   const PlayParameters& play = parameters.play;
   if (!is_positive(play.robot_radius_m) || !is_positive(play.clearance_m) || !is_positive(play.behind_ball_m) ||
+      !is_positive(parameters.line_up.max_speed_mps) || !is_positive(parameters.line_up.ball_distance_m) ||
       !is_positive(parameters.motion.distance_per_s) || !is_positive(parameters.external.max_age_s) ||
       !is_positive(static_cast<double>(field.length_m)) || !is_positive(static_cast<double>(field.width_m))) {
     return ErrorCode::kOutOfRange;
@@ -36,6 +37,7 @@ Status Controller::apply(const ControlParameters& parameters, const FieldParamet
   parameters_ = parameters;
   play_.configure(parameters, field);
   if (other_ != nullptr) other_->configure(parameters, field);
+  line_up_.configure(parameters, field);
   return {};
 }
 
@@ -74,6 +76,12 @@ void Controller::set_turned(bool turned) {
   strategy().reset();
 }
 
+void Controller::set_situation(const GameSituation& situation) {
+  if (situation == situation_) return;
+  situation_ = situation;
+  strategy().set_situation(situation);
+}
+
 Players Controller::players_of(const Tracks& tracks) const {
   Players players;
   for (const RobotTrack& robot : tracks.robots) {
@@ -91,10 +99,16 @@ Twist Controller::external_twist(const ExternalCommand& command, const RobotTrac
 }
 
 Twist Controller::within_limits(const Twist& wanted, const Twist& last, double dt_s) const {
-  return within_acceleration_limit(within_speed_limits(wanted, parameters_.drive), last, dt_s, parameters_.drive);
+  DriveParameters drive = parameters_.drive;
+  if (permission_in(situation_) != Permission::kPlay) {
+    drive.max_speed_mps = std::min(drive.max_speed_mps, parameters_.line_up.max_speed_mps);
+  }
+  return within_acceleration_limit(within_speed_limits(wanted, drive), last, dt_s, parameters_.drive);
 }
 
-void Controller::decide(const Tracks& measured, bool halted, Commands& out) {
+void Controller::decide(const Tracks& measured, bool is_halted, Commands& out) {
+  const Permission permission = permission_in(situation_);
+  const bool halted = is_halted || permission == Permission::kStand;
   out.stop = halted;
   out.robots.clear();
   if (turned_) turn(measured, turned_tracks_);
@@ -108,6 +122,9 @@ void Controller::decide(const Tracks& measured, bool halted, Commands& out) {
   Strategy::Twists wanted{};
   if (halted || !parameters_.play.enabled) {
     strategy().reset();
+  } else if (permission == Permission::kLineUp) {
+    strategy().reset();  // the game begins anew
+    line_up_.decide(tracks, players, situation_, wanted);
   } else {
     strategy().decide(tracks, players, wanted);
   }

@@ -2,6 +2,7 @@
 
 #include "core/control/control_parameters.h"
 #include "core/control/external_control.h"
+#include "core/control/line_up.h"
 #include "core/control/play.h"
 #include "core/geometry/field_area.h"
 #include "core/types.h"
@@ -25,11 +26,14 @@ class Controller {
   void set_external(const ExternalCommands& commands, Instant now) { external_.set(commands, now); }
   /// Sets whether the own team defends the half with positive x. Then the play attacks towards negative x.
   void set_turned(bool turned);
+  /// Sets the referee's decision. While the team lines up, LineUp drives the robots of the built-in play, and its
+  /// maximum speed holds for all robots.
+  void set_situation(const GameSituation& situation);
   /// Writes one command for each own robot that is tracked with an id, in the order of the tracks. `measured` is in the
   /// venue's coordinates. The command of a new robot, or of one that was not seen for longer than max_coast_s, is zero.
-  /// A lost robot is not listed, which has the same effect (docs/radio.md). If `halted`, all commands are zero, and the
-  /// robots start from rest afterwards. The same input gives the same bits.
-  void decide(const Tracks& measured, bool halted, Commands& out);
+  /// A lost robot is not listed, which has the same effect (docs/radio.md). If `is_halted`, or if the referee permits
+  /// nothing, all commands are zero, and the robots start from rest afterwards. The same input gives the same bits.
+  void decide(const Tracks& measured, bool is_halted, Commands& out);
 
   [[nodiscard]] const Roles& roles() const { return play_.roles(); }
 
@@ -54,6 +58,8 @@ class Controller {
   Play play_;
   Strategy* other_ = nullptr;  // plays instead of play_
   ExternalControl external_;
+  LineUp line_up_;
+  GameSituation situation_;
   bool turned_ = false;
   Tracks turned_tracks_;
   FixedVector<RobotState, kMaxRobotsPerTeam> states_;

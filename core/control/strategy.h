@@ -3,6 +3,7 @@
 #include <array>
 
 #include "core/control/control_parameters.h"
+#include "core/control/referee_state.h"
 #include "core/control/roles.h"
 #include "core/geometry/field_area.h"
 #include "core/types.h"
@@ -19,6 +20,8 @@ class Strategy {
   virtual void configure(const ControlParameters& parameters, const FieldParameters& field) = 0;
   /// Forgets the game so far.
   virtual void reset() = 0;
+  /// Tells the referee's decision when it changes. While the team lines up, decide() is not called.
+  virtual void set_situation(const GameSituation& /*situation*/) {}
   /// Writes the desired velocities of each player, without limits, in the order of `players`. `tracks` gives the ball
   /// and the obstacles. Called once per frame in which the robots may move.
   virtual void decide(const Tracks& tracks, const Players& players, Twists& wanted) = 0;

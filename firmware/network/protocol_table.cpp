@@ -176,12 +176,12 @@ std::unique_ptr<Decoder> make_decoder(config::InputProtocol protocol, const conf
       });
     case config::InputProtocol::kSslReferee:
       return decoder_of(
-          [settings = referee_settings(configuration)](std::span<const std::byte> message, TeamColor /*own*/) {
-            return of_referee(decode_ssl_referee(message, settings));
+          [settings = referee_settings(configuration)](std::span<const std::byte> message, TeamColor own) {
+            return of_referee(decode_ssl_referee(message, settings, own));
           });
     case config::InputProtocol::kVsssReferee:
-      return decoder_of([](std::span<const std::byte> message, TeamColor /*own*/) {
-        return of_referee(decode_vss_referee(message));
+      return decoder_of([](std::span<const std::byte> message, TeamColor own) {
+        return of_referee(decode_vss_referee(message, own));
       });
   }
   return nullptr;

@@ -119,7 +119,7 @@ bool ReceiverInput::receive(Instant now, TeamColor own, std::span<std::byte> buf
       message.is_complete ? decoder_->decode(buffer.first(message.size), own)
                           : failure(ErrorCode::kCorruptFrame, "it is longer than %zu bytes", buffer.size());
   const auto is_stop = [&] {
-    return decoded.ok() && decoded.value().referee && !may_move_in(decoded.value().referee->state.phase);
+    return decoded.ok() && decoded.value().referee && !may_play_in(decoded.value().referee->state.phase);
   };
   if (!is_in_rate && !is_stop()) {
     count(counts_.over_rate);

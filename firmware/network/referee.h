@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/control/referee_state.h"
+#include "firmware/network/messages.h"
 #include "hal/result.h"
 
 // Decoders of the leagues' referees. They do not set RefereeState::received.
@@ -38,12 +39,14 @@ struct RefereeMessage {
 };
 
 /// Decodes the SSL game controller's Referee (docs/network.md). Case and surrounding spaces of names are ignored. Color
-/// and side stay unknown if neither team, or both, have the own name. Errors of decode_message(), and kOutOfRange: the
-/// stage or command is unknown.
-Result<RefereeMessage> decode_ssl_referee(std::span<const std::byte> bytes, const RefereeSettings& settings);
+/// and side stay unknown if neither team, or both, have the own name; then our color is `our_color`. Errors of
+/// decode_message(), and kOutOfRange: the stage or command is unknown.
+Result<RefereeMessage> decode_ssl_referee(std::span<const std::byte> bytes, const RefereeSettings& settings,
+                                          TeamColor our_color);
 
-/// Decodes the VSSS referee's VSSRef_Command, which contains no colors and sides. Errors of decode_message(), and
-/// kOutOfRange: an unknown foul; kCorruptFrame: an empty datagram, which would be a free kick.
-Result<RefereeMessage> decode_vss_referee(std::span<const std::byte> bytes);
+/// Decodes the VSSS referee's VSSRef_Command, which contains no assignment of colors and sides. `own`: our color.
+/// Older versions have a time stamp instead of a quadrant, and no half. Errors of
+/// decode_message(), and kOutOfRange: an unknown foul; kCorruptFrame: an empty datagram, which would be a free kick.
+Result<RefereeMessage> decode_vss_referee(std::span<const std::byte> bytes, TeamColor own);
 
 }  // namespace touchline::network

@@ -25,7 +25,7 @@ std::optional<RefereeState> RefereeFollower::follow(const hal::ReceivedMessage& 
     case Relation::kSuperseded:
       return std::nullopt;
     case Relation::kOther:
-      if (may_move_in(content.state.phase)) {
+      if (may_play_in(content.state.phase)) {
         explain(sender, "start",
                 "a start of " + sender_text(sender.address, sender.port) + " is ignored, because " +
                     sender_text(followed_->sender.address, followed_->sender.port) + " is followed until " +
@@ -70,16 +70,16 @@ void RefereeFollower::begin_session(const Sender& sender, const RefereeMessage& 
   followed_ = Session{sender, {}, {}};
   if (!content.order) {
     // The sender has spoken after the stop, and a person has released the former sender.
-    if (may_move_in(content.state.phase)) hold_.reset();
+    if (may_play_in(content.state.phase)) hold_.reset();
     return;
   }
   const std::uint32_t counter = content.order->counter;
   if (hold_) {
     hold_->counter = hold_->by == sender ? hold_->counter_of_by : counter;
     release_hold(content);
-  } else if (may_move_in(content.state.phase) && content.order->stamp_us < newest_stamp_) {
+  } else if (may_play_in(content.state.phase) && content.order->stamp_us < newest_stamp_) {
     // Either the message is from a recording of the former referee, or the clock of a new referee is behind.
-    hold_ = Hold{GamePhase::kHalt, std::nullopt, 0, counter};
+    hold_ = Hold{GamePhase::kHalt, false, std::nullopt, 0, counter};
     explain(sender, "clock",
             "the time stamps of " + sender_text(sender.address, sender.port) +
                 " are older than those of the referee before: robots stand until it gives a new command",
@@ -88,7 +88,8 @@ void RefereeFollower::begin_session(const Sender& sender, const RefereeMessage& 
 }
 
 void RefereeFollower::take_other(const Sender& sender, const RefereeMessage& content, const Print& print) {
-  hold_ = Hold{content.state.phase, sender, content.order ? content.order->counter : 0, followed_->order.counter};
+  hold_ = Hold{content.state.phase, content.state.lines_up, sender, content.order ? content.order->counter : 0,
+               followed_->order.counter};
   explain(sender, "stop",
           sender_text(sender.address, sender.port) + " has stopped the game: robots stand until " +
               sender_text(followed_->sender.address, followed_->sender.port) +
@@ -97,7 +98,7 @@ void RefereeFollower::take_other(const Sender& sender, const RefereeMessage& con
 }
 
 void RefereeFollower::release_hold(const RefereeMessage& content) {
-  if (!hold_ || !may_move_in(content.state.phase)) return;
+  if (!hold_ || !may_play_in(content.state.phase)) return;
   // A referee that sends only on changes never repeats an old command.
   if (!content.order || steps(hold_->counter, content.order->counter) > 0) hold_.reset();
 }
@@ -108,7 +109,11 @@ void RefereeFollower::explain(const Sender& sender, const char* kind, const std:
 
 RefereeState RefereeFollower::present() const {
   RefereeState state = followed_->state;
-  if (hold_ && may_move_in(state.phase)) state.phase = hold_->phase;
+  if (!hold_ || permission_in(state) <= permission_in(hold_->phase, hold_->lines_up)) return state;
+  state.phase = hold_->phase;
+  state.lines_up = hold_->lines_up;
+  state.restart = Restart::kNone;
+  state.restart_is_ours = false;
   return state;
 }
 

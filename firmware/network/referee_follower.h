@@ -51,6 +51,7 @@ class RefereeFollower {
   // Robots stand until the followed sender's counter is beyond `counter`.
   struct Hold {
     GamePhase phase = GamePhase::kHalt;
+    bool lines_up = false;
     std::optional<Sender> by;
     std::uint32_t counter_of_by = 0;
     std::uint32_t counter = 0;

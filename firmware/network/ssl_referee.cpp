@@ -11,30 +11,43 @@
 namespace touchline::network {
 namespace {
 
-std::optional<GamePhase> phase_of_command(std::int32_t command) {
+enum class Taker : std::uint8_t { kNobody, kYellow, kBlue };
+
+struct Meaning {
+  GamePhase phase = GamePhase::kHalt;
+  Restart restart = Restart::kNone;
+  Taker taker = Taker::kNobody;
+};
+
+std::optional<Meaning> meaning_of(std::int32_t command) {
   switch (command) {
     case ssl_Command_HALT:
     case ssl_Command_TIMEOUT_YELLOW:  // people are on the field
     case ssl_Command_TIMEOUT_BLUE:
-      return GamePhase::kHalt;
+      return Meaning{GamePhase::kHalt};
     case ssl_Command_STOP:
     case ssl_Command_GOAL_YELLOW:
     case ssl_Command_GOAL_BLUE:
     case ssl_Command_BALL_PLACEMENT_YELLOW:  // our robots place no ball
     case ssl_Command_BALL_PLACEMENT_BLUE:
-      return GamePhase::kStop;
+      return Meaning{GamePhase::kStop};
     case ssl_Command_PREPARE_KICKOFF_YELLOW:
+      return Meaning{GamePhase::kPrepare, Restart::kKickOff, Taker::kYellow};
     case ssl_Command_PREPARE_KICKOFF_BLUE:
+      return Meaning{GamePhase::kPrepare, Restart::kKickOff, Taker::kBlue};
     case ssl_Command_PREPARE_PENALTY_YELLOW:
+      return Meaning{GamePhase::kPrepare, Restart::kPenalty, Taker::kYellow};
     case ssl_Command_PREPARE_PENALTY_BLUE:
-      return GamePhase::kPrepare;
+      return Meaning{GamePhase::kPrepare, Restart::kPenalty, Taker::kBlue};
     case ssl_Command_NORMAL_START:
     case ssl_Command_FORCE_START:
+      return Meaning{GamePhase::kRunning};
     case ssl_Command_DIRECT_FREE_YELLOW:
-    case ssl_Command_DIRECT_FREE_BLUE:
     case ssl_Command_INDIRECT_FREE_YELLOW:
+      return Meaning{GamePhase::kRunning, Restart::kFreeKick, Taker::kYellow};
+    case ssl_Command_DIRECT_FREE_BLUE:
     case ssl_Command_INDIRECT_FREE_BLUE:
-      return GamePhase::kRunning;
+      return Meaning{GamePhase::kRunning, Restart::kFreeKick, Taker::kBlue};
     default:
       return std::nullopt;
   }
@@ -78,16 +91,19 @@ float height_of(std::string_view team, const RefereeSettings& settings) {
 
 }  // namespace
 
-Result<RefereeMessage> decode_ssl_referee(std::span<const std::byte> bytes, const RefereeSettings& settings) {
+Result<RefereeMessage> decode_ssl_referee(std::span<const std::byte> bytes, const RefereeSettings& settings,
+                                          TeamColor our_color) {
   ssl_Referee message = ssl_Referee_init_zero;
   TOUCHLINE_TRY(hal::decode_message(ssl_Referee_fields, bytes, &message));
   const std::optional<bool> in_break = is_break(message.stage);
   if (!in_break) return failure(ErrorCode::kOutOfRange, "unknown stage %d", int{message.stage});
-  const std::optional<GamePhase> phase = phase_of_command(message.command);
-  if (!phase) return failure(ErrorCode::kOutOfRange, "unknown command %d", int{message.command});
+  const std::optional<Meaning> meaning = meaning_of(message.command);
+  if (!meaning) return failure(ErrorCode::kOutOfRange, "unknown command %d", int{message.command});
 
   RefereeState state;
-  state.phase = *in_break ? GamePhase::kHalt : *phase;
+  state.phase = *in_break ? GamePhase::kHalt : meaning->phase;
+  state.restart = *in_break ? Restart::kNone : meaning->restart;
+  state.lines_up = true;
   state.repeats = true;
   const std::string_view yellow = message.yellow.name, blue = message.blue.name;
   const bool own_is_yellow = same_team(settings.own_team, yellow);
@@ -102,6 +118,9 @@ Result<RefereeMessage> decode_ssl_referee(std::span<const std::byte> bytes, cons
     state.own_height_m = height_of(own_is_yellow ? yellow : blue, settings);
     state.opponent_height_m = height_of(own_is_yellow ? blue : yellow, settings);
   }
+  const bool we_are_yellow = state.own_is_yellow.value_or(our_color == TeamColor::kYellow);
+  state.restart_is_ours =
+      state.restart != Restart::kNone && meaning->taker == (we_are_yellow ? Taker::kYellow : Taker::kBlue);
   RefereeOrder order{message.command_counter, message.packet_timestamp, 0};
   if (message.has_source_identifier) order.source = std::hash<std::string_view>()(message.source_identifier);
   return RefereeMessage{state, order};

@@ -11,6 +11,7 @@
 
 #include "core/parameter.h"
 #include "hal/mock/picture_parameters.h"
+#include "hal/mock/rules_parameters.h"
 
 // Section [arena] of the board file: parameters of the simulation behind backend "mock". The pipeline does not know
 // them.
@@ -415,6 +416,7 @@ struct ArenaParameters {
   LightParameters light;
   ChannelParameters radio;
   ViewParameters view;
+  RulesParameters rules;
   Opponents opponents = Opponents::kFollow;
   double opponent_speed_mps = 0.35;
   bool robots_return = false;
@@ -454,6 +456,7 @@ struct ArenaParameters {
     visit.section(self.light, {.name = "light", .help = "Lamps of the hall"});
     visit.section(self.radio, {.name = "radio", .help = "Delay, jitter and losses of the radio link"});
     visit.section(self.view, {.name = "view", .help = "What the opponents, and games without pictures, see"});
+    visit.section(self.rules, {.name = "rules", .help = "Restarts, fouls and halves"});
     visit.choice(self.opponents, kOpponentStrategies, {.name = "opponents", .help = "Strategy of the other team"});
     visit.flag(
         self.robots_return,

@@ -32,6 +32,7 @@ void Game::step() {
     channels_[index].deliver(now_, world_);
     if (sides_[index] == nullptr) continue;
     sides_[index]->hold(rules_.is_stopped(), returned);
+    sides_[index]->set_referee(rules_.situation(side), rules_.sides_exchanged());
     sides_[index]->advance(now_, world_, channels_[index]);
   }
 }

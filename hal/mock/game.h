@@ -54,6 +54,7 @@ class Game {
   [[nodiscard]] World& world() { return world_; }
   [[nodiscard]] const World& world() const { return world_; }
   [[nodiscard]] GameRules& rules() { return rules_; }
+  [[nodiscard]] const GameRules& rules() const { return rules_; }
   [[nodiscard]] const GameStatistics& statistics() const { return rules_.statistics(); }
   [[nodiscard]] RadioChannel& channel(Side side = Side::kOwn) { return channels_[static_cast<std::size_t>(side)]; }
   [[nodiscard]] const RadioChannel& channel(Side side = Side::kOwn) const {

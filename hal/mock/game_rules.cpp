@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/geometry/angle.h"
 #include "hal/mock/fnv1a.h"
 
 namespace touchline::hal::mock {
@@ -18,8 +19,19 @@ constexpr double kStillM = 0.05;
 constexpr std::uint64_t kApartSteps = 100;
 // A second: long enough for trackers to find robots that were put elsewhere.
 constexpr int kStoppedSteps = 1000;
+// While robots drive to their places: time between two looks at them, and the least time, in which they begin to move.
+constexpr double kLineUpCheckS = 0.5, kLineUpLeastS = 1.0;
+// A robot that has moved less between two looks stands.
+constexpr double kStandsM = 0.01;
 
 std::size_t index_of(Side side) { return static_cast<std::size_t>(side); }
+
+// Turns all robots by 180 degrees about the center of the field.
+void turn(Snapshot& all) {
+  for (Placement& robot : all.robots) {
+    robot = {-robot.x_m, -robot.y_m, wrap_angle(robot.theta_rad + std::numbers::pi)};
+  }
+}
 
 }  // namespace
 
@@ -29,10 +41,34 @@ GameRules::GameRules(const ArenaParameters& parameters, World& world, std::uint6
       free_ball_after_s_(parameters.physics.free_ball_after_s),
       quarter_{0.25 * parameters.field.length_m, 0.25 * parameters.field.width_m},
       returns_robots_(parameters.robots_return),
+      rules_(parameters.rules),
       world_(world),
       start_(world.snapshot()),
-      random_(seed, kRulesStream) {
-  kick_off();
+      league_(parameters),
+      random_(seed, kRulesStream),
+      held_(start_) {
+  begin();
+}
+
+void GameRules::restart(std::uint64_t seed) {
+  random_ = Random(seed, kRulesStream);
+  statistics_ = {};
+  touches_ball_ = 0;
+  last_contact_ = {};
+  begin();
+}
+
+void GameRules::begin() {
+  half_ = 1;
+  line_up_s_ = -1.0;
+  if (league_.sides_exchanged()) league_.exchange_sides();
+  held_ = start_;
+  if (rules_.league == League::kSimple) {
+    restart_near_center();
+    return;
+  }
+  first_kick_off_ = random_.bernoulli(0.5) ? Side::kOwn : Side::kOpponent;
+  order(LeagueRules::kick_off(first_kick_off_), true);
 }
 
 void GameRules::place_ball(const Placement& placement, Vector2 velocity_mps) {
@@ -41,21 +77,81 @@ void GameRules::place_ball(const Placement& placement, Vector2 velocity_mps) {
   still_s_ = 0.0;
 }
 
-void GameRules::return_robots() {
-  for (std::size_t i = 0; i < start_.robots.size(); ++i) world_.place(i, start_.robots[i]);
+void GameRules::hold_robots() {
+  for (std::size_t i = 0; i < held_.robots.size(); ++i) world_.place(i, held_.robots[i]);
 }
 
-void GameRules::restart(std::uint64_t seed) {
-  random_ = Random(seed, kRulesStream);
-  statistics_ = {};
-  touches_ball_ = 0;
-  last_contact_ = {};
-  kick_off();
+void GameRules::order(const RestartOrder& order, bool by_hand) {
+  order_ = order;
+  is_untouched_ = true;
+  ++restarts_;
+  ++statistics_.restarts[static_cast<std::size_t>(order.restart)];
+  statistics_.free_balls += order.restart == Restart::kFreeBall ? 1U : 0U;
+  if (order.foul_of) ++statistics_.fouls[index_of(*order.foul_of)];
+  possession_.reset();
+  league_.restart();
+  if (rules_.robots == RobotsAtRestart::kDrive && !by_hand) {
+    line_up_s_ = 0.0;
+    line_up_before_ = world_.snapshot();
+  } else {
+    // At a kick-off as at the start of the game.
+    Snapshot from = order.restart == Restart::kKickOff ? start_ : world_.snapshot();
+    if (order.restart == Restart::kKickOff && league_.sides_exchanged()) turn(from);
+    league_.place(order, world_, from, true, held_);
+    hold_robots();
+    stopped_steps_ = kStoppedSteps;
+  }
+  place_ball({order.ball.x, order.ball.y, 0.0});
 }
 
-void GameRules::kick_off() {
+void GameRules::watch_line_up() {
+  world_.place_ball({order_.ball.x, order_.ball.y, 0.0});  // as if somebody held it
+  const double before_s = line_up_s_;
+  line_up_s_ += World::kStepS;
+  if (std::floor(line_up_s_ / kLineUpCheckS) == std::floor(before_s / kLineUpCheckS)) return;
+  const Snapshot now = world_.snapshot();
+  bool stands = line_up_s_ > kLineUpLeastS;
+  for (std::size_t i = 0; i < now.robots.size(); ++i) {
+    const Placement &robot = now.robots[i], &before = line_up_before_.robots[i];
+    stands = stands && length(Vector2{robot.x_m - before.x_m, robot.y_m - before.y_m}) < kStandsM;
+  }
+  line_up_before_ = now;
+  if (!stands && line_up_s_ < rules_.line_up_s) return;
+  line_up_s_ = -1.0;
+  league_.place(order_, world_, now, false, held_);
+  for (std::size_t i = 0; i < now.robots.size(); ++i) {
+    const Placement &placed = held_.robots[i], &robot = now.robots[i];
+    if (length(Vector2{placed.x_m - robot.x_m, placed.y_m - robot.y_m}) > 0.0) world_.place(i, placed);
+  }
+  place_ball({order_.ball.x, order_.ball.y, 0.0});
+}
+
+void GameRules::end_half() {
+  league_.exchange_sides();
+  ++half_;
+  line_up_s_ = -1.0;
+  if (rules_.league != League::kSimple) {
+    order(LeagueRules::kick_off(half_ % 2 == 0 ? other_side(first_kick_off_) : first_kick_off_), true);
+    return;
+  }
+  held_ = start_;
+  if (league_.sides_exchanged()) turn(held_);
+  hold_robots();
+  stopped_steps_ = kStoppedSteps;
+  restart_near_center();
+}
+
+void GameRules::kick_off(Side conceded) {
+  if (rules_.league == League::kSimple) {
+    restart_near_center();
+  } else {
+    order(LeagueRules::kick_off(conceded), false);
+  }
+}
+
+void GameRules::restart_near_center() {
   if (returns_robots_) {
-    return_robots();
+    hold_robots();
     stopped_steps_ = kStoppedSteps;
   }
   // Draws a random point near the center, because from a fixed point two symmetric teams could block each other
@@ -76,12 +172,13 @@ void GameRules::kick_off() {
   place_ball({point.x, point.y, 0.0});
   possession_.reset();
   ++restarts_;
+  ++statistics_.restarts[static_cast<std::size_t>(Restart::kNone)];
 }
 
 void GameRules::update() {
   if (stopped_steps_ > 0) {
     // As if somebody held them: commands of the former game are still on their way.
-    return_robots();
+    hold_robots();
     --stopped_steps_;
   }
   statistics_.ball_path_m += length(world_.ball() - ball_before_);
@@ -89,7 +186,13 @@ void GameRules::update() {
   count_touches();
   count_contacts();
   if (possession_) statistics_.possession_s[index_of(*possession_)] += World::kStepS;
-  watch_goals();
+  if (rules_.half_s > 0.0 && static_cast<double>(steps_) * World::kStepS >= rules_.half_s * half_) {
+    end_half();
+  } else if (line_up_s_ >= 0.0) {
+    watch_line_up();
+  } else {
+    watch_goals();
+  }
 }
 
 void GameRules::count_touches() {
@@ -101,6 +204,7 @@ void GameRules::count_touches() {
     if ((touches_ball_ >> i & 1U) == 0) ++statistics_.touches[index_of(world_.side(i))];
   }
   touches_ball_ = touches;
+  if (touches != 0 && stopped_steps_ == 0 && line_up_s_ < 0.0) is_untouched_ = false;
 }
 
 void GameRules::count_contacts() {
@@ -122,30 +226,57 @@ void GameRules::count_contacts() {
 void GameRules::watch_goals() {
   const double x = world_.ball().x;
   if (std::abs(x) > goal_line_m_) {
-    ++(x > 0.0 ? statistics_.goals_own : statistics_.goals_opponent);
-    kick_off();
+    const Side scorer = x * league_.direction_of(Side::kOwn) > 0.0 ? Side::kOwn : Side::kOpponent;
+    ++(scorer == Side::kOwn ? statistics_.goals_own : statistics_.goals_opponent);
+    kick_off(other_side(scorer));
     return;
   }
   watch_standing();
 }
 
 void GameRules::watch_standing() {
-  if (length(world_.ball() - still_at_) > kStillM) {
+  const bool has_moved = length(world_.ball() - still_at_) > kStillM;
+  if (has_moved) {
     still_at_ = world_.ball();
     still_s_ = 0.0;
-    return;
   }
   // If nobody drives a robot, the ball stays where somebody has put it.
   if (!world_.is_driven()) return;
-  const double before = still_s_;
-  still_s_ += World::kStepS;
-  if (still_s_ > GameStatistics::kStandingS) {
-    statistics_.ball_stood_s += before > GameStatistics::kStandingS ? World::kStepS : still_s_;
+  if (!has_moved) {
+    const double before = still_s_;
+    still_s_ += World::kStepS;
+    if (still_s_ > GameStatistics::kStandingS) {
+      statistics_.ball_stood_s += before > GameStatistics::kStandingS ? World::kStepS : still_s_;
+    }
   }
-  if (still_s_ > free_ball_after_s_) {
+  if (rules_.league != League::kSimple) {
+    if (const std::optional<RestartOrder> ordered = league_.judge(world_, still_s_)) order(*ordered, false);
+  } else if (still_s_ > free_ball_after_s_) {
     ++statistics_.free_balls;
-    kick_off();
+    restart_near_center();
   }
+}
+
+GameSituation GameRules::situation(Side side) const {
+  if (rules_.league == League::kSimple) return {};
+  const bool ours = order_.side == side;
+  if (stopped_steps_ > 0) return {GamePhase::kPrepare, order_.restart, ours, false};
+  if (line_up_s_ >= 0.0) return {GamePhase::kPrepare, order_.restart, ours, true};
+  if (is_untouched_) return {GamePhase::kRunning, order_.restart, ours, false};
+  return {GamePhase::kRunning, Restart::kNone, false, false};
+}
+
+std::optional<RefereeState> GameRules::referee() const {
+  if (rules_.league == League::kSimple && rules_.half_s == 0.0) return std::nullopt;
+  RefereeState state;
+  const GameSituation now = situation(Side::kOwn);
+  state.phase = now.phase;
+  state.restart = now.restart;
+  state.restart_is_ours = now.ours;
+  state.lines_up = now.lines_up;
+  state.half = rules_.half_s > 0.0 ? half_ : std::uint8_t{0};
+  state.own_on_positive_half = league_.sides_exchanged();
+  return state;
 }
 
 std::uint64_t GameRules::hash() const {
@@ -166,6 +297,15 @@ std::uint64_t GameRules::hash() const {
   fnv.add(std::uint64_t{touches_ball_});
   for (std::size_t i = 0; i < world_.robots(); ++i) {
     for (std::size_t k = 0; k < i; ++k) fnv.add(last_contact_[i][k]);
+  }
+  if (rules_.league != League::kSimple || rules_.half_s > 0.0) {
+    for (const std::uint32_t count : statistics_.fouls) fnv.add(std::uint64_t{count});
+    for (const std::uint32_t count : statistics_.restarts) fnv.add(std::uint64_t{count});
+    fnv.add(std::uint64_t{half_});
+    fnv.add(order_.ball);
+    fnv.add(std::uint64_t{is_untouched_});
+    fnv.add(line_up_s_);
+    league_.add_to(fnv);
   }
   Random ahead = random_;
   fnv.add(ahead.bits());

@@ -4,8 +4,10 @@
 #include <cstdint>
 #include <optional>
 
+#include "core/control/referee_state.h"
 #include "core/geometry/vector2.h"
 #include "hal/mock/arena_parameters.h"
+#include "hal/mock/league_rules.h"
 #include "hal/mock/random.h"
 #include "hal/mock/world.h"
 
@@ -24,10 +26,12 @@ struct GameStatistics {
   double ball_stood_s = 0.0;                // time in which the ball stood, kStandingS included
   std::array<std::uint64_t, 2> contacts{};  // number of times that two robots of the side began to touch each other
   std::uint64_t mixed_contacts = 0;         // the same for robots of different sides
+  std::array<std::uint32_t, 2> fouls{};     // committed by the side
+  std::array<std::uint32_t, 6> restarts{};  // by Restart; kNone: restarts near the center by the simple rules
 };
 
-/// The arena's referee: counts goals, brings the ball back after a goal or a jam, and keeps the statistics. Nothing is
-/// allocated after construction.
+/// The arena's referee: counts goals, lets the game go on after a goal, a foul or a jam (RulesParameters), exchanges
+/// sides, and keeps the statistics. Nothing is allocated after construction.
 class GameRules {
  public:
   /// Puts the ball near the center. `world` must outlive this object.
@@ -39,34 +43,59 @@ class GameRules {
   void restart(std::uint64_t seed);
   /// Puts the ball somewhere else; it then waits there for as long as after a kick-off.
   void place_ball(const Placement& placement, Vector2 velocity_mps = {});
-  /// Returns whether all robots must stand: for a second after they were put back (ArenaParameters::robots_return).
+  /// Returns whether all robots must stand: for a second after they were placed.
   [[nodiscard]] bool is_stopped() const { return stopped_steps_ > 0; }
-  /// Returns the number of kick-offs and free balls so far.
+  /// Returns the referee's decision as a side sees it. By the simple rules there is no referee.
+  [[nodiscard]] GameSituation situation(Side side) const;
+  /// Returns whether the own side attacks towards negative x.
+  [[nodiscard]] bool sides_exchanged() const { return league_.sides_exchanged(); }
+  /// Returns the same as a referee tells it to the own team; its time of reception is not set. nullopt: there is no
+  /// referee.
+  [[nodiscard]] std::optional<RefereeState> referee() const;
+  /// Returns the number of restarts so far.
   [[nodiscard]] std::uint32_t restarts() const { return restarts_; }
   [[nodiscard]] const GameStatistics& statistics() const { return statistics_; }
   /// FNV-1a hash of world, statistics and the complete state, including the random generator's.
   [[nodiscard]] std::uint64_t hash() const;
 
  private:
+  void begin();
   void count_touches();
   void count_contacts();
   void watch_goals();
   void watch_standing();
-  void kick_off();
-  void return_robots();
+  void watch_line_up();
+  void end_half();
+  // Lets the game go on after a goal that `conceded`.
+  void kick_off(Side conceded);
+  void restart_near_center();
+  // `by_hand`: people place the robots, even if they could drive.
+  void order(const RestartOrder& order, bool by_hand);
+  void hold_robots();
 
   const double goal_line_m_, reach_m_, free_ball_after_s_;
   const Vector2 quarter_;  // half of the field's half length and half width
   const bool returns_robots_;
+  const RulesParameters rules_;
   World& world_;
   const Snapshot start_;
+  LeagueRules league_;
   Random random_;
   GameStatistics statistics_;
   std::optional<Side> possession_;
   std::uint32_t touches_ball_ = 0;  // bits of the robots
   std::uint64_t steps_ = 0;
   std::uint32_t restarts_ = 0;
+  Snapshot held_;          // where robots and ball are held while the game is stopped
   int stopped_steps_ = 0;  // until the game goes on
+  // By a league's rules: the last restart, whether nobody has touched the ball since, and the time for which robots
+  // have been driving to their places; negative: they are not.
+  RestartOrder order_;
+  bool is_untouched_ = false;
+  double line_up_s_ = -1.0;
+  Snapshot line_up_before_;
+  Side first_kick_off_ = Side::kOwn;
+  std::uint8_t half_ = 1;
   // By the numbers of two robots, the larger one first: the last step in which they touched; 0: never.
   std::array<std::array<std::uint64_t, kMaxRobots>, kMaxRobots> last_contact_{};
   double still_s_ = 0.0;

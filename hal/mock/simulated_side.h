@@ -58,6 +58,11 @@ class SimulatedSide {
     camera_stalled_ = camera_stalled;
     radio_lost_ = radio_lost;
   }
+  /// Tells the side the referee's decision, and whether the teams play on each other's half.
+  void set_referee(const GameSituation& situation, bool sides_exchanged) {
+    inputs_.situation = situation;
+    inputs_.teams.sides_exchanged = sides_exchanged;
+  }
   /// Calls `on_step` after each step; `trace` is valid during the call. Null: nobody is called.
   void set_observer(void (*on_step)(void* context, const StepTrace& trace), void* context) {
     on_step_ = on_step;

@@ -99,6 +99,44 @@ TEST(ExternalInput, OnlyARefereeThatRepeatsItsMessagesStopsRobotsBySilence) {
   EXPECT_EQ(input.counts().referee_messages, 5U);
 }
 
+TEST(ExternalInput, RobotsLineUpWhereTheLeagueLetsThemButNeverInAHalt) {
+  Mailbox<RefereeState> mailbox;
+  ExternalInput input({nullptr, &mailbox, {}});
+  RefereeState state;
+  state.lines_up = true;
+  state.restart = Restart::kKickOff;
+  state.restart_is_ours = true;
+  for (const GamePhase phase : {GamePhase::kHalt, GamePhase::kStop, GamePhase::kPrepare, GamePhase::kRunning}) {
+    state.phase = phase;
+    mailbox.put(state);
+    input.take(at(1.0), machine(1.0));
+    EXPECT_EQ(input.halt(at(1.0), 1s), phase == GamePhase::kHalt ? kHaltReferee : kHaltNone);
+    EXPECT_EQ(input.referee().situation(), (GameSituation{phase, Restart::kKickOff, true, true}));
+  }
+}
+
+TEST(ExternalInput, ASimulatedRefereeIsObeyedUnlessThereIsAnotherOne) {
+  RefereeState simulated;
+  simulated.phase = GamePhase::kPrepare;
+  simulated.own_on_positive_half = true;
+  ExternalInputSettings settings;
+  settings.simulated_referee = {
+      [](const void* state) { return std::optional(*static_cast<const RefereeState*>(state)); }, &simulated};
+  ExternalInput input(settings);
+  input.take(at(1.0), machine(1.0));
+  EXPECT_EQ(input.halt(at(1.0), 1s), kHaltReferee);
+  EXPECT_EQ(input.referee().own_on_positive_half, true);
+  simulated.phase = GamePhase::kRunning;
+  input.take(at(2.0), machine(2.0));
+  EXPECT_EQ(input.halt(at(100.0), 1s), kHaltNone);
+  EXPECT_EQ(input.counts().referee_messages, 0U);
+  Mailbox<RefereeState> mailbox;
+  settings.referee = &mailbox;
+  ExternalInput with_other(settings);
+  with_other.take(at(1.0), machine(1.0));
+  EXPECT_EQ(with_other.referee().phase, GamePhase::kNoReferee);
+}
+
 TEST(ExternalInput, RobotsWaitForTheFirstMessageOfARequestedReferee) {
   Mailbox<RefereeState> mailbox;
   ExternalInputSettings settings{nullptr, &mailbox, {}};

@@ -111,10 +111,12 @@ void check_json_commands(std::span<const std::byte> bytes) { require_commands(ne
 
 void check_ssl_referee(std::span<const std::byte> bytes) {
   static const network::RefereeSettings settings{"Lemons", {{"Lemons", 0.15f}, {"Plums", 0.14f}}};
-  require_message(decode_ssl_referee(bytes, settings));
+  require_message(decode_ssl_referee(bytes, settings, TeamColor::kYellow));
 }
 
-void check_vss_referee(std::span<const std::byte> bytes) { require_message(network::decode_vss_referee(bytes)); }
+void check_vss_referee(std::span<const std::byte> bytes) {
+  require_message(network::decode_vss_referee(bytes, TeamColor::kYellow));
+}
 
 void check_client_message(std::span<const std::byte> bytes) {
   const Result<console::ClientMessage> message =
@@ -237,7 +239,9 @@ std::vector<std::string> ssl_referee_seeds() {
 
 std::vector<std::string> vss_referee_seeds() {
   // Field 1 (foul), 2 (color), 3 (quadrant), 4 (time stamp, 8 bytes).
-  return {std::string("\x08\x06\x10\x01\x18\x02\x21\x00\x00\x00\x00\x00\x00\x29\x40", 15)};
+  // An older version has the time stamp as field 3.
+  return {std::string("\x08\x06\x10\x01\x18\x02\x21\x00\x00\x00\x00\x00\x00\x29\x40\x28\x02", 17),
+          std::string("\x08\x04\x10\x01\x19\x00\x00\x00\x00\x00\x00\x29\x40", 13)};
 }
 
 std::vector<std::string> client_message_seeds() {

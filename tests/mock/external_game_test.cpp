@@ -20,12 +20,12 @@ Instant when_taken() { return hal::MonotonicClock::read() + 1h; }
 
 class ExternalGame : public ::testing::Test {
  protected:
-  void begin(std::vector<std::string> overrides) {
+  void begin(std::vector<std::string> overrides, bool has_referee = true) {
     SessionOptions options;
     options.files.board = TOUCHLINE_BOARDS "/mock/board.toml";
     options.files.overrides = std::move(overrides);
     ASSERT_OK(session_.load(options));
-    session_.set_external_input({&commands_, &referee_, false});
+    session_.set_external_input({&commands_, has_referee ? &referee_ : nullptr, false});
     ASSERT_OK(session_.open({&ExternalGame::look, this}));
   }
   void run(int frames) {
@@ -59,6 +59,7 @@ class ExternalGame : public ::testing::Test {
   Mailbox<RefereeState> referee_;
   Tracks tracks_;
   Commands sent_;
+  StepInputs inputs_;
   std::array<double, 16> way_m_{};  // of the own robots, by id
   int frames_ = 0;
 
@@ -72,6 +73,7 @@ class ExternalGame : public ::testing::Test {
     }
     game.tracks_ = trace.tracks;
     game.sent_ = trace.commands;
+    game.inputs_ = *trace.inputs;
   }
 };
 
@@ -184,6 +186,21 @@ TEST_F(ExternalGame, SidesAreExchanged) {
     if (robot.team == Team::kOwn) last_robot_x_m = std::max(last_robot_x_m, position(robot.pose).x);
   }
   EXPECT_GT(last_robot_x_m, 0.8) << "the goalkeeper";
+}
+
+TEST_F(ExternalGame, TheArenasRefereeIsObeyedIfThereIsNoOtherOne) {
+  begin({"arena.opponents=stand", "arena.rules.league=mirosot", "arena.rules.half_s=2"}, false);
+  run(30);
+  EXPECT_EQ(inputs_.situation.phase, GamePhase::kPrepare);
+  EXPECT_EQ(inputs_.situation.restart, Restart::kKickOff);
+  EXPECT_TRUE(sent_.stop) << "robots are held";
+  EXPECT_EQ(session_.loop().statistics().external.referee_messages, 0U);
+  run(50);
+  EXPECT_EQ(inputs_.situation.phase, GamePhase::kRunning);
+  EXPECT_FALSE(inputs_.teams.sides_exchanged);
+  run(60);
+  EXPECT_TRUE(inputs_.teams.sides_exchanged) << "the second half";
+  EXPECT_EQ(inputs_.situation.phase, GamePhase::kPrepare);
 }
 
 }  // namespace

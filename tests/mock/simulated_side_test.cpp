@@ -90,6 +90,64 @@ TEST_F(SimulatedSideTest, ARestartHoldsBothSidesForASecondAndForgetsTracks) {
   EXPECT_EQ(tracks_.robots.size(), 10U);
 }
 
+TEST_F(SimulatedSideTest, BothSidesSeeTheReferee) {
+  load({"arena.rules.league=mirosot"});
+  run(0.5);
+  const GameSituation own = sides_[0]->inputs().situation, other = sides_[1]->inputs().situation;
+  EXPECT_EQ(own.phase, GamePhase::kPrepare);
+  EXPECT_EQ(own.restart, Restart::kKickOff);
+  EXPECT_NE(own.ours, other.ours);
+  run(0.52);
+  EXPECT_EQ(sides_[0]->inputs().situation.phase, GamePhase::kRunning);
+  EXPECT_EQ(sides_[0]->inputs().situation.restart, Restart::kKickOff) << "nobody has touched the ball";
+  run(10.0);
+  EXPECT_EQ(sides_[0]->inputs().situation.restart, Restart::kNone);
+}
+
+TEST_F(SimulatedSideTest, RobotsDriveToTheirPlacesForAKickOff) {
+  load({"arena.rules.league=mirosot", "arena.rules.robots=drive"});
+  run(6.0);
+  game_->rules().place_ball({1.05, 0.0, 0.0}, {3.0, 0.0});
+  run(0.3);
+  ASSERT_EQ(game_->statistics().goals_own, 1U);
+  stop_packets_ = 0;
+  double way = 0.0;
+  Snapshot before = game_->world().snapshot();
+  int steps = 0;
+  while (sides_[0]->inputs().situation.phase == GamePhase::kPrepare && ++steps < 200) {
+    run(0.05);
+    const Snapshot now = game_->world().snapshot();
+    for (std::size_t i = 0; i < now.robots.size(); ++i) {
+      const double moved =
+          std::hypot(now.robots[i].x_m - before.robots[i].x_m, now.robots[i].y_m - before.robots[i].y_m);
+      way += moved;
+      EXPECT_LT(moved, 0.1) << "nobody carried robot " << i;
+    }
+    before = now;
+  }
+  EXPECT_GT(way, 1.0);
+  EXPECT_EQ(stop_packets_, 0);
+  EXPECT_LT(steps, 200);
+  EXPECT_NEAR(before.ball.x_m, 0.0, 0.02);
+  for (std::size_t i = 0; i < before.robots.size(); ++i) {
+    const double direction = game_->world().side(i) == Side::kOwn ? 1.0 : -1.0;
+    EXPECT_LT(direction * before.robots[i].x_m, 0.0) << i << ": in its own half";
+  }
+}
+
+TEST_F(SimulatedSideTest, AfterAHalfBothSidesAttackTheOtherGoal) {
+  load({"arena.rules.half_s=4", "arena.rules.league=mirosot"});
+  run(5.5);
+  for (const auto& side : sides_) EXPECT_TRUE(side->inputs().teams.sides_exchanged);
+  const double ball = game_->world().ball().x;
+  // The own robots stand at the positive side of the ball and drive towards negative x.
+  double own = 0.0;
+  const Snapshot now = game_->world().snapshot();
+  for (std::size_t i = 0; i < now.robots.size(); ++i)
+    own += game_->world().side(i) == Side::kOwn ? now.robots[i].x_m : 0.0;
+  EXPECT_GT(own / 5.0, ball);
+}
+
 TEST_F(SimulatedSideTest, LateFramesArriveInOrder) {
   load({"arena.view.late=0.3", "arena.view.late_s=0.05"});
   run(5.0);
@@ -99,7 +157,8 @@ TEST_F(SimulatedSideTest, LateFramesArriveInOrder) {
 
 TEST_F(SimulatedSideTest, NothingIsAllocatedWhileTheyPlay) {
   if (!latency::allocations_are_counted()) GTEST_SKIP() << "with a sanitizer, allocations are not counted";
-  load({"arena.robots_return=true", "arena.view.miss=0.02", "arena.view.late=0.1"});
+  load({"arena.robots_return=true", "arena.view.miss=0.02", "arena.view.late=0.1", "arena.rules.league=mirosot",
+        "arena.rules.robots=drive"});
   run(1.0);
   const std::uint64_t before = latency::allocations_of_this_thread();
   run(5.0);

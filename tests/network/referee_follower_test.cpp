@@ -49,19 +49,43 @@ class Following : public ::testing::Test {
   }
   [[nodiscard]] double time_s() const { return 1.7e9 + seconds(now_ - Instant{}); }
 
-  std::optional<RefereeFollower> follower_{std::in_place, "ssl", 1s};
-  Instant now_{100s};
-  RefereeState state_;  // state as the loop has it
-  std::vector<std::string> printed_;
-
- private:
   void take(const Computer& by, const RefereeMessage& message) {
     const hal::ReceivedMessage from{10, true, false, by.address, by.port};
     const auto state =
         follower_->follow(from, message, now_, [this](const std::string& line) { printed_.push_back(line); });
     if (state) state_ = *state;
   }
+
+  std::optional<RefereeFollower> follower_{std::in_place, "ssl", 1s};
+  Instant now_{100s};
+  RefereeState state_;  // state as the loop has it
+  std::vector<std::string> printed_;
 };
+
+TEST_F(Following, AHaltOfAnotherSenderStopsRobotsThatLineUp) {
+  const auto lines_up = [&](const Computer& by, GamePhase phase, std::uint32_t counter) {
+    RefereeMessage message;
+    message.state.phase = phase;
+    message.state.lines_up = true;
+    message.state.restart = Restart::kKickOff;
+    message.state.repeats = true;
+    message.order = RefereeOrder{counter, static_cast<std::uint64_t>(time_s() * 1e6), 0};
+    take(by, message);
+    wait(0.05);
+  };
+  lines_up(kA, GamePhase::kPrepare, 5);
+  EXPECT_EQ(permission_in(state_), Permission::kLineUp);
+  lines_up(kB, kHalt, 9);
+  lines_up(kA, GamePhase::kPrepare, 5);
+  EXPECT_EQ(permission_in(state_), Permission::kStand);
+  EXPECT_EQ(state_.restart, Restart::kNone);
+  lines_up(kA, kRunning, 6);
+  EXPECT_EQ(permission_in(state_), Permission::kPlay);
+  // Another sender's stop lets them line up, but not play.
+  lines_up(kB, kStop, 10);
+  lines_up(kA, kRunning, 6);
+  EXPECT_EQ(permission_in(state_), Permission::kLineUp);
+}
 
 TEST_F(Following, AReplayedStartReleasesNoHalt) {
   ssl(kA, kRunning, 5);

@@ -44,9 +44,10 @@ Result<RefereeState> state_of(Result<RefereeMessage> message) {
   return message.value().state;
 }
 
-Result<RefereeState> decoded(const Referee& message, const RefereeSettings& settings) {
+Result<RefereeState> decoded(const Referee& message, const RefereeSettings& settings,
+                             TeamColor own = TeamColor::kBlue) {
   const std::string bytes = message.SerializeAsString();
-  return state_of(decode_ssl_referee(bytes_of(bytes), settings));
+  return state_of(decode_ssl_referee(bytes_of(bytes), settings, own));
 }
 
 TEST(SslReferee, CommandsBecomePhases) {
@@ -131,25 +132,54 @@ TEST(SslReferee, UnclearNamesTellNothing) {
 TEST(SslReferee, RejectsUnknownNumbersAndAbsentFields) {
   // Field 4 (command) with 18, then 300, then -1, appended: the last value counts.
   const std::string message = example_message().SerializeAsString();
-  EXPECT_EQ(decode_ssl_referee(bytes_of(message + "\x20\x12"), {}).text(), "unknown command 18");
-  EXPECT_EQ(decode_ssl_referee(bytes_of(message + "\x20\xac\x02"), {}).text(), "unknown command 300");
-  EXPECT_EQ(decode_ssl_referee(bytes_of(message + "\x20\xff\xff\xff\xff\xff\xff\xff\xff\xff\x01"), {}).text(),
+  EXPECT_EQ(decode_ssl_referee(bytes_of(message + "\x20\x12"), {}, TeamColor::kBlue).text(), "unknown command 18");
+  EXPECT_EQ(decode_ssl_referee(bytes_of(message + "\x20\xac\x02"), {}, TeamColor::kBlue).text(), "unknown command 300");
+  EXPECT_EQ(decode_ssl_referee(bytes_of(message + "\x20\xff\xff\xff\xff\xff\xff\xff\xff\xff\x01"), {}, TeamColor::kBlue)
+                .text(),
             "unknown command -1");
-  EXPECT_EQ(decode_ssl_referee(bytes_of(message + "\x10\x0e"), {}).text(), "unknown stage 14");
+  EXPECT_EQ(decode_ssl_referee(bytes_of(message + "\x10\x0e"), {}, TeamColor::kBlue).text(), "unknown stage 14");
   Referee incomplete = example_message();
   incomplete.clear_blue();
   const std::string bytes = incomplete.SerializePartialAsString();
-  EXPECT_EQ(decode_ssl_referee(bytes_of(bytes), {}).text(), "not a valid message: missing required field");
-  EXPECT_FALSE(decode_ssl_referee({}, {}).ok());
+  EXPECT_EQ(decode_ssl_referee(bytes_of(bytes), {}, TeamColor::kBlue).text(),
+            "not a valid message: missing required field");
+  EXPECT_FALSE(decode_ssl_referee({}, {}, TeamColor::kBlue).ok());
   Referee long_name = example_message();
   long_name.mutable_blue()->set_name(std::string(128, 'a'));
   EXPECT_EQ(decoded(long_name, {}).code(), ErrorCode::kCorruptFrame);
 }
 
+TEST(SslReferee, CommandsTellTheRestartAndWhoTakesIt) {
+  struct Expected {
+    Referee::Command command;
+    Restart restart;
+    bool of_yellow;
+  };
+  for (const auto& [command, restart, of_yellow] : {Expected{Referee::PREPARE_KICKOFF_YELLOW, Restart::kKickOff, true},
+                                                    Expected{Referee::PREPARE_KICKOFF_BLUE, Restart::kKickOff, false},
+                                                    Expected{Referee::PREPARE_PENALTY_YELLOW, Restart::kPenalty, true},
+                                                    Expected{Referee::PREPARE_PENALTY_BLUE, Restart::kPenalty, false},
+                                                    Expected{Referee::DIRECT_FREE_YELLOW, Restart::kFreeKick, true},
+                                                    Expected{Referee::DIRECT_FREE_BLUE, Restart::kFreeKick, false},
+                                                    Expected{Referee::INDIRECT_FREE_BLUE, Restart::kFreeKick, false}}) {
+    Referee message = example_message();
+    message.set_command(command);
+    const RefereeState state = decoded(message, {"Lemons", {}}).value();
+    EXPECT_EQ(state.restart, restart);
+    EXPECT_EQ(state.restart_is_ours, of_yellow) << "the yellow team is ours by its name";
+    EXPECT_TRUE(state.lines_up);
+    EXPECT_EQ(decoded(message, {}, TeamColor::kBlue).value().restart_is_ours, !of_yellow) << "by the team file";
+  }
+  Referee stop = example_message();
+  stop.set_command(Referee::STOP);
+  EXPECT_EQ(decoded(stop, {"Lemons", {}}).value().restart, Restart::kNone);
+  EXPECT_FALSE(decoded(stop, {"Lemons", {}}).value().restart_is_ours);
+}
+
 template <class Message>
-Result<RefereeState> decoded_vss(const Message& message) {
+Result<RefereeState> decoded_vss(const Message& message, TeamColor own = TeamColor::kBlue) {
   const std::string bytes = message.SerializeAsString();
-  return state_of(decode_vss_referee(bytes_of(bytes)));
+  return state_of(decode_vss_referee(bytes_of(bytes), own));
 }
 
 TEST(VssReferee, FoulsBecomePhases) {
@@ -181,11 +211,41 @@ TEST(VssReferee, ReadsOlderVersions) {
   const Result<RefereeState> state = decoded_vss(message);
   ASSERT_TRUE(state.ok()) << state.text();
   EXPECT_EQ(state.value().phase, GamePhase::kStop);
+  EXPECT_EQ(state.value().quadrant, 0);
+  message.set_foul(VSSRef::KICKOFF);
+  message.set_teamcolor(VSSRef::YELLOW);
+  EXPECT_TRUE(decoded_vss(message, TeamColor::kYellow).value().restart_is_ours);
+}
+
+TEST(VssReferee, KeepsRestartTeamQuadrantAndHalf) {
+  VSSRef::VSSRef_Command message;
+  message.set_teamcolor(VSSRef::YELLOW);
+  message.set_foulquadrant(VSSRef::QUADRANT_3);
+  message.set_gamehalf(VSSRef::SECOND_HALF);
+  for (const auto& [foul, restart] : std::map<VSSRef::Foul, Restart>{{VSSRef::FREE_KICK, Restart::kFreeKick},
+                                                                     {VSSRef::PENALTY_KICK, Restart::kPenalty},
+                                                                     {VSSRef::GOAL_KICK, Restart::kGoalKick},
+                                                                     {VSSRef::FREE_BALL, Restart::kFreeBall},
+                                                                     {VSSRef::KICKOFF, Restart::kKickOff},
+                                                                     {VSSRef::GAME_ON, Restart::kNone}}) {
+    message.set_foul(foul);
+    const Result<RefereeState> yellow = decoded_vss(message, TeamColor::kYellow), blue = decoded_vss(message);
+    ASSERT_TRUE(yellow.ok() && blue.ok());
+    EXPECT_EQ(yellow.value().restart, restart);
+    EXPECT_EQ(yellow.value().restart_is_ours, restart != Restart::kNone && restart != Restart::kFreeBall);
+    EXPECT_FALSE(blue.value().restart_is_ours);
+    EXPECT_EQ(yellow.value().quadrant, 3);
+    EXPECT_EQ(yellow.value().half, 2);
+    EXPECT_FALSE(yellow.value().lines_up) << "people place the robots";
+  }
+  message.set_teamcolor(VSSRef::NONE);
+  message.set_foul(VSSRef::KICKOFF);
+  EXPECT_FALSE(decoded_vss(message).value().restart_is_ours);
 }
 
 TEST(VssReferee, RejectsUnknownFoulsAndEmptyDatagrams) {
-  EXPECT_EQ(decode_vss_referee(bytes_of("\x08\x08")).text(), "unknown foul 8");
-  EXPECT_EQ(decode_vss_referee({}).text(), "the datagram is empty");
+  EXPECT_EQ(decode_vss_referee(bytes_of("\x08\x08"), TeamColor::kBlue).text(), "unknown foul 8");
+  EXPECT_EQ(decode_vss_referee({}, TeamColor::kBlue).text(), "the datagram is empty");
 }
 
 }  // namespace

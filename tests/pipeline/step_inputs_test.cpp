@@ -34,6 +34,9 @@ PipelineParameters all_parameters() {
   parameters.scan.boxes.push_back({4, {0, 200, 0}, {10, 220, 10}});
   parameters.marker.teams[1].team_color = 4;
   parameters.marker.teams[1].max_robots = 1;
+  // The robot is no goalkeeper, so that its place depends on the restart.
+  parameters.control.play.goalkeeper_id = 7;
+  parameters.control.line_up.penalty_distance_m = 0.7;  // there is room on both sides of the ball
   PacketLayout& radio = parameters.radio;
   radio.receivers.push_back({0, 0});
   radio.start_at = static_cast<std::uint16_t>(radio.text.size());
@@ -139,13 +142,22 @@ class StepInputsTest : public ::testing::Test {
   /// the bindings; add its case, too.
   std::vector<Case> cases() {
     const StepInputs inputs;
-    const auto& [now, action_delay, lateness, commands, teams, halt, observing, picture_check, events] = inputs;
+    const auto& [now, action_delay, lateness, commands, teams, situation, halt, observing, picture_check, events] =
+        inputs;
     const auto& [colors, sides, heights] = teams;
+    const auto& [phase, restart, ours, lines_up] = situation;
     const auto& [oldest, unusable_frames] = picture_check;
     const auto& [tables, adaptation, mode, control, reset, acknowledged, opened, telemetry, parts, received] = events;
     EXPECT_EQ(now, Instant{});
-    EXPECT_FALSE(colors || reset || oldest == 0s) << "the bindings are only counted";
+    EXPECT_FALSE(colors || ours || reset || oldest == 0s) << "the bindings are only counted";
     const auto always = [](auto set) { return [set](int, StepInputs& in) { set(in); }; };
+    // The robot lines up if no other program drives it.
+    const auto lining_up = [&](GamePhase in_phase, Restart next, bool is_ours) {
+      return always([=](StepInputs& in) {
+        in.commands.clear();
+        in.situation = {in_phase, next, is_ours, true};
+      });
+    };
     const auto once = [](auto set) {
       return [set](int frame, StepInputs& in) {
         if (frame == kEventFrame) set(in);
@@ -167,6 +179,11 @@ class StepInputsTest : public ::testing::Test {
         {"teams.height_m", always([](StepInputs& in) {
            in.teams.height_m = {0.1f, 0.1f};
          })},
+        {"commands, none", always([](StepInputs& in) { in.commands.clear(); })},
+        {"situation.lines_up", lining_up(GamePhase::kPrepare, Restart::kNone, false)},
+        {"situation.restart", lining_up(GamePhase::kPrepare, Restart::kPenalty, false)},
+        {"situation.ours", lining_up(GamePhase::kPrepare, Restart::kPenalty, true)},
+        {"situation.phase", lining_up(GamePhase::kStop, Restart::kPenalty, true)},
         {"halt", always([](StepInputs& in) { in.halt = 4; })},
         {"observing", always([](StepInputs& in) { in.observing = true; })},
         {"picture_check.oldest", always([](StepInputs& in) { in.picture_check.oldest = 5s; })},
@@ -207,10 +224,11 @@ TEST_F(StepInputsTest, EveryMemberChangesTheTraces) {
 TEST_F(StepInputsTest, TheSameFramesAndInputsGiveTheSameTraces) {
   const std::vector<Case> all = cases();
   const Change change = [&](int frame, StepInputs& inputs) {
-    // The assignment of teams and the halt would hide the others.
+    // The assignment of teams, the situation and the halt would hide the others.
     for (const Case& c : all) {
       const bool is_event = c.member.starts_with("events.");
-      if (is_event || (!c.member.starts_with("teams.") && c.member != "halt" && frame % 7 == 0)) {
+      if (is_event || (!c.member.starts_with("teams.") && c.member != "halt" && !c.member.starts_with("situation.") &&
+                       frame % 7 == 0)) {
         c.change(frame, inputs);
       }
     }

@@ -22,6 +22,8 @@ Series series_of(std::initializer_list<std::pair<std::uint32_t, std::uint32_t>> 
     game.statistics.possession_s = {12.5, 37.5};
     game.statistics.touches = {3, 4};
     game.statistics.ball_stood_s = 30.0;
+    game.statistics.fouls = {5, 10};
+    game.statistics.restarts[static_cast<std::size_t>(Restart::kPenalty)] = 15;
     series.games.push_back(game);
   }
   return series;
@@ -67,6 +69,9 @@ TEST(SeriesText, ShowsFiguresOfBothSides) {
   EXPECT_NE(text.find("1.00 +- 2.48"), std::string::npos) << text;
   EXPECT_NE(text.find("25.0 +- 0.0"), std::string::npos) << "possession";
   EXPECT_NE(text.find("10.00 +- 0.00"), std::string::npos) << "standing ball";
+  EXPECT_NE(text.find("fouls per minute"), std::string::npos);
+  EXPECT_NE(text.find("2.00 +- 0.00"), std::string::npos) << "the opponents' fouls";
+  EXPECT_NE(text.find("3.00 +- 0.00"), std::string::npos) << "penalties";
 }
 
 TEST(Json, KeepsAllFigures) {
@@ -76,6 +81,7 @@ TEST(Json, KeepsAllFigures) {
   ASSERT_OK(read);
   EXPECT_EQ(to_json(read.value()), text);
   EXPECT_EQ(read.value()[0].games[1].hash, 0xFEDCBA9876543210U);
+  EXPECT_EQ(read.value()[0].games[1].statistics.fouls[1], 10U);
 }
 
 TEST(Json, NamesWhatIsWrong) {

@@ -1,10 +1,12 @@
 #include "tools/programs/simulate/series_report.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "tools/programs/command_line/formatted.h"
 
@@ -41,6 +43,14 @@ double share_of_possession(const GameResult& game, std::size_t side) {
   const double sum = held[0] + held[1];
   return sum > 0.0 ? held[side] / sum : 0.5;
 }
+
+std::size_t index_of(Restart restart) { return static_cast<std::size_t>(restart); }
+
+// Free balls are counted by all rules.
+constexpr std::array<std::pair<const char*, Restart>, 3> kCountedRestarts{
+    {{"penalties per minute", Restart::kPenalty},
+     {"goal kicks per minute", Restart::kGoalKick},
+     {"kick-offs per minute", Restart::kKickOff}}};
 
 int count(const Series& series, bool (*is)(int difference)) {
   return static_cast<int>(std::count_if(series.games.begin(), series.games.end(),
@@ -86,6 +96,8 @@ std::string series_text(const Series& series) {
   out += row("contacts of own robots/min",
              text_of(per_minute([](const auto& game) { return game.statistics.contacts[0]; }), 1),
              text_of(per_minute([](const auto& game) { return game.statistics.contacts[1]; }), 1));
+  out += row("fouls per minute", text_of(per_minute([](const auto& game) { return game.statistics.fouls[0]; }), 2),
+             text_of(per_minute([](const auto& game) { return game.statistics.fouls[1]; }), 2));
   const auto both = [](const char* name, const Mean& mean) {
     return formatted("  %-26s %20s\n", name, text_of(mean, 2).c_str());
   };
@@ -94,6 +106,10 @@ std::string series_text(const Series& series) {
                 return 100.0 * game.statistics.ball_stood_s / series.duration_s;
               }));
   out += both("free balls per minute", per_minute([](const auto& game) { return game.statistics.free_balls; }));
+  for (const auto& [name, restart] : kCountedRestarts) {
+    out += both(name,
+                per_minute([index = index_of(restart)](const auto& game) { return game.statistics.restarts[index]; }));
+  }
   out += both("contacts with others/min", per_minute([](const auto& game) { return game.statistics.mixed_contacts; }));
   if (series.wall_s > 0.0) {
     out += formatted("  %.1f s: %.0f times real time\n", series.wall_s,
@@ -162,6 +178,10 @@ std::string to_json(const std::vector<Series>& all) {
                        {"free_balls", s.free_balls},
                        {"contacts", s.contacts},
                        {"mixed_contacts", s.mixed_contacts},
+                       {"fouls", s.fouls},
+                       {"penalties", s.restarts[index_of(Restart::kPenalty)]},
+                       {"goal_kicks", s.restarts[index_of(Restart::kGoalKick)]},
+                       {"kick_offs", s.restarts[index_of(Restart::kKickOff)]},
                        {"hash", formatted("%016llx", static_cast<unsigned long long>(game.hash))}});
     }
     series.push_back({{"own", one.own}, {"opponent", one.opponent}, {"duration_s", one.duration_s}, {"games", games}});
@@ -195,6 +215,12 @@ Result<std::vector<Series>> from_json(const std::string& text) {
         s.free_balls = game.at("free_balls");
         s.contacts = game.at("contacts");
         s.mixed_contacts = game.at("mixed_contacts");
+        if (game.contains("fouls")) {  // results of older versions have none
+          s.fouls = game.at("fouls");
+          s.restarts[index_of(Restart::kPenalty)] = game.at("penalties");
+          s.restarts[index_of(Restart::kGoalKick)] = game.at("goal_kicks");
+          s.restarts[index_of(Restart::kKickOff)] = game.at("kick_offs");
+        }
         series.games.push_back(result);
       }
       all.push_back(std::move(series));

@@ -55,6 +55,7 @@ void GameRules::restart(std::uint64_t seed) {
   statistics_ = {};
   touches_ball_ = 0;
   last_contact_ = {};
+  steps_ = 0;
   begin();
 }
 

@@ -11,7 +11,6 @@
 namespace touchline {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 // Directions of the first part of a detour from the direction of the goal, and its lengths.
 constexpr std::array<double, 8> kTurns{0.4, -0.4, 0.8, -0.8, 1.3, -1.3, 2.0, -2.0};
 constexpr std::array<double, 2> kLengths_m{0.18, 0.40};

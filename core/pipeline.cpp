@@ -8,6 +8,13 @@ namespace {
 // Robots of all leagues are lower than this. The limit keeps markers below the camera.
 constexpr float kMaxMarkerHeight = 0.5f;
 
+// The drive as the tracker knows it, so that commands invert the lag with which the tracker predicts.
+ControlParameters with_tracked_drive(ControlParameters control, const RobotFilterParameters& robot) {
+  control.drive.wheel_lag_s = robot.wheel_lag_s;
+  control.drive.tire_grip_mps2 = robot.tire_grip_mps2;
+  return control;
+}
+
 }  // namespace
 
 // Measures the time between construction and destruction as the time of a stage.
@@ -55,7 +62,8 @@ Status Pipeline::configure(const PipelineParameters& parameters, StageClock cloc
   if (Status s = tracker_.configure(parameters.track); !s.ok()) return s;
   picture_check_.configure({parameters.scan.format, parameters.scan.width_px, parameters.scan.height_px,
                             parameters.control.drive.wheel_base_m, parameters.track.robot.wheel_lag_s});
-  return controller_.configure(parameters.control, parameters.marker.field);
+  robot_filter_ = parameters.track.robot;
+  return controller_.configure(with_tracked_drive(parameters.control, robot_filter_), parameters.marker.field);
 }
 
 Status Pipeline::configure_recognition(const PipelineParameters& parameters) {
@@ -132,7 +140,7 @@ void Pipeline::apply(const StepInputs& inputs) {
   if (events.adaptation_mode) adaptation_.set_mode(*events.adaptation_mode);
   Status control;
   if (events.control) {
-    control = controller_.set_parameters(*events.control);
+    control = controller_.set_parameters(with_tracked_drive(*events.control, robot_filter_));
     const DriveParameters& drive = events.control->drive;
     if (control.ok()) {
       radio_.set_drive(drive.wheel_base_m, drive.max_wheel_speed_mps);

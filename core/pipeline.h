@@ -107,6 +107,7 @@ class Pipeline {
   PatchCenterFit patch_center_fit_;
   BallCenterFit ball_center_fit_;
   Tracker tracker_;
+  RobotFilterParameters robot_filter_;  // of the track parameters
   Controller controller_;
   TeamMarkings teams_;  // markers as configured
   TeamAssignment assignment_;

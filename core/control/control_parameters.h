@@ -1,5 +1,8 @@
 #pragma once
 
+#include <array>
+#include <cstdint>
+
 #include "core/parameter.h"
 
 namespace touchline {
@@ -11,6 +14,10 @@ struct DriveParameters {
   double max_turn_radps = 14.0;
   double max_wheel_speed_mps = 1.4;
   double max_wheel_acceleration_mps2 = 4.0;
+  // What the tracker believes of the drive; the pipeline copies both from track.robot. Lag of the wheels behind their
+  // commands, and acceleration at which the tires begin to slide (0: never).
+  double wheel_lag_s = 0.08;
+  double tire_grip_mps2 = 7.8;
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
@@ -211,7 +218,16 @@ struct ExternalParameters {
   }
 };
 
+/// How much robots keep away from others.
+enum class Avoidance : std::uint8_t {
+  kNormal,  // for games: a contact that others cause, or that only braking in time would avoid, is possible
+  kStrict   // for laboratories: a robot moves only if it can stop before each other one, whatever happens next
+};
+inline constexpr std::array<Choice<Avoidance>, 2> kAvoidances{
+    {{"normal", Avoidance::kNormal}, {"strict", Avoidance::kStrict}}};
+
 struct ControlParameters {
+  Avoidance avoid = Avoidance::kNormal;
   DriveParameters drive;
   MotionParameters motion;
   PlayParameters play;
@@ -220,6 +236,10 @@ struct ControlParameters {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
+    visit.choice(
+        self.avoid, kAvoidances,
+        {.name = "avoid",
+         .help = "How robots avoid each other; strict: a robot moves only if it can stop before each other one"});
     visit.section(self.drive, {.name = "drive", .help = "Wheels and limits of the drive"});
     visit.section(self.motion, {.name = "motion", .help = "Gains of the control laws"});
     visit.section(self.play, {.name = "play", .help = "Roles and rules of the built-in game"});

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/control/drive_limits.h"
+#include "core/control/motion/drive_limits.h"
 #include "core/control/turned_field.h"
 #include "core/parameter.h"
 
@@ -36,6 +36,7 @@ Status Controller::apply(const ControlParameters& parameters, const FieldParamet
   }
   parameters_ = parameters;
   play_.configure(parameters, field);
+  motion_.configure(parameters, field);
   if (other_ != nullptr) other_->configure(parameters, field);
   line_up_.configure(parameters, field);
   return {};
@@ -44,6 +45,7 @@ Status Controller::apply(const ControlParameters& parameters, const FieldParamet
 void Controller::reset() {
   strategy().reset();
   states_.clear();
+  motion_.reset();
   started_ = false;
 }
 
@@ -82,28 +84,40 @@ void Controller::set_situation(const GameSituation& situation) {
   strategy().set_situation(situation);
 }
 
-Players Controller::players_of(const Tracks& tracks) const {
+Players Controller::players_of(const Tracks& tracks) {
   Players players;
   for (const RobotTrack& robot : tracks.robots) {
     if (robot.team != Team::kOwn || robot.id < 0 || !is_usable(robot, tracks.capture_time)) continue;
     if (external_.command_of(robot.id) != nullptr || players.full()) continue;
-    players.push_back({robot.id, robot.pose_at_action, robot.twist_at_action});
+    const RobotState* state = state_of(robot.id);
+    players.push_back(
+        {robot.id, robot.pose_at_action, robot.twist_at_action, state != nullptr ? state->wheels : Twist{}});
   }
   return players;
 }
 
-Twist Controller::external_twist(const ExternalCommand& command, const RobotTrack& robot, const Tracks& tracks) const {
-  ExternalCommand seen = command;
-  if (turned_) seen.target = turned(command.target);
-  return twist_of(seen, {robot.id, robot.pose_at_action, robot.twist_at_action}, tracks, parameters_, play_.field());
+void Controller::predict_wheels(const Tracks& tracks, double since_last_s) {
+  for (RobotState& state : states_) {
+    state.listed = std::any_of(tracks.robots.begin(), tracks.robots.end(), [&](const RobotTrack& robot) {
+      return robot.team == Team::kOwn && robot.id == state.id;
+    });
+    state.wheels = wheels_after(state.wheels, state.command, since_last_s, parameters_.drive);
+  }
+  remove_absent();
 }
 
-Twist Controller::within_limits(const Twist& wanted, const Twist& last, double dt_s) const {
+Twist Controller::external_twist(const ExternalCommand& command, const Player& robot) {
+  ExternalCommand seen = command;
+  if (turned_) seen.target = turned(command.target);
+  return twist_of(seen, robot, motion_, parameters_.drive);
+}
+
+Twist Controller::within_limits(const Twist& wanted, const Twist& wheels, double period_s) const {
   DriveParameters drive = parameters_.drive;
   if (permission_in(situation_) != Permission::kPlay) {
     drive.max_speed_mps = std::min(drive.max_speed_mps, parameters_.line_up.max_speed_mps);
   }
-  return within_acceleration_limit(within_speed_limits(wanted, drive), last, dt_s, parameters_.drive);
+  return within_acceleration_limit(within_speed_limits(wanted, drive), wheels, period_s, parameters_.drive);
 }
 
 void Controller::decide(const Tracks& measured, bool is_halted, Commands& out) {
@@ -114,9 +128,13 @@ void Controller::decide(const Tracks& measured, bool is_halted, Commands& out) {
   if (turned_) turn(measured, turned_tracks_);
   const Tracks& tracks = turned_ ? turned_tracks_ : measured;
   const Instant now = tracks.capture_time;
-  const double dt = started_ ? std::clamp(seconds(now - last_time_), 0.0, kMaxStep) : 0.0;
+  const double since_last = started_ ? std::max(0.0, seconds(now - last_time_)) : 0.0;
+  // The next command acts as long as the last one did.
+  const double period = std::min(since_last, kMaxStep);
   last_time_ = now;
   started_ = true;
+  predict_wheels(tracks, since_last);
+  motion_.begin(tracks);
 
   const Players players = players_of(tracks);
   Strategy::Twists wanted{};
@@ -129,18 +147,11 @@ void Controller::decide(const Tracks& measured, bool is_halted, Commands& out) {
     strategy().decide(tracks, players, wanted);
   }
 
-  for (RobotState& state : states_) state.listed = false;
   std::size_t player = 0;
   for (const RobotTrack& robot : tracks.robots) {
     if (robot.team != Team::kOwn || robot.id < 0 || out.robots.full()) continue;
     RobotState* state = state_of(robot.id);
-    if (state == nullptr) {
-      // The list is full, but robots in it may be gone.
-      remove_absent();
-      state = state_of(robot.id);
-      if (state == nullptr) continue;
-    }
-    state->listed = true;
+    if (state == nullptr) continue;
     RobotCommand command;
     command.id = robot.id;
     const ExternalCommand* external = external_.command_of(robot.id);
@@ -149,19 +160,21 @@ void Controller::decide(const Tracks& measured, bool is_halted, Commands& out) {
       const bool expired = external_.is_expired(*external, parameters_.external);
       command.source = expired ? CommandSource::kExpired : CommandSource::kExternal;
       if (!halted && !expired && is_usable(robot, now)) {
-        command.twist = within_limits(external_twist(*external, robot, tracks), state->last, dt);
+        command.twist = within_limits(
+            external_twist(*external, {robot.id, robot.pose_at_action, robot.twist_at_action, state->wheels}),
+            state->wheels, period);
       }
     }
     if (plays && !halted && parameters_.play.enabled) {
-      command.twist = within_limits(wanted[player], state->last, dt);
+      const MotionState moves = motion_state(robot.pose_at_action, robot.twist_at_action, state->wheels);
+      command.twist = within_limits(motion_.restrained(robot.id, moves, wanted[player]), state->wheels, period);
       command.role = strategy().role_of(robot.id);
     }
     if (plays) ++player;
-    state->last = command.twist;
+    state->command = command.twist;
     command.wheels = wheels_of(command.twist, parameters_.drive.wheel_base_m);
     out.robots.push_back(command);
   }
-  remove_absent();
 }
 
 }  // namespace touchline

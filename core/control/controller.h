@@ -41,7 +41,8 @@ class Controller {
   struct RobotState {
     RobotId id = kUnknownId;
     bool listed = false;
-    Twist last;  // last command
+    Twist command;  // last command
+    Twist wheels;   // predicted velocities of the wheels when the next command begins to act
   };
   [[nodiscard]] Strategy& strategy() { return other_ != nullptr ? *other_ : play_; }
   Status apply(const ControlParameters& parameters, const FieldParameters& field);
@@ -49,10 +50,11 @@ class Controller {
   void remove_absent();
   [[nodiscard]] bool is_usable(const RobotTrack& robot, Instant now) const;
   // Returns the robots of the built-in play.
-  [[nodiscard]] Players players_of(const Tracks& tracks) const;
-  [[nodiscard]] Twist external_twist(const ExternalCommand& command, const RobotTrack& robot,
-                                     const Tracks& tracks) const;
-  [[nodiscard]] Twist within_limits(const Twist& wanted, const Twist& last, double dt_s) const;
+  [[nodiscard]] Players players_of(const Tracks& tracks);
+  // Predicts the wheels of all robots by the time since the last command.
+  void predict_wheels(const Tracks& tracks, double since_last_s);
+  [[nodiscard]] Twist external_twist(const ExternalCommand& command, const Player& robot);
+  [[nodiscard]] Twist within_limits(const Twist& wanted, const Twist& wheels, double period_s) const;
 
   ControlParameters parameters_;
   Play play_;
@@ -60,6 +62,7 @@ class Controller {
   ExternalControl external_;
   LineUp line_up_;
   GameSituation situation_;
+  MotionPlanner motion_;  // of the robots that other programs drive
   bool turned_ = false;
   Tracks turned_tracks_;
   FixedVector<RobotState, kMaxRobotsPerTeam> states_;

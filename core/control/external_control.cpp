@@ -2,23 +2,17 @@
 
 #include <algorithm>
 
-#include "core/control/drive_limits.h"
-#include "core/control/motion_laws.h"
-#include "core/control/obstacle_avoidance.h"
+#include "core/control/motion/drive_limits.h"
 
 namespace touchline {
 namespace {
 
-Twist drive_to(const ExternalCommand& command, const Player& robot, const Tracks& tracks,
-               const ControlParameters& parameters, const FieldParameters& field) {
-  const Vector2 here = position(robot.pose), target = position(command.target);
-  const double speed = parameters.drive.max_speed_mps;
-  Obstacles obstacles;
-  obstacles_for(robot.id, tracks, obstacles);
-  const Vector2 next = detour(here, target, obstacles, parameters.play.clearance_m, field);
-  if (distance(next, target) > 1e-9) return go_to_point(robot.pose, next, false, speed, parameters.motion);
-  if (!command.has_heading) return go_to_point(robot.pose, target, true, speed, parameters.motion);
-  return go_to_pose(robot.pose, robot.twist, command.target, Facing::kExact, speed, parameters.motion);
+MotionGoal goal_of(const ExternalCommand& command) {
+  MotionGoal goal;
+  goal.place = position(command.target);
+  if (command.has_heading) goal.direction_rad = heading(command.target);
+  goal.exact_heading = true;
+  return goal;
 }
 
 }  // namespace
@@ -33,17 +27,18 @@ bool ExternalControl::is_expired(const ExternalCommand& command, const ExternalP
   return now_ - command.received > from_seconds(parameters.max_age_s);
 }
 
-Twist twist_of(const ExternalCommand& command, const Player& robot, const Tracks& tracks,
-               const ControlParameters& parameters, const FieldParameters& field) {
+Twist twist_of(const ExternalCommand& command, const Player& robot, MotionPlanner& motion,
+               const DriveParameters& drive) {
+  const MotionState state = motion_state(robot.pose, robot.twist, robot.wheels);
   switch (command.kind) {
     case ExternalCommand::Kind::kRelease:
       break;
     case ExternalCommand::Kind::kTwist:
-      return command.twist;
+      return motion.restrained(robot.id, state, command.twist);
     case ExternalCommand::Kind::kWheels:
-      return twist_of(command.wheels, parameters.drive.wheel_base_m);
+      return motion.restrained(robot.id, state, twist_of(command.wheels, drive.wheel_base_m));
     case ExternalCommand::Kind::kPose:
-      return drive_to(command, robot, tracks, parameters, field);
+      return motion.drive(robot.id, state, goal_of(command));
   }
   return {};
 }

@@ -2,8 +2,8 @@
 
 #include "core/control/control_parameters.h"
 #include "core/control/external_command.h"
+#include "core/control/motion/motion_planner.h"
 #include "core/control/roles.h"
-#include "core/geometry/field_area.h"
 #include "core/types.h"
 
 namespace touchline {
@@ -26,8 +26,8 @@ class ExternalControl {
 };
 
 /// Returns the velocities that the command asks for, without limits. To a pose, the robot drives around the other
-/// robots in `tracks`, but not around the ball. The command, the robot and the tracks have the same coordinates.
-Twist twist_of(const ExternalCommand& command, const Player& robot, const Tracks& tracks,
-               const ControlParameters& parameters, const FieldParameters& field);
+/// robots of `motion`, but not around the ball. The command, the robot and `motion` have the same coordinates.
+Twist twist_of(const ExternalCommand& command, const Player& robot, MotionPlanner& motion,
+               const DriveParameters& drive);
 
 }  // namespace touchline

@@ -11,6 +11,7 @@ struct Player {
   RobotId id = kUnknownId;
   Pose pose;
   Twist twist;
+  Twist wheels{};  // velocities of the wheels by the commands alone
 };
 using Players = FixedVector<Player, kMaxRobotsPerTeam>;
 

@@ -1,4 +1,4 @@
-#include "core/control/drive_limits.h"
+#include "core/control/motion/drive_limits.h"
 
 #include <gtest/gtest.h>
 
@@ -60,33 +60,50 @@ TEST(DriveLimits, NaNGivesZero) {
   }
 }
 
-TEST(DriveLimits, LimitedVelocitiesLieBetweenOldAndNewOnes) {
+TEST(DriveLimits, TheLimitHoldsForThePredictedWheels) {
   std::mt19937 random(3);
   std::uniform_real_distribution<float> any(-2.0f, 2.0f);
   const auto between = [](float value, float a, float b) {
     return value >= std::min(a, b) - 1e-4f && value <= std::max(a, b) + 1e-4f;
   };
-  for (int i = 0; i < 10000; ++i) {
-    const Twist last = within_speed_limits({any(random), 12.0f * any(random)}, kDrive);
-    const Twist wanted = within_speed_limits({any(random), 12.0f * any(random)}, kDrive);
-    const Twist got = within_acceleration_limit(wanted, last, 0.016, kDrive);
-    ASSERT_TRUE(between(got.v_mps, last.v_mps, wanted.v_mps));
-    ASSERT_TRUE(between(got.w_radps, last.w_radps, wanted.w_radps));
-    ASSERT_LE(larger_wheel(got), 1.4001f);
-    const WheelSpeeds a = wheels_of(last, kDrive.wheel_base_m), b = wheels_of(got, kDrive.wheel_base_m);
-    ASSERT_LE(std::abs(b.left_mps - a.left_mps), 4.0f * 0.016f + 1e-5f);
-    ASSERT_LE(std::abs(b.right_mps - a.right_mps), 4.0f * 0.016f + 1e-5f);
+  for (const double lag_s : {0.0, 0.02, 0.08, 0.3}) {
+    DriveParameters drive;
+    drive.wheel_lag_s = lag_s;
+    for (int i = 0; i < 3000; ++i) {
+      const Twist wheels = within_speed_limits({any(random), 12.0f * any(random)}, drive);
+      const Twist wanted = within_speed_limits({any(random), 12.0f * any(random)}, drive);
+      const Twist got = within_acceleration_limit(wanted, wheels, 0.016, drive);
+      ASSERT_TRUE(between(got.v_mps, wheels.v_mps, wanted.v_mps));
+      ASSERT_TRUE(between(got.w_radps, wheels.w_radps, wanted.w_radps));
+      ASSERT_LE(larger_wheel(got), 1.4001f);
+      const Twist after = wheels_after(wheels, got, 0.016, drive);
+      const WheelSpeeds a = wheels_of(wheels, drive.wheel_base_m), b = wheels_of(after, drive.wheel_base_m);
+      ASSERT_LE(std::abs(b.left_mps - a.left_mps), 4.0f * 0.016f + 1e-5f);
+      ASSERT_LE(std::abs(b.right_mps - a.right_mps), 4.0f * 0.016f + 1e-5f);
+    }
   }
 }
 
-TEST(DriveLimits, ReachesFullSpeedInTheTimeOfTheLimit) {
-  Twist twist;
+TEST(DriveLimits, TheInverseOfTheLagReachesTheWantedSpeedInOnePeriod) {
+  const Twist wheels{0.3f, -2.0f}, wanted{0.34f, -1.0f};
+  const Twist command = command_for(wanted, wheels, 0.016, kDrive);
+  const Twist after = wheels_after(wheels, command, 0.016, kDrive);
+  EXPECT_NEAR(after.v_mps, wanted.v_mps, 1e-6f);
+  EXPECT_NEAR(after.w_radps, wanted.w_radps, 1e-5f);
+  // A limit of the command's own steps would cut this off.
+  EXPECT_GT(command.v_mps - wheels.v_mps, 4.0f * 0.016f);
+}
+
+TEST(DriveLimits, TheWheelsReachFullSpeedAtTheLimitOfTheirAcceleration) {
+  Twist wheels;
   int frames = 0;
-  while (twist.v_mps < 1.1999f) {
-    twist = within_acceleration_limit({1.2f, 0.0f}, twist, 0.01, kDrive);
+  // The last part follows the lag, because the command is limited, too.
+  while (wheels.v_mps < 0.85f) {
+    const Twist command = within_acceleration_limit({1.2f, 0.0f}, wheels, 0.01, kDrive);
+    wheels = wheels_after(wheels, command, 0.01, kDrive);
     ASSERT_LT(++frames, 1000);
   }
-  EXPECT_EQ(frames, 30);
+  EXPECT_EQ(frames, 22) << "0.85 m/s at 4 m/s^2 in steps of 10 ms";
 }
 
 }  // namespace

@@ -8,7 +8,7 @@
 #include <numbers>
 #include <random>
 
-#include "core/control/drive_limits.h"
+#include "core/control/motion/drive_limits.h"
 #include "core/geometry/angle.h"
 
 namespace touchline {

@@ -1,0 +1,293 @@
+#include "core/control/motion/motion_planner.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "core/control/motion/drive_limits.h"
+#include "core/control/motion/speed_profile.h"
+#include "core/geometry/angle.h"
+
+namespace touchline {
+namespace {
+
+// Directions of the first part of a detour from the direction of the goal, and its lengths.
+constexpr std::array<double, 8> kTurns{0.4, -0.4, 0.8, -0.8, 1.3, -1.3, 2.0, -2.0};
+constexpr std::array<double, 2> kLengths_m{0.18, 0.40};
+// Another trajectory must be faster than last frame's by this time, so that a robot does not oscillate between two.
+// With 0.25 s, robots reach 5 % fewer goals.
+constexpr double kHysteresis_s = 0.12;
+// A conflict at once costs this time, one at the end of the prediction nothing: somebody will move until then. With 1.5
+// s, robots touch a third more often, and strict ones wait for each other forever; with 4 s, they drive longer ways.
+constexpr double kConflict_s = 2.5;
+// The first part of a way may not lead through a forbidden area; the second part is planned again before.
+constexpr double kForbidden_s = 5.0, kForbiddenLater_s = 1.5;
+// Robots drive around the corners of a forbidden area at this distance.
+constexpr double kCorner_m = 0.03;
+// A conflict after this step (0.8 s at full speed) is no reason to look for a detour: until then, others have moved.
+constexpr std::size_t kSearchesBefore = 10;
+// Other robots keep their velocity this long; then they have decided something else.
+constexpr double kKeepsVelocity_s = 0.5;
+// Robots slower than this stand: they are walls for everybody.
+constexpr double kStands_mps = 0.05;
+constexpr double kBallRadius_m = 0.0214;
+// Strict: distance of two robots' circles that is never used up: twice the prediction's error and a lost packet's way.
+constexpr double kStrictMargin_m = 0.008;
+constexpr double kLongestPeriod_s = 0.05, kShortestPeriod_s = 0.004;
+
+}  // namespace
+
+void MotionPlanner::configure(const ControlParameters& parameters, const FieldParameters& field) {
+  parameters_ = parameters;
+  limits_ = MotionLimits(parameters.drive);
+  const double margin = parameters.play.robot_radius_m;
+  area_ = {0.5 * static_cast<double>(field.length_m) - margin, 0.5 * static_cast<double>(field.width_m) - margin};
+  // Slow robots look as far as fast ones do: at least 0.6 m.
+  step_s_ = std::max(0.1, 0.6 / limits_.speed_mps / static_cast<double>(PredictedPath::kSteps));
+}
+
+void MotionPlanner::reset() {
+  memory_.clear();
+  robots_.clear();
+  begun_ = false;
+}
+
+void MotionPlanner::begin(const Tracks& tracks) {
+  if (begun_) {
+    period_s_ = std::clamp(seconds(tracks.capture_time - last_time_), kShortestPeriod_s, kLongestPeriod_s);
+  }
+  begun_ = true;
+  last_time_ = tracks.capture_time;
+  robots_.clear();
+  for (const RobotTrack& track : tracks.robots) {
+    Robot robot{track.team,
+                track.id,
+                motion_state(track.pose_at_action, track.twist_at_action, track.twist_at_action),
+                {},
+                false};
+    robot.path = constant_velocity(robot.state.place, robot.state.v_mps * unit_vector(robot.state.heading_rad),
+                                   kKeepsVelocity_s, step_s_);
+    robots_.push_back(robot);
+  }
+  has_ball_ = tracks.ball.state == TrackState::kSeen || tracks.ball.state == TrackState::kCoasting;
+  ball_ = to_vector(tracks.ball.position_at_action);
+  ball_velocity_ = to_vector(tracks.ball.velocity_at_action);
+  // Robots that left the field leave the memory, too.
+  std::size_t kept = 0;
+  for (const Memory& memory : memory_) {
+    if (memory.used) memory_[kept++] = memory;
+  }
+  memory_.resize(kept);
+  for (Memory& memory : memory_) memory.used = false;
+}
+
+MotionPlanner::Memory& MotionPlanner::memory_of(RobotId id) {
+  for (Memory& memory : memory_) {
+    if (memory.id == id) return memory;
+  }
+  if (memory_.full()) memory_.resize(memory_.size() - 1);
+  Memory fresh;
+  fresh.id = id;
+  memory_.push_back(fresh);
+  return memory_.back();
+}
+
+const Vector2* MotionPlanner::next_point(RobotId id) const {
+  for (const Memory& memory : memory_) {
+    if (memory.id == id && memory.used) return &memory.via;
+  }
+  return nullptr;
+}
+
+void MotionPlanner::list_obstacles(const Robot& robot, const MotionGoal& goal) {
+  const bool is_strict = parameters_.avoid == Avoidance::kStrict;
+  const double diagonal = 2.0 * std::numbers::sqrt2 * parameters_.play.robot_radius_m;
+  const double clearance = is_strict ? std::max(parameters_.play.clearance_m, diagonal + 3.0 * kStrictMargin_m)
+                                     : parameters_.play.clearance_m;
+  const double reach = limits_.speed_mps * step_s_ * static_cast<double>(PredictedPath::kSteps);
+  // The robot itself may be faster than its limit.
+  const double own_mps = std::max(limits_.speed_mps, std::abs(robot.state.v_mps));
+  const auto step_m = [&](double speed) { return 1.01 * step_s_ * (own_mps + std::abs(speed)); };
+  obstacles_.clear();
+  for (const Robot& other : robots_) {
+    if (&other == &robot) continue;
+    const Vector2 apart = other.state.place - robot.state.place;
+    const double others_reach = std::abs(other.state.v_mps) * kKeepsVelocity_s;
+    if (std::max(std::abs(apart.x), std::abs(apart.y)) > reach + others_reach + clearance) continue;
+    // Who fights for a ball touches opponents.
+    if (other.team != Team::kOwn && goal.end_speed_mps > 0.0 && distance(other.state.place, goal.place) < clearance)
+      continue;
+    PathObstacle obstacle{&other.path, clearance, step_m(other.is_planned ? limits_.speed_mps : other.state.v_mps),
+                          PredictedPath::kSteps};
+    // Own robots with a lower priority that move give way, as soon as they can.
+    const bool gives_way =
+        other.team == Team::kOwn && other.id >= 0 && !other.is_planned && std::abs(other.state.v_mps) > kStands_mps;
+    if (gives_way && !is_strict) obstacle.steps = 3;
+    obstacles_.push_back(obstacle);
+  }
+  if (goal.avoid_ball && has_ball_) {
+    ball_path_ = constant_velocity(ball_, ball_velocity_, kKeepsVelocity_s, step_s_);
+    obstacles_.push_back({&ball_path_, std::numbers::sqrt2 * parameters_.play.robot_radius_m + kBallRadius_m,
+                          step_m(norm(ball_velocity_)), PredictedPath::kSteps});
+  }
+  // The nearest obstacles decide most candidates.
+  const auto away = [&](const PathObstacle& obstacle) {
+    const Vector2 apart = obstacle.path->at[0] - robot.state.place;
+    return dot(apart, apart);
+  };
+  std::sort(obstacles_.begin(), obstacles_.end(),
+            [&](const PathObstacle& a, const PathObstacle& b) { return away(a) < away(b); });
+}
+
+bool MotionPlanner::crosses_forbidden(Vector2 from, Vector2 to) const {
+  return std::any_of(forbidden_.begin(), forbidden_.end(), [&](const ForbiddenArea& area) {
+    double first = 0.0, last = 1.0;
+    const auto clip = [&](double at, double step, double low, double high) {
+      if (std::abs(step) < 1e-12) return at > low && at < high;
+      double enters = (low - at) / step, leaves = (high - at) / step;
+      if (enters > leaves) std::swap(enters, leaves);
+      first = std::max(first, enters);
+      last = std::min(last, leaves);
+      return first < last;
+    };
+    // A robot inside may leave.
+    if (from.x > area.low.x && from.x < area.high.x && from.y > area.low.y && from.y < area.high.y) return false;
+    return clip(from.x, to.x - from.x, area.low.x, area.high.x) && clip(from.y, to.y - from.y, area.low.y, area.high.y);
+  });
+}
+
+void MotionPlanner::consider(const PathStart& robot, const MotionGoal& goal, Vector2 via, double bonus_s,
+                             Choice& best) const {
+  const Vector2 first = via - robot.place;
+  const double first_m = norm(first);
+  double cost = (first_m + distance(via, goal.place)) / limits_.speed_mps - bonus_s;
+  if (cost >= best.cost) return;
+  const double turning_s = turning_time(robot, first, limits_);
+  cost += turning_s;
+  if (cost >= best.cost) return;
+  if (!forbidden_.empty()) {
+    if (crosses_forbidden(robot.place, via)) cost += kForbidden_s;
+    if (crosses_forbidden(via, goal.place)) cost += kForbiddenLater_s;
+  }
+  const PredictedPath path = along(robot, via, goal.place, turning_s, step_s_, limits_);
+  constexpr double kSteps = static_cast<double>(PredictedPath::kSteps);
+  // With an earlier conflict, the candidate cannot be the best one.
+  const double least = 1.0 + kSteps * (1.0 - (best.cost - cost) / kConflict_s);
+  const std::size_t conflict = first_conflict(path, obstacles_, least > 0.0 ? static_cast<std::size_t>(least) : 0);
+  if (conflict <= PredictedPath::kSteps) cost += kConflict_s * (1.0 - (static_cast<double>(conflict) - 1.0) / kSteps);
+  if (cost >= best.cost) return;
+  best = {via, cost, conflict, false, path};
+}
+
+MotionPlanner::Choice MotionPlanner::choose(const MotionState& state, const MotionGoal& goal, Memory& memory) const {
+  const PathStart robot(state);
+  Choice best;
+  const bool is_same_goal = memory.known && distance(memory.goal, goal.place) < 0.05;
+  const bool had_detour = is_same_goal && distance(memory.via, memory.goal) > 1e-6;
+  // Last frame's detour first, until its point is reached.
+  if (had_detour && distance(memory.via, robot.place) > 0.03) consider(robot, goal, memory.via, kHysteresis_s, best);
+  consider(robot, goal, goal.place, had_detour ? 0.0 : kHysteresis_s, best);
+  if (!forbidden_.empty() && best.cost > kForbiddenLater_s) {
+    for (const ForbiddenArea& area : forbidden_) {
+      const Vector2 low{area.low.x - kCorner_m, area.low.y - kCorner_m};
+      const Vector2 high{area.high.x + kCorner_m, area.high.y + kCorner_m};
+      for (const Vector2 corner : {low, high, Vector2{low.x, high.y}, Vector2{high.x, low.y}}) {
+        if (area_.contains(corner)) consider(robot, goal, corner, 0.0, best);
+      }
+    }
+  }
+  if (best.conflict <= kSearchesBefore) {
+    const double ahead = bearing(goal.place - robot.place);
+    for (const double turn : kTurns) {
+      const Vector2 direction = unit_vector(ahead + turn);
+      for (const double length : kLengths_m) {
+        const Vector2 via = robot.place + length * direction;
+        if (area_.contains(via)) consider(robot, goal, via, 0.0, best);
+      }
+    }
+  }
+  return best;
+}
+
+// A robot may move if, after the next period, it can brake without coming nearer to another robot's braking way than
+// the margin allows, or if it moves away from it. Since each robot's last decision left room for braking, braking is
+// always possible.
+bool MotionPlanner::may_move(const Robot& robot, const Twist& command) const {
+  const double a = limits_.acceleration_mps2;
+  const auto stop_from = [a](Vector2 place, double heading_rad, double v) {
+    return place + (v * std::abs(v) / (2.0 * a)) * unit_vector(heading_rad);
+  };
+  const Twist wheels = wheels_after(robot.state.wheels, command, period_s_, parameters_.drive);
+  const double v = std::max(std::abs(static_cast<double>(wheels.v_mps)), std::abs(robot.state.v_mps));
+  const double sign = static_cast<double>(wheels.v_mps) < 0.0 ? -1.0 : 1.0;
+  const Vector2 ahead = unit_vector(robot.state.heading_rad);
+  // A lost packet lets a robot go on for another period.
+  const Vector2 end = robot.state.place + (sign * v * (2.0 * period_s_ + 0.5 * v / a)) * ahead;
+  const double least = 2.0 * std::numbers::sqrt2 * parameters_.play.robot_radius_m + kStrictMargin_m;
+  return std::none_of(robots_.begin(), robots_.end(), [&](const Robot& other) {
+    if (&other == &robot) return false;
+    const double now = distance(robot.state.place, other.state.place);
+    const Vector2 others_end = stop_from(other.state.place, other.state.heading_rad, other.state.v_mps);
+    // The ways are short: the least distance of all pairs of their points is at one of the ends.
+    const double after = std::min(
+        {distance(end, other.state.place), distance(end, others_end), distance(robot.state.place, others_end)});
+    return after < std::min(least, now) && distance(end, others_end) < distance(robot.state.place, others_end);
+  });
+}
+
+MotionPlanner::Robot* MotionPlanner::find(RobotId id) {
+  auto* const found = std::find_if(robots_.begin(), robots_.end(),
+                                   [&](const Robot& robot) { return robot.team == Team::kOwn && robot.id == id; });
+  return found == robots_.end() ? nullptr : found;
+}
+
+Twist MotionPlanner::restrained(RobotId id, const MotionState& state, const Twist& command) {
+  Robot* const robot = find(id);
+  if (parameters_.avoid != Avoidance::kStrict || robot == nullptr) return command;
+  robot->state = state;
+  return may_move(*robot, command) ? command : brake(state, period_s_, parameters_.drive);
+}
+
+Twist MotionPlanner::drive(RobotId id, const MotionState& state, const MotionGoal& goal) {
+  Robot* const found = find(id);
+  if (found == nullptr) return touchline::drive(state, goal, period_s_, parameters_.drive, area_);
+  Robot& robot = *found;
+  robot.state = state;
+  Memory& memory = memory_of(id);
+  list_obstacles(robot, goal);
+  Choice choice;
+  const bool is_free = obstacles_.empty() && forbidden_.empty();
+  if (is_free) {
+    choice.via = goal.place;
+    const PathStart start(state);
+    const double turning_s = turning_time(start, goal.place - start.place, limits_);
+    choice.path = along(start, goal.place, goal.place, turning_s, step_s_, limits_);
+  } else {
+    choice = choose(state, goal, memory);
+  }
+  // Brake if the conflict comes before the robot could stop, one step later.
+  const double stops_s = std::abs(state.v_mps) / limits_.acceleration_mps2;
+  choice.brakes = !is_free && choice.conflict <= PredictedPath::kSteps &&
+                  static_cast<double>(choice.conflict) - 1.0 <= std::ceil(stops_s / step_s_);
+  MotionGoal next = goal;
+  const bool is_direct = distance(choice.via, goal.place) < 1e-9;
+  if (!is_direct) {
+    next = {};
+    next.place = choice.via;
+    next.end_speed_mps = limits_.speed_mps;
+  }
+  Twist command = choice.brakes ? brake(state, period_s_, parameters_.drive)
+                                : touchline::drive(state, next, period_s_, parameters_.drive, area_);
+  if (parameters_.avoid == Avoidance::kStrict && !choice.brakes && !may_move(robot, command)) {
+    command = brake(state, period_s_, parameters_.drive);
+    choice.brakes = true;
+  }
+  robot.path = choice.brakes ? stopping(state, step_s_, limits_) : choice.path;
+  robot.is_planned = true;
+  memory.via = choice.via;
+  memory.goal = goal.place;
+  memory.used = memory.known = true;
+  return command;
+}
+
+}  // namespace touchline

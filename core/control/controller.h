@@ -31,7 +31,7 @@ class Controller {
   /// robots start from rest afterwards. The same input gives the same bits.
   void decide(const Tracks& measured, bool halted, Commands& out);
 
-  [[nodiscard]] const Roles& roles() const { return play_.roles(); }
+  [[nodiscard]] const Play& play() const { return play_; }
 
  private:
   struct RobotState {

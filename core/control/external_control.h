@@ -2,7 +2,7 @@
 
 #include "core/control/control_parameters.h"
 #include "core/control/external_command.h"
-#include "core/control/roles.h"
+#include "core/control/player.h"
 #include "core/geometry/field_area.h"
 #include "core/types.h"
 

@@ -3,7 +3,7 @@
 #include <array>
 
 #include "core/control/control_parameters.h"
-#include "core/control/roles.h"
+#include "core/control/player.h"
 #include "core/geometry/field_area.h"
 #include "core/types.h"
 

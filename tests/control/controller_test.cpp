@@ -40,12 +40,12 @@ class ControllerTest : public ::testing::Test {
 
 TEST_F(ControllerTest, LimitsCanChangeDuringAGame) {
   run(60);
-  const RobotId attacker = controller_.roles().attacker();
+  const RobotId attacker = controller_.play().attacker();
   const Commands before = commands_;
   ControlParameters slow;
   slow.drive.max_speed_mps = 0.2;
   ASSERT_TRUE(controller_.set_parameters(slow).ok());
-  EXPECT_EQ(controller_.roles().attacker(), attacker);
+  EXPECT_EQ(controller_.play().attacker(), attacker);
   decide(world_.tracks());
   const double most = slow.drive.max_wheel_acceleration_mps2 * 0.016 + 1e-6;
   for (std::size_t i = 0; i < 3; ++i) {
@@ -156,7 +156,7 @@ TEST_F(ControllerTest, WithoutABallOnlyTheGoalkeeperMoves) {
     EXPECT_EQ(speed(1), 0.0);
     EXPECT_EQ(speed(2), 0.0);
   }
-  ASSERT_EQ(controller_.roles().goalkeeper(), 1);
+  ASSERT_EQ(controller_.play().goalkeeper(), 1);
   EXPECT_NEAR(world_.robots[0].position.x, -1.1 + PlayParameters{}.keeper_line_m, 0.04);
   EXPECT_NEAR(world_.robots[0].position.y, 0.0, 0.03);
 }

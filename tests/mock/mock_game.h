@@ -26,10 +26,10 @@ class MockGame {
     board.arena.fault = std::move(faults);
     EXPECT_TRUE(pipeline->configure(configuration->pipeline).ok());
     arena.emplace(board.arena, board.camera, board.radio, seed);
-    Result<std::unique_ptr<hal::mock::SimulatedSide>> made = make_opponents(*configuration, seed);
+    Result<ArenaOpponents> made = make_opponents(*configuration, seed);
     EXPECT_OK(made);
     if (made.ok()) opponents = std::move(made).value();
-    arena->game().set_side(hal::mock::Side::kOpponent, opponents.get());
+    arena->game().set_side(hal::mock::Side::kOpponent, opponents.side.get());
     clock.emplace(*arena);
     camera.emplace(*arena, *clock);
     radio.emplace(*arena, *clock);
@@ -41,7 +41,7 @@ class MockGame {
   std::unique_ptr<config::Configuration> configuration = std::make_unique<config::Configuration>();
   std::unique_ptr<Pipeline> pipeline = std::make_unique<Pipeline>();
   std::unique_ptr<ReportRing> ring = std::make_unique<ReportRing>();
-  std::unique_ptr<hal::mock::SimulatedSide> opponents;
+  ArenaOpponents opponents;
   std::optional<hal::mock::Arena> arena;
   std::optional<hal::mock::ArenaClock> clock;
   std::optional<hal::mock::MockCamera> camera;

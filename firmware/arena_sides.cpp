@@ -1,7 +1,9 @@
 #include "firmware/arena_sides.h"
 
 #include <algorithm>
+#include <string_view>
 
+#include "firmware/config/wording.h"
 #include "hal/device_parameters.h"
 
 namespace touchline {
@@ -24,15 +26,22 @@ hal::mock::SideSettings side_settings(const config::Configuration& configuration
   return settings;
 }
 
-Result<std::unique_ptr<hal::mock::SimulatedSide>> make_opponents(const config::Configuration& configuration,
-                                                                 std::uint64_t seed) {
+Result<ArenaOpponents> make_opponents(const config::Configuration& configuration, std::uint64_t seed) {
   const hal::mock::ArenaParameters& arena = configuration.board.arena;
-  if (arena.opponents == hal::mock::Opponents::kStand) return std::unique_ptr<hal::mock::SimulatedSide>();
+  ArenaOpponents opponents;
+  if (arena.opponents == hal::mock::Opponents::kStand) return opponents;
   hal::mock::SideSettings settings = side_settings(configuration, Side::kOpponent);
-  DriveParameters& drive = settings.pipeline.control.drive;
-  drive.max_speed_mps = std::min(drive.max_speed_mps, arena.opponent_speed_mps);
-  auto opponents = std::make_unique<hal::mock::SimulatedSide>(arena, Side::kOpponent, seed);
-  if (const Status status = opponents->configure(settings); !status.ok()) {
+  const hal::mock::StrategyCatalog catalog;
+  const std::string_view name = config::word_of(arena.opponents, hal::mock::kOpponentStrategies);
+  TOUCHLINE_TRY_ASSIGN(opponents.strategy, catalog.create(name, seed));
+  settings.strategy = opponents.strategy.get();
+  settings.pipeline.control = hal::mock::parameters_for(*catalog.find(name), settings.pipeline.control);
+  if (arena.opponent_speed_mps > 0.0) {
+    DriveParameters& drive = settings.pipeline.control.drive;
+    drive.max_speed_mps = std::min(drive.max_speed_mps, arena.opponent_speed_mps);
+  }
+  opponents.side = std::make_unique<hal::mock::SimulatedSide>(arena, Side::kOpponent, seed);
+  if (const Status status = opponents.side->configure(settings); !status.ok()) {
     return failure(status.code(), "arena.opponents: their pipeline refuses the settings of the team");
   }
   return opponents;

@@ -5,6 +5,7 @@
 
 #include "firmware/config/configuration.h"
 #include "hal/mock/simulated_side.h"
+#include "hal/mock/strategies/strategy_catalog.h"
 #include "hal/result.h"
 
 namespace touchline {
@@ -13,9 +14,12 @@ namespace touchline {
 /// delays, and the team's control. The opponents' robots understand Touchline's own packet.
 hal::mock::SideSettings side_settings(const config::Configuration& configuration, hal::mock::Side side);
 
-/// Creates the arena's other team as the board file says (arena.opponents); null: it stands. kOutOfRange: the team
-/// file's settings are impossible with opponent_speed_mps.
-Result<std::unique_ptr<hal::mock::SimulatedSide>> make_opponents(const config::Configuration& configuration,
-                                                                 std::uint64_t seed);
+/// The arena's other team, which the board file describes (arena.opponents). Nobody plays if it stands.
+struct ArenaOpponents {
+  hal::mock::StrategyPointer strategy{nullptr, nullptr};
+  std::unique_ptr<hal::mock::SimulatedSide> side;  // null: it stands
+};
+/// kOutOfRange: the team file's settings are impossible with arena.opponent_speed_mps.
+Result<ArenaOpponents> make_opponents(const config::Configuration& configuration, std::uint64_t seed);
 
 }  // namespace touchline

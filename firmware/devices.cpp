@@ -5,7 +5,6 @@
 #include <cstdio>
 #include <utility>
 
-#include "firmware/arena_sides.h"
 #include "firmware/null_devices.h"
 #include "firmware/paced_clock.h"
 #include "firmware/radio_group.h"
@@ -66,7 +65,7 @@ Result<void> Devices::make(const config::Configuration& configuration, std::uint
                                            simulated_time_ ? hal::mock::Arena::kBegin : hal::MonotonicClock::read());
     arena_->channel().set_layouts(configuration.pipeline.radio, configuration.pipeline.telemetry);
     TOUCHLINE_TRY_ASSIGN(opponents_, make_opponents(configuration, seed));
-    arena_->game().set_side(hal::mock::Side::kOpponent, opponents_.get());
+    arena_->game().set_side(hal::mock::Side::kOpponent, opponents_.side.get());
   }
   if (simulated_time_) {
     clock_ = std::make_unique<hal::mock::ArenaClock>(*arena_);

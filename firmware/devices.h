@@ -5,6 +5,7 @@
 #include <string>
 
 #include "firmware/arena_objects.h"
+#include "firmware/arena_sides.h"
 #include "firmware/config/configuration.h"
 #include "firmware/loop.h"
 #include "firmware/radio_plan.h"
@@ -17,7 +18,6 @@ namespace touchline {
 
 namespace hal::mock {
 class Arena;
-class SimulatedSide;
 }  // namespace hal::mock
 
 /// How the time of a simulated arena passes.
@@ -54,9 +54,9 @@ class Devices {
  private:
   [[nodiscard]] std::unique_ptr<hal::Radio> make_radio(const PlannedRadio& radio);
 
-  std::unique_ptr<hal::mock::SimulatedSide> opponents_;  // null: they stand
-  std::unique_ptr<hal::mock::Arena> arena_;              // first: the devices refer to it
-  std::unique_ptr<hal::Clock> slowed_clock_;             // the clock that `clock_` slows or pauses
+  ArenaOpponents opponents_;
+  std::unique_ptr<hal::mock::Arena> arena_;   // first: the devices refer to it
+  std::unique_ptr<hal::Clock> slowed_clock_;  // the clock that `clock_` slows or pauses
   std::unique_ptr<hal::Clock> clock_;
   std::unique_ptr<hal::Camera> camera_;
   std::unique_ptr<hal::Radio> radio_;

@@ -402,9 +402,10 @@ struct ArenaParameters {
     visit.flag(
         self.robots_return,
         {.name = "robots_return", .help = "After a goal or a free ball, robots are put where they were at the start"});
-    visit.number(
-        self.opponent_speed_mps,
-        {.name = "opponent_speed_mps", .range = {0.0, 5.0}, .unit = "m/s", .help = "Maximum speed of the other team"});
+    visit.number(self.opponent_speed_mps, {.name = "opponent_speed_mps",
+                                           .range = {0.0, 5.0},
+                                           .unit = "m/s",
+                                           .help = "Maximum speed of the other team; 0: the strategy's own"});
     visit.number(self.robot_side_m,
                  {.name = "robot_side_m", .range = {0.02, 0.4}, .unit = "m", .help = "Side of the robots"});
     visit.number(self.robot_height_m, {.name = "robot_height_m",

@@ -10,6 +10,7 @@
 #include "tools/programs/command_line/command_line.h"
 #include "tools/programs/command_line/progress.h"
 #include "tools/programs/simulate/game_series.h"
+#include "tools/programs/simulate/scenario.h"
 #include "tools/programs/simulate/series_report.h"
 
 namespace touchline::simulate {
@@ -21,6 +22,7 @@ struct Options {
   SeriesSettings series;
   int robots = 0;
   bool table = false;
+  int scenarios = 0;
 };
 
 Result<Series> play(const Options& options, const Team& own, const Team& opponent) {
@@ -70,8 +72,11 @@ Result<void> play_pair(const Options& options) {
   return write(options, all);
 }
 
+// A game needs 400 bytes: enough for half a million games.
+constexpr std::size_t kMaxFile = 200'000'000;
+
 Result<std::vector<Series>> read(const std::string& path) {
-  TOUCHLINE_TRY_ASSIGN(const std::string text, hal::read_file(path));
+  TOUCHLINE_TRY_ASSIGN(const std::string text, hal::read_file(path, kMaxFile));
   Result<std::vector<Series>> all = from_json(text);
   if (!all.ok()) return prefixed(path, std::move(all).error());
   return all;
@@ -94,7 +99,15 @@ Result<void> compare_files(const std::string& first, const std::string& second) 
   return failure(ErrorCode::kInconsistent, "%s and %s have no opponent in common", first.c_str(), second.c_str());
 }
 
+Result<void> play_scenarios(const Options& options) {
+  TOUCHLINE_TRY_ASSIGN(const Team own, load_team(options.board, options.own, options.overrides));
+  TOUCHLINE_TRY_ASSIGN(const std::string text, scenario_text(own, options.scenarios));
+  std::fputs(text.c_str(), stdout);
+  return {};
+}
+
 Result<void> run(const Options& options) {
+  if (options.scenarios > 0) return play_scenarios(options);
   if (!options.compare.empty()) return compare_files(options.compare[0], options.compare[1]);
   return options.table ? play_table(options) : play_pair(options);
 }
@@ -106,10 +119,11 @@ int main(int argc, char** argv) {
   using namespace touchline;
   simulate::Options options;
   options.series.jobs = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
-  CLI::App app("Plays games of the arena without pictures, many times faster than real time, and says how sure the\n"
-               "result is. Both sides have their own camera errors, tracker, radio and robots. A side is a strategy:\n" +
-                   simulate::strategies_text() + "or a team file (.toml), whose settings the built-in play uses",
-               "touchline-simulate");
+  CLI::App app(
+      "Plays games of the arena without pictures, many times faster than real time, and says how sure the\n"
+      "result is. Both sides have their own camera errors, tracker, radio and robots. A side is a strategy:\n" +
+          simulate::strategies_text() + "or a team file (.toml), whose settings the built-in play uses",
+      "touchline-simulate");
   app.add_option("--board", options.board, "Board file of the arena")->type_name("FILE")->capture_default_str();
   app.add_option("--own", options.own, "Who plays for the own side: a strategy or a team file")
       ->type_name("TEAM")
@@ -129,6 +143,9 @@ int main(int argc, char** argv) {
   app.add_option("--robots", options.robots, "Robots of each side (default: as in the board file)")
       ->check(CLI::Range(1, 11));
   app.add_flag("--table", options.table, "Let every strategy play against every strategy");
+  app.add_option("--scenarios", options.scenarios,
+                 "Instead of games, play this many trials of each situation: a resting ball, shots at the goalkeeper")
+      ->check(CLI::Range(1, 100000));
   app.add_option("--jobs", options.series.jobs, "Games that are played at the same time (default: one per processor)")
       ->check(CLI::Range(1, 256));
   app.add_option("--json", options.json, "Write all results to this file")->type_name("FILE");

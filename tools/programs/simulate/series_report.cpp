@@ -112,9 +112,8 @@ std::string table_text(const std::vector<std::string>& names, const std::vector<
       const auto found = std::find_if(games.begin(), games.end(), [&](const Series& series) {
         return series.own == own && series.opponent == opponent;
       });
-      const std::string cell = found == games.end() ? "" : text_of(mean_over(*found, [](const auto& game) {
-        return game.difference();
-      }), 1);
+      const std::string cell =
+          found == games.end() ? "" : text_of(mean_over(*found, [](const auto& game) { return game.difference(); }), 1);
       out += formatted(" %16s", cell.c_str());
     }
     out += "\n";

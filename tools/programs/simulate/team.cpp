@@ -15,7 +15,10 @@ using hal::mock::StrategyEntry;
 const StrategyCatalog& catalog() {
   static const StrategyCatalog all = [] {
     StrategyCatalog made;
-    made.add(release_0_1::entry());
+    made.add({"release-0.1",
+              "the built-in play of release 0.1, frozen",
+              [](std::uint64_t) { return hal::mock::make_strategy<release_0_1::Play>(); },
+              {}});
     return made;
   }();
   return all;
@@ -38,8 +41,9 @@ Result<Team> load_team(const std::string& board, const std::string& team, const 
   out.name = team;
   out.strategy = is_file(team) ? "play" : team;
   if (catalog().find(out.strategy) == nullptr) {
-    return failure(ErrorCode::kNotFound, "there is no strategy \"%s\"; there are %s, or the path of a team file (.toml)",
-                   team.c_str(), catalog().names().c_str());
+    return failure(ErrorCode::kNotFound,
+                   "there is no strategy \"%s\"; there are %s, or the path of a team file (.toml)", team.c_str(),
+                   catalog().names().c_str());
   }
   auto configuration = std::make_shared<config::Configuration>();
   TOUCHLINE_TRY(config::load({board, "", is_file(team) ? team : "", overrides}, *configuration));
@@ -51,11 +55,9 @@ Result<Player> make_player(const Team& team, const hal::mock::ArenaParameters& a
                            std::uint64_t seed) {
   Player player;
   hal::mock::SideSettings settings = side_settings(*team.configuration, side);
-  if (team.strategy != "play") {
-    TOUCHLINE_TRY_ASSIGN(player.strategy, catalog().create(team.strategy, seed));
-    settings.strategy = player.strategy.get();
-    settings.pipeline.control = parameters_for(*catalog().find(team.strategy), settings.pipeline.control);
-  }
+  TOUCHLINE_TRY_ASSIGN(player.strategy, catalog().create(team.strategy, seed));
+  settings.strategy = player.strategy.get();
+  settings.pipeline.control = parameters_for(*catalog().find(team.strategy), settings.pipeline.control);
   player.side = std::make_unique<hal::mock::SimulatedSide>(arena, side, seed);
   if (const Status status = player.side->configure(settings); !status.ok()) {
     return failure(status.code(), "%s: its pipeline refuses the settings", team.name.c_str());

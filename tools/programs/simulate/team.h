@@ -16,7 +16,7 @@ namespace touchline::simulate {
 struct Team {
   std::string name;  // as given on the command line
   std::shared_ptr<const config::Configuration> configuration;
-  std::string strategy;  // name of a strategy; "play": the built-in play
+  std::string strategy;  // its name
 };
 
 /// Returns the names of all strategies with a line of description each, for --help.
@@ -29,7 +29,7 @@ Result<Team> load_team(const std::string& board, const std::string& team, const 
 
 /// A side that is ready to play one game.
 struct Player {
-  hal::mock::StrategyPointer strategy{nullptr, nullptr};  // null: the built-in play
+  hal::mock::StrategyPointer strategy{nullptr, nullptr};
   std::unique_ptr<hal::mock::SimulatedSide> side;
 };
 

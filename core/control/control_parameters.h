@@ -96,19 +96,11 @@ struct PlayParameters {
   bool enabled = true;
   int goalkeeper_id = -1;
   double robot_radius_m = 0.0375;
+  double ball_radius_m = 0.02135;
   double clearance_m = 0.11;
-  double behind_ball_m = 0.11;
-  double corridor_m = 0.02;
-  double corridor_slope = 0.35;
-  double push_speed_mps = 0.8;
-  double wall_m = 0.07;
-  double keeper_line_m = 0.07;
-  double attacker_hysteresis_m = 0.15;
-  double slot_hysteresis_m = 0.1;
+  double keeper_line_m = 0.045;
+  double hysteresis_s = 0.2;
   double max_coast_s = 0.15;
-  double stuck_after_s = 0.6;
-  double escape_for_s = 0.35;
-  double escape_speed_mps = 0.4;
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
@@ -120,57 +112,24 @@ struct PlayParameters {
                                       .help = "Id of the goalkeeper; -1: the robot nearest to the goal at the start"});
     visit.number(self.robot_radius_m,
                  {.name = "robot_radius_m", .range = {0.005, 0.5}, .unit = "m", .help = "Half the side of a robot"});
+    visit.number(self.ball_radius_m,
+                 {.name = "ball_radius_m", .range = {0.005, 0.5}, .unit = "m", .help = "Radius of the ball"});
     visit.number(self.clearance_m, {.name = "clearance_m",
                                     .range = {0.01, 1.0},
                                     .unit = "m",
                                     .help = "Minimum distance between the centers of two robots that pass each other"});
-    visit.number(self.behind_ball_m, {.name = "behind_ball_m",
-                                      .range = {0.02, 1.0},
-                                      .unit = "m",
-                                      .help = "Distance behind the ball at which an attack starts"});
-    visit.number(
-        self.corridor_m,
-        {.name = "corridor_m",
-         .range = {0.001, 0.2},
-         .unit = "m",
-         .help = "Half width, at the ball, of the corridor in which the attacker drives straight to the ball"});
-    visit.number(self.corridor_slope, {.name = "corridor_slope",
-                                       .range = {0.0, 2.0},
-                                       .help = "Growth of the corridor's half width per meter behind the ball"});
-    visit.number(self.push_speed_mps, {.name = "push_speed_mps",
-                                       .range = {0.05, 10.0},
-                                       .unit = "m/s",
-                                       .help = "Speed of the attacker when it pushes the ball"});
-    visit.number(self.wall_m, {.name = "wall_m",
-                               .range = {0.0, 0.5},
-                               .unit = "m",
-                               .help = "Distance between ball and wall below which no robot fits between them"});
     visit.number(self.keeper_line_m, {.name = "keeper_line_m",
                                       .range = {0.0, 1.0},
                                       .unit = "m",
-                                      .help = "Distance of the goalkeeper from the goal line"});
-    visit.number(self.attacker_hysteresis_m,
-                 {.name = "attacker_hysteresis_m",
-                  .range = {0.0, 2.0},
-                  .unit = "m",
-                  .help = "Distance by which another robot must be nearer to the ball to become the attacker"});
-    visit.number(self.slot_hysteresis_m,
-                 {.name = "slot_hysteresis_m",
-                  .range = {0.0, 2.0},
-                  .unit = "m",
-                  .help = "Distance by which another robot must be nearer to a supporter's position to take it"});
+                                      .help = "Distance of the goalkeeper's center from the goal line"});
+    visit.number(self.hysteresis_s, {.name = "hysteresis_s",
+                                     .range = {0.0, 5.0},
+                                     .unit = "s",
+                                     .help = "Time by which another robot must be sooner to take over a role"});
     visit.number(self.max_coast_s, {.name = "max_coast_s",
                                     .range = {0.0, 5.0},
                                     .unit = "s",
                                     .help = "Time without a sighting after which a robot gets stop commands"});
-    visit.number(self.stuck_after_s, {.name = "stuck_after_s",
-                                      .range = {0.1, 10.0},
-                                      .unit = "s",
-                                      .help = "Time without motion despite commands after which a robot backs off"});
-    visit.number(self.escape_for_s,
-                 {.name = "escape_for_s", .range = {0.05, 5.0}, .unit = "s", .help = "Duration of backing off"});
-    visit.number(self.escape_speed_mps,
-                 {.name = "escape_speed_mps", .range = {0.05, 10.0}, .unit = "m/s", .help = "Speed of backing off"});
   }
 };
 

@@ -28,7 +28,7 @@ Status Controller::apply(const ControlParameters& parameters, const FieldParamet
     return ErrorCode::kOutOfRange;
   }
   const PlayParameters& play = parameters.play;
-  if (!is_positive(play.robot_radius_m) || !is_positive(play.clearance_m) || !is_positive(play.behind_ball_m) ||
+  if (!is_positive(play.robot_radius_m) || !is_positive(play.clearance_m) || !is_positive(play.ball_radius_m) ||
       !is_positive(parameters.line_up.max_speed_mps) || !is_positive(parameters.line_up.ball_distance_m) ||
       !is_positive(parameters.motion.distance_per_s) || !is_positive(parameters.external.max_age_s) ||
       !is_positive(static_cast<double>(field.length_m)) || !is_positive(static_cast<double>(field.width_m))) {

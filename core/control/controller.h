@@ -35,7 +35,7 @@ class Controller {
   /// nothing, all commands are zero, and the robots start from rest afterwards. The same input gives the same bits.
   void decide(const Tracks& measured, bool is_halted, Commands& out);
 
-  [[nodiscard]] const Roles& roles() const { return play_.roles(); }
+  [[nodiscard]] const Play& play() const { return play_; }
 
  private:
   struct RobotState {

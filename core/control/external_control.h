@@ -3,7 +3,7 @@
 #include "core/control/control_parameters.h"
 #include "core/control/external_command.h"
 #include "core/control/motion/motion_planner.h"
-#include "core/control/roles.h"
+#include "core/control/player.h"
 #include "core/types.h"
 
 namespace touchline {

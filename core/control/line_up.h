@@ -3,12 +3,15 @@
 #include <optional>
 
 #include "core/control/control_parameters.h"
+#include "core/control/player.h"
 #include "core/control/referee_state.h"
-#include "core/control/roles.h"
 #include "core/control/strategy.h"
 #include "core/geometry/field_area.h"
+#include "core/geometry/vector2.h"
 
 namespace touchline {
+
+using Places = FixedVector<Vector2, kMaxRobotsPerTeam>;
 
 /// Places of a team while the game is stopped.
 struct LineUpPlaces {

@@ -2,10 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
-#include "core/control/motion_laws.h"
-#include "core/geometry/angle.h"
+#include "core/control/play_table.h"
+#include "core/control/skills.h"
 
 namespace touchline {
 namespace {
@@ -15,130 +14,214 @@ bool known(const BallTrack& ball) { return ball.state == TrackState::kSeen || ba
 }  // namespace
 
 void Play::configure(const ControlParameters& parameters, const FieldParameters& field) {
-  parameters_ = parameters;
   field_ = field;
+  scene_.parameters = parameters;
+  scene_.pitch = Pitch(field, parameters.play);
 }
 
 void Play::reset() {
   roles_.reset();
-  watched_.clear();
+  openings_.clear();
+  goalkeeper_ = attacker_ = kUnknownId;
+  ball_stayed_since_ = Instant{};
+  scene_.ball_known = false;
+}
+
+PlayRole Play::role_of(RobotId id) const {
+  if (id == goalkeeper_) return PlayRole::kGoalkeeper;
+  if (id == attacker_) return PlayRole::kAttacker;
+  return roles_.opening_of(id) >= 0 ? PlayRole::kSupporter : PlayRole::kNone;
+}
+
+void Play::look(const Tracks& tracks, const Players& players) {
+  scene_.now = tracks.capture_time;
+  scene_.players = players;
+  // A ball that is not seen is where it was: a robot hides it, or holds it.
+  const bool seen = known(tracks.ball);
+  scene_.ball_known = scene_.ball_known || seen;
+  scene_.opponents.clear();
+  for (const RobotTrack& robot : tracks.robots) {
+    if (robot.team == Team::kOwn) continue;
+    scene_.opponents.push_back({position(robot.pose_at_action), static_cast<double>(robot.twist_at_action.v_mps) *
+                                                                    unit_vector(heading(robot.pose_at_action))});
+  }
+  if (!scene_.ball_known) return;
+  if (seen) scene_.ball = to_vector(tracks.ball.position_at_action);
+  scene_.ball_velocity = seen ? to_vector(tracks.ball.velocity_at_action) : Vector2{};
+  scene_.path = BallPath({scene_.ball, scene_.ball_velocity}, scene_.pitch);
+  scene_.opponent_at_ball_s = 1e9;
+  for (const Opponent& opponent : scene_.opponents) {
+    const double way = std::max(0.0, distance(opponent.position, scene_.ball) - scene_.pitch.contact_m());
+    scene_.opponent_at_ball_s = std::min(scene_.opponent_at_ball_s, 0.1 + way / 0.8);
+  }
+}
+
+// A single robot plays in the field.
+void Play::choose_goalkeeper() {
+  find_goalkeeper();
+  scene_.goalkeeper_plays = scene_.players.size() > 1 || !scene_.ball_known;
+}
+
+void Play::find_goalkeeper() {
+  const PlayParameters& play = scene_.parameters.play;
+  if (play.goalkeeper_id >= 0) {
+    goalkeeper_ = static_cast<RobotId>(play.goalkeeper_id);
+    return;
+  }
+  // A goalkeeper whose track is lost for a moment comes back.
+  constexpr double kReturnS = 0.5, kBetterS = 1.0;
+  const SkillGoal goal{.place = {-scene_.pitch.end_m + play.keeper_line_m, 0.0}};
+  RobotId best = kUnknownId;
+  double least = 1e9;
+  for (const Player& player : scene_.players) {
+    double time = time_to(player, goal, scene_.pitch, scene_.parameters.drive);
+    if (player.id == goalkeeper_) {
+      goalkeeper_seen_ = scene_.now;
+      time -= kBetterS;
+    }
+    if (time >= least) continue;
+    least = time;
+    best = player.id;
+  }
+  const bool away = seconds(scene_.now - goalkeeper_seen_) > kReturnS;
+  const bool present = goalkeeper_seen_ == scene_.now;
+  if (goalkeeper_ == kUnknownId || away || (present && best != goalkeeper_)) {
+    goalkeeper_ = best;
+    goalkeeper_seen_ = scene_.now;
+  }
+}
+
+// What robots on the straight way cost, in s. Each makes a detour.
+double Play::blocked_time(const Player& player, Vector2 place) const {
+  constexpr double kDetourS = 0.3;
+  const Vector2 here = position(player.pose), way = place - here;
+  const double length = norm(way), width = 1.8 * scene_.pitch.robot_m;
+  if (length < 1e-6) return 0.0;
+  double time = 0.0;
+  const auto add = [&](Vector2 p) {
+    const double along = dot(p - here, way) / length, beside = cross(way, p - here) / length;
+    if (along > 0.0 && along < length && std::abs(beside) < width) time += kDetourS;
+  };
+  for (const Player& other : scene_.players) {
+    if (other.id != player.id) add(position(other.pose));
+  }
+  for (const Opponent& opponent : scene_.opponents) add(opponent.position);
+  return time;
+}
+
+void Play::assign_jobs() {
+  openings_.clear();
+  attacker_ = scene_.ball_known ? attacker_ : kUnknownId;
+  if (!scene_.ball_known) return roles_.reset();
+  Players others;
+  for (const Player& player : scene_.players) {
+    if (player.id != goalkeeper_ || !scene_.goalkeeper_plays) others.push_back(player);
+  }
+  options_.find(scene_);
+  std::array<Strike, kMaxRobotsPerTeam> strikes{};
+  for (const JobLine& line : job_table()) {
+    if (openings_.size() == others.size()) break;
+    if (!line.situation(scene_)) continue;
+    Opening opening;
+    opening.job = line.job;
+    opening.weight = line.weight;
+    if (line.place != nullptr) opening.place = line.place(scene_);
+    for (std::size_t k = 0; k < others.size(); ++k) {
+      const bool attacks = others[k].id == attacker_;
+      if (line.place != nullptr) {
+        opening.time_s[k] = time_to(others[k], {.place = opening.place}, scene_.pitch, scene_.parameters.drive);
+        continue;
+      }
+      strikes[k] = options_.best_for(others[k], attacks ? &strike_.direction_rad : nullptr, scene_);
+      opening.time_s[k] = strikes[k].cost_s + blocked_time(others[k], strikes[k].goal.place);
+      constexpr double kTakeOverS = 0.5;  // what somebody else may be later at a jammed ball
+      if (attacks && scene_.ball_stays_s > kSpinS) opening.time_s[k] += kTakeOverS;
+    }
+    openings_.push_back(opening);
+  }
+  roles_.assign(others, openings_, scene_.parameters.play.hysteresis_s);
+  const RobotId before = attacker_;
+  attacker_ = roles_.holder_of(0);
+  if (attacker_ != before) ball_stayed_since_ = scene_.now;
+  for (std::size_t k = 0; k < others.size(); ++k) {
+    if (others[k].id == attacker_) strike_ = strikes[k];
+  }
+}
+
+// Measures how long the attacker has been at the ball without moving it. It starts anew when somebody else attacks.
+void Play::watch_ball() {
+  constexpr double kMovedM = 0.03, kAtBallM = 0.2;
+  bool at_ball = false;
+  for (const Player& player : scene_.players) {
+    if (player.id == attacker_) at_ball = distance(position(player.pose), scene_.ball) < kAtBallM;
+  }
+  const double stays = seconds(scene_.now - ball_stayed_since_);
+  if (!at_ball || distance(scene_.ball, ball_stayed_at_) > kMovedM || stays > kBackOffS) {
+    ball_stayed_at_ = scene_.ball;
+    ball_stayed_since_ = scene_.now;
+  }
+  scene_.ball_stays_s = seconds(scene_.now - ball_stayed_since_);
+}
+
+// The goal of a robot by the table of skills; one that stays where it is if it has no job.
+SkillGoal Play::goal_of(const Player& player) const {
+  const int opening = roles_.opening_of(player.id);
+  const bool keeps = player.id == goalkeeper_ && scene_.goalkeeper_plays;
+  Strike strike = strike_;
+  if (keeps && scene_.ball_known && scene_.pitch.in_own_area(scene_.ball, 0.0)) {
+    strike = options_.best_for(player, nullptr, scene_);
+  }
+  Task task{player, scene_, strike, position(player.pose)};
+  Job job = keeps ? Job::kKeep : Job::kNone;
+  if (opening >= 0) {
+    job = openings_[static_cast<std::size_t>(opening)].job;
+    task.place = openings_[static_cast<std::size_t>(opening)].place;
+  }
+  for (const SkillLine& line : skill_table()) {
+    if (line.job == job && line.condition(task)) return line.skill(task);
+  }
+  return {.place = task.place, .twist = Twist{}};
+}
+
+// Own robots with a lower rank have the right of way.
+int Play::rank_of(RobotId id) const {
+  if (id == goalkeeper_) return -2;
+  if (id == attacker_) return -1;
+  const int opening = roles_.opening_of(id);
+  return opening < 0 ? 100 : opening;
+}
+
+void Play::list_obstacles(const Player& player, const SkillGoal& goal, const Tracks& tracks,
+                          RoundObstacles& out) const {
+  out.clear();
+  const double clearance = scene_.parameters.play.clearance_m;
+  const bool attacks = player.id == attacker_;
+  if (player.id == goalkeeper_) return;  // the others make room
+  for (const RobotTrack& robot : tracks.robots) {
+    if (robot.team == Team::kOwn && robot.id == player.id) continue;
+    const Vector2 v = static_cast<double>(robot.twist_at_action.v_mps) * unit_vector(heading(robot.pose_at_action));
+    const Vector2 p = position(robot.pose_at_action);
+    // The attacker does not drive around opponents at the ball.
+    if (attacks && robot.team == Team::kOpponent && distance(p, scene_.ball) < 2.0 * clearance) continue;
+    // Nobody pushes team-mates; those with the right of way get more room.
+    const bool yields = rank_of(robot.id) < rank_of(player.id);
+    const double brake = robot.team == Team::kOwn ? (yields ? 3.2 : 2.7) * scene_.pitch.robot_m : 0.0;
+    out.push_back({p, v, clearance, brake});
+  }
+  if (goal.avoid_ball) out.push_back({scene_.ball, scene_.ball_velocity, clearance, 0.0});
 }
 
 void Play::decide(const Tracks& tracks, const Players& players, Twists& wanted) {
-  PushPlan plan;
-  const bool ball = known(tracks.ball);
-  if (ball) plan = plan_push(to_vector(tracks.ball.position_at_action), field_, parameters_.play);
-  roles_.assign(players, ball ? &plan : nullptr, field_, parameters_.play);
-
-  Obstacles obstacles;
+  look(tracks, players);
+  choose_goalkeeper();
+  assign_jobs();
+  watch_ball();
+  RoundObstacles obstacles;
   for (std::size_t i = 0; i < players.size(); ++i) {
-    const Player& player = players[i];
-    obstacles_for(player.id, tracks, obstacles);
-    wanted[i] = Twist{};
-    if (player.id == roles_.goalkeeper()) {
-      wanted[i] = guard(player, tracks.ball);
-    } else if (player.id == roles_.attacker()) {
-      wanted[i] = attack(player, tracks.ball, obstacles);
-    } else if (const Vector2* place = roles_.place_of(player.id)) {
-      wanted[i] = support(player, *place, plan, obstacles);
-    }
+    const SkillGoal goal = goal_of(players[i]);
+    list_obstacles(players[i], goal, tracks, obstacles);
+    wanted[i] = drive(players[i], goal, obstacles, scene_.pitch, scene_.parameters.drive);
   }
-  free_jams(tracks, players, wanted);
-}
-
-void Play::free_jams(const Tracks& tracks, const Players& players, Twists& wanted) {
-  FixedVector<Watched, kMaxRobotsPerTeam> watched;
-  for (std::size_t i = 0; i < players.size(); ++i) {
-    const auto* const former =
-        std::find_if(watched_.begin(), watched_.end(), [&](const Watched& other) { return other.id == players[i].id; });
-    watched.push_back(former == watched_.end() ? Watched{players[i].id, {}} : *former);
-    wanted[i] = watched.back().stuck.watch(players[i].pose, wanted[i], tracks.capture_time, parameters_.play);
-  }
-  watched_ = watched;
-}
-
-Twist Play::guard(const Player& player, const BallTrack& ball) const {
-  const MotionParameters& gains = parameters_.motion;
-  const double end = -0.5 * static_cast<double>(field_.length_m),
-               mouth = 0.5 * static_cast<double>(field_.goal_width_m);
-  const double line = end + parameters_.play.keeper_line_m;
-  double y = 0.0, vy = 0.0;
-  if (known(ball)) {
-    const Vector2 b = to_vector(ball.position_at_action), v = to_vector(ball.velocity_at_action);
-    const Vector2 to_ball = b - position(player.pose);
-    if (norm(to_ball) < 2.0 * parameters_.play.robot_radius_m + 0.01 && std::abs(b.y) < mouth) {
-      // Spin so that the side that touches the ball moves it away from the goal line, or from the middle of the goal.
-      const double side = std::abs(to_ball.y) > 0.02 ? -to_ball.y : b.y;
-      return {0.0f, static_cast<float>(std::copysign(parameters_.drive.max_turn_radps, side))};
-    }
-    // Go where an approaching ball will cross the line, else to the same y as the ball.
-    constexpr double kApproaching = -0.2, kMaxTime = 1.5;
-    y = b.y;
-    vy = v.y;
-    if (v.x < kApproaching && b.x > line) y += v.y * std::min((line - b.x) / v.x, kMaxTime);
-    if (std::abs(y) > mouth) vy = 0.0;
-    y = std::clamp(y, -mouth, mouth);
-  }
-  // The goalkeeper's heading is along the goal line, so it can drive in both directions without turning.
-  const bool down = wrap_angle(heading(player.pose)) < 0.0;
-  const double across = down ? -0.5 * std::numbers::pi : 0.5 * std::numbers::pi;
-  const Pose target{to_field_point({line, y}), wrap_to_float(across)};
-  const double limit = parameters_.drive.max_speed_mps;
-  constexpr double kOnLine = 0.03;
-  if (std::abs(position(player.pose).x - line) > kOnLine) {
-    return go_to_pose(player.pose, player.twist, target, Facing::kEither, limit, gains);
-  }
-  const double along = std::clamp(down ? -vy : vy, -limit, limit);
-  return track_trajectory(player.pose, target, {static_cast<float>(along), 0.0f}, gains);
-}
-
-// Plans for the predicted position of the ball at the time when the robot reaches it.
-PushPlan Play::plan_ahead(const BallTrack& ball, double time_s) const {
-  constexpr double kMaxTime = 0.8;  // After this time, the ball has probably hit a robot or a wall.
-  const Vector2 b =
-      to_vector(ball.position_at_action) + std::min(time_s, kMaxTime) * to_vector(ball.velocity_at_action);
-  const double x = 0.5 * static_cast<double>(field_.length_m), y = 0.5 * static_cast<double>(field_.width_m);
-  return plan_push({std::clamp(b.x, -x, x), std::clamp(b.y, -y, y)}, field_, parameters_.play);
-}
-
-Twist Play::attack(const Player& player, const BallTrack& ball, const Obstacles& obstacles) const {
-  const PlayParameters& play = parameters_.play;
-  const auto approach_to = [&](double lead_s) {
-    return go_to_ball(player.pose, player.twist, plan_ahead(ball, lead_s), play, parameters_.drive, parameters_.motion);
-  };
-  const double way = distance(position(player.pose), to_vector(ball.position_at_action));
-  const double free = std::max(0.0, way - 1.5 * play.robot_radius_m);
-  Approach approach = approach_to(free / play.push_speed_mps);
-  if (approach.phase == ApproachPhase::kPush || approach.phase == ApproachPhase::kSpin) return approach.twist;
-  // On the way to the place behind the ball, a law that uses the ball's current position would lag behind a moving ball
-  // by about this time. Longer lead times scored less in simulation, because the ball often hits another robot first.
-  constexpr double kLeadTime = 0.2;
-  approach = approach_to(kLeadTime);
-  const Vector2 next = detour(position(player.pose), approach.target, obstacles, play.clearance_m, field_);
-  if (distance(next, approach.target) < 1e-9) return approach.twist;
-  return go_to_point(player.pose, next, false, parameters_.drive.max_speed_mps, parameters_.motion);
-}
-
-Twist Play::support(const Player& player, Vector2 place, const PushPlan& plan, const Obstacles& others) const {
-  // Also avoid the ball.
-  Obstacles obstacles = others;
-  obstacles.push_back(plan.ball);
-  const Vector2 here = position(player.pose);
-  const double clearance = parameters_.play.clearance_m;
-  if (distance(here, place) < 0.25 * clearance) {
-    return turn_to(player.pose, bearing(plan.ball - here), Facing::kEither, parameters_.motion);
-  }
-  const Vector2 next = detour(here, place, obstacles, clearance, field_);
-  const bool direct = distance(next, place) < 1e-9;
-  Twist twist = go_to_point(player.pose, next, direct, parameters_.drive.max_speed_mps, parameters_.motion);
-  // A supporter never pushes other robots: it waits if one is directly ahead.
-  const double near = 2.0 * parameters_.play.robot_radius_m + 0.02;
-  const Vector2 motion = static_cast<double>(twist.v_mps) * unit_vector(heading(player.pose));
-  for (const Vector2& other : others) {
-    const Vector2 to = other - here;
-    if (norm(to) < near && dot(to, motion) > 0.7 * norm(to) * norm(motion)) twist.v_mps = 0.0f;
-  }
-  return twist;
 }
 
 }  // namespace touchline

@@ -1,43 +1,47 @@
 #pragma once
 
-#include "core/control/control_parameters.h"
-#include "core/control/obstacle_avoidance.h"
 #include "core/control/roles.h"
+#include "core/control/scene.h"
 #include "core/control/strategy.h"
-#include "core/control/stuck_monitor.h"
-#include "core/geometry/field_area.h"
-#include "core/types.h"
+#include "core/control/strike.h"
 
 namespace touchline {
 
-/// The default game: a goalkeeper that stays on its line, an attacker that pushes the ball to the opponent's goal, and
-/// supporters behind and beside it. Without a ball, the goalkeeper guards the middle and the others stand still.
+/// The built-in game. In each frame, the table of jobs (play_table.cpp) says what the team must do; the robots take the
+/// jobs so that the sum of their times is the least; and the table of skills says how each of them drives. Before the
+/// ball was seen for the first time, the goalkeeper keeps the middle and the others stand still.
 class Play final : public Strategy {
  public:
   void configure(const ControlParameters& parameters, const FieldParameters& field) override;
   void reset() override;
   void decide(const Tracks& tracks, const Players& players, Twists& wanted) override;
-  [[nodiscard]] PlayRole role_of(RobotId id) const override { return roles_.role_of(id); }
+  [[nodiscard]] PlayRole role_of(RobotId id) const override;
 
-  [[nodiscard]] const Roles& roles() const { return roles_; }
+  [[nodiscard]] RobotId goalkeeper() const { return goalkeeper_; }
+  [[nodiscard]] RobotId attacker() const { return attacker_; }
   [[nodiscard]] const FieldParameters& field() const { return field_; }
 
  private:
-  struct Watched {
-    RobotId id = kUnknownId;
-    StuckMonitor stuck;
-  };
-  void free_jams(const Tracks& tracks, const Players& players, Twists& wanted);
-  [[nodiscard]] Twist guard(const Player& player, const BallTrack& ball) const;
-  [[nodiscard]] Twist attack(const Player& player, const BallTrack& ball, const Obstacles& obstacles) const;
-  [[nodiscard]] PushPlan plan_ahead(const BallTrack& ball, double time_s) const;
-  [[nodiscard]] Twist support(const Player& player, Vector2 place, const PushPlan& plan,
-                              const Obstacles& obstacles) const;
+  void look(const Tracks& tracks, const Players& players);
+  void watch_ball();
+  void choose_goalkeeper();
+  void find_goalkeeper();
+  void assign_jobs();
+  [[nodiscard]] double blocked_time(const Player& player, Vector2 place) const;
+  [[nodiscard]] SkillGoal goal_of(const Player& player) const;
+  [[nodiscard]] int rank_of(RobotId id) const;
+  void list_obstacles(const Player& player, const SkillGoal& goal, const Tracks& tracks, RoundObstacles& out) const;
 
-  ControlParameters parameters_;
   FieldParameters field_;
+  Scene scene_;
+  StrikeOptions options_;
+  Openings openings_;
   Roles roles_;
-  FixedVector<Watched, kMaxRobotsPerTeam> watched_;  // the players of the last decision
+  RobotId goalkeeper_ = kUnknownId, attacker_ = kUnknownId;
+  Instant goalkeeper_seen_{};
+  Strike strike_;  // of the attacker
+  Vector2 ball_stayed_at_;
+  Instant ball_stayed_since_{};
 };
 
 }  // namespace touchline

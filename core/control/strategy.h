@@ -3,8 +3,8 @@
 #include <array>
 
 #include "core/control/control_parameters.h"
+#include "core/control/player.h"
 #include "core/control/referee_state.h"
-#include "core/control/roles.h"
 #include "core/geometry/field_area.h"
 #include "core/types.h"
 

@@ -59,11 +59,11 @@ TEST_F(ControllerTest, LimitsCanChangeDuringAGame) {
     run(1);
     largest_change(0.016);
   }
-  const RobotId attacker = controller_.roles().attacker();
+  const RobotId attacker = controller_.play().attacker();
   ControlParameters slow;
   slow.drive.max_speed_mps = 0.2;
   ASSERT_TRUE(controller_.set_parameters(slow).ok());
-  EXPECT_EQ(controller_.roles().attacker(), attacker);
+  EXPECT_EQ(controller_.play().attacker(), attacker);
   decide(world_.tracks());
   // The wheels' predicted speeds are also kept, so that no robot starts from rest or jumps.
   EXPECT_LE(largest_change(0.016), slow.drive.max_wheel_acceleration_mps2 * 0.016 + 1e-5);
@@ -170,7 +170,7 @@ TEST_F(ControllerTest, WithoutABallOnlyTheGoalkeeperMoves) {
     EXPECT_EQ(speed(1), 0.0);
     EXPECT_EQ(speed(2), 0.0);
   }
-  ASSERT_EQ(controller_.roles().goalkeeper(), 1);
+  ASSERT_EQ(controller_.play().goalkeeper(), 1);
   EXPECT_NEAR(world_.robots[0].position.x, -1.1 + PlayParameters{}.keeper_line_m, 0.04);
   EXPECT_NEAR(world_.robots[0].position.y, 0.0, 0.03);
 }

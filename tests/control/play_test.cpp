@@ -6,16 +6,13 @@
 #include <random>
 
 #include "core/control/obstacle_avoidance.h"
-#include "core/control/stuck_monitor.h"
+#include "core/control/play_table.h"
 #include "tests/control/small_world.h"
 
 namespace touchline {
 namespace {
 
-constexpr PlayParameters kPlay;
 constexpr FieldParameters kField;
-
-Player player(RobotId id, double x, double y) { return {id, {to_field_point({x, y}), 0.0f}, {}}; }
 
 TEST(Detour, GivesTheTargetIfTheWayIsFree) {
   Obstacles obstacles;
@@ -64,96 +61,172 @@ TEST(Detour, PassesAllObstaclesOnTheWay) {
   EXPECT_GT(met, 100) << "otherwise there was nothing to avoid";
 }
 
-TEST(Roles, AreKeptUntilAnotherIsClearlyBetter) {
-  Roles roles;
-  const PushPlan plan = plan_push({0.0, 0.0}, kField, kPlay);
-  Players players;
-  players.push_back(player(0, -1.0, 0.0));
-  players.push_back(player(1, -0.30, 0.2));
-  players.push_back(player(2, -0.32, -0.2));
-  roles.assign(players, &plan, kField, kPlay);
-  EXPECT_EQ(roles.goalkeeper(), 0);
-  EXPECT_EQ(roles.attacker(), 1);
-  ASSERT_NE(roles.place_of(2), nullptr);
-  EXPECT_EQ(roles.place_of(0), nullptr);
-  EXPECT_EQ(roles.place_of(1), nullptr);
-  players[2] = player(2, -0.25, -0.2);  // slightly closer than the attacker
-  roles.assign(players, &plan, kField, kPlay);
-  EXPECT_EQ(roles.attacker(), 1);
-  players[2] = player(2, -0.11, 0.0);  // at the ball
-  roles.assign(players, &plan, kField, kPlay);
-  EXPECT_EQ(roles.attacker(), 2);
-  players[0] = player(0, 0.5, 0.0);  // a goalkeeper that was moved away keeps its role
-  roles.assign(players, &plan, kField, kPlay);
-  EXPECT_EQ(roles.goalkeeper(), 0);
+class PlayTest : public ::testing::Test {
+ protected:
+  void SetUp() override { play_.configure({}, kField); }
+  void add(RobotId id, Vector2 place, double heading = 0.0, Team team = Team::kOwn) {
+    SmallWorld::Robot robot;
+    robot.team = team;
+    robot.id = id;
+    robot.position = place;
+    robot.heading = heading;
+    world_.robots.push_back(robot);
+  }
+  // Asks the play once about the world as it is.
+  void decide() {
+    const Tracks tracks = world_.tracks();
+    Players players;
+    for (const RobotTrack& robot : tracks.robots) {
+      if (robot.team == Team::kOwn) players.push_back({robot.id, robot.pose_at_action, robot.twist_at_action});
+    }
+    play_.decide(tracks, players, wanted_);
+  }
+
+  SmallWorld world_;
+  Play play_;
+  Strategy::Twists wanted_{};
+};
+
+TEST_F(PlayTest, TheSoonestAtAUsefulContactAttacksAndKeepsTheRole) {
+  add(0, {-1.0, 0.0});
+  add(1, {-0.30, 0.2}, -0.6);
+  add(2, {-0.32, -0.2}, 0.6);
+  world_.ball = {0.0, 0.0};
+  decide();
+  EXPECT_EQ(play_.goalkeeper(), 0);
+  EXPECT_EQ(play_.attacker(), 1);
+  EXPECT_EQ(play_.role_of(2), PlayRole::kSupporter);
+  world_.robots[2].position = {-0.28, -0.2};  // slightly sooner than the attacker
+  decide();
+  EXPECT_EQ(play_.attacker(), 1);
+  world_.robots[2].position = {-0.10, 0.0};  // behind the ball
+  world_.robots[2].heading = 0.0;
+  decide();
+  EXPECT_EQ(play_.attacker(), 2);
 }
 
-TEST(Roles, AreReassignedAfterARobotIsLost) {
-  Roles roles;
-  const PushPlan plan = plan_push({0.0, 0.0}, kField, kPlay);
-  Players players;
-  for (int i = 0; i < 3; ++i) players.push_back(player(static_cast<RobotId>(i), -1.0 + 0.3 * i, 0.1));
-  roles.assign(players, &plan, kField, kPlay);
-  EXPECT_EQ(roles.goalkeeper(), 0);
-  Players rest;
-  rest.push_back(players[1]);
-  rest.push_back(players[2]);
-  roles.assign(rest, &plan, kField, kPlay);
-  EXPECT_EQ(roles.goalkeeper(), 1);
-  EXPECT_EQ(roles.attacker(), 2);
-  roles.assign(rest, nullptr, kField, kPlay);
-  EXPECT_EQ(roles.attacker(), kUnknownId) << "no ball, no attacker";
+TEST_F(PlayTest, ARobotBehindTheBallAttacksBeforeANearerOneInFrontOfIt) {
+  add(0, {-1.0, 0.0});
+  add(1, {-0.25, 0.0});
+  add(2, {0.12, 0.0}, 3.1);  // would drive the ball to the own goal, or has to drive around it
+  world_.ball = {0.0, 0.0};
+  decide();
+  EXPECT_EQ(play_.attacker(), 1);
 }
 
-TEST(Roles, TheGoalkeeperCanBeConfigured) {
-  PlayParameters play;
-  play.goalkeeper_id = 2;
-  Roles roles;
-  Players players;
-  for (int i = 0; i < 3; ++i) players.push_back(player(static_cast<RobotId>(i), -1.0 + 0.3 * i, 0.1));
-  roles.assign(players, nullptr, kField, play);
-  EXPECT_EQ(roles.goalkeeper(), 2);
+TEST_F(PlayTest, TheGoalkeeperReturnsAfterItsTrackWasLostForAMoment) {
+  add(0, {-1.0, 0.0});
+  add(1, {-0.8, 0.1});
+  add(2, {-0.1, 0.1});
+  world_.ball = {0.3, 0.1};
+  decide();
+  ASSERT_EQ(play_.goalkeeper(), 0);
+  const SmallWorld::Robot keeper = world_.robots[0];
+  world_.robots.erase(world_.robots.begin());
+  world_.time_s += 0.3;
+  decide();
+  EXPECT_EQ(play_.goalkeeper(), 0) << "nobody takes over after 0.3 s";
+  world_.time_s += 0.3;
+  decide();
+  EXPECT_EQ(play_.goalkeeper(), 1) << "after 0.6 s it is gone";
+  world_.robots.push_back(keeper);
+  decide();
+  EXPECT_EQ(play_.goalkeeper(), 1) << "and not missed";
 }
 
-TEST(SupporterPlaces, AreInsideTheFieldAndKeepTheirDistances) {
-  for (double x = -1.1; x <= 1.1; x += 0.05) {
-    for (double y = -0.9; y <= 0.9; y += 0.05) {
-      const PushPlan plan = plan_push({x, y}, kField, kPlay);
-      Places places;
-      supporter_places(plan, kField, kPlay, 3, places);
-      ASSERT_EQ(places.size(), 3u);
-      for (std::size_t i = 0; i < places.size(); ++i) {
-        ASSERT_LT(std::abs(places[i].x), 1.1 - kPlay.robot_radius_m);
-        ASSERT_LT(std::abs(places[i].y), 0.9 - kPlay.robot_radius_m);
-        ASSERT_GT(distance(places[i], plan.ball), kPlay.clearance_m) << x << " " << y << " " << i;
-        for (std::size_t k = 0; k < i; ++k) {
-          ASSERT_GT(distance(places[i], places[k]), kPlay.clearance_m) << x << " " << y << " " << i << k;
-        }
+TEST_F(PlayTest, TheGoalkeeperCanBeConfigured) {
+  ControlParameters parameters;
+  parameters.play.goalkeeper_id = 2;
+  play_.configure(parameters, kField);
+  for (int i = 0; i < 3; ++i) add(static_cast<RobotId>(i), {-1.0 + 0.3 * i, 0.1});
+  decide();
+  EXPECT_EQ(play_.goalkeeper(), 2);
+}
+
+TEST_F(PlayTest, PlaysOnWhereAHiddenBallWas) {
+  add(0, {-1.0, 0.0});
+  add(1, {-0.3, 0.0});
+  world_.ball = {0.2, 0.0};
+  decide();
+  ASSERT_EQ(play_.attacker(), 1);
+  Tracks tracks = world_.tracks();
+  tracks.ball = BallTrack();
+  Players players;
+  for (const RobotTrack& robot : tracks.robots) players.push_back({robot.id, robot.pose_at_action, {}});
+  play_.decide(tracks, players, wanted_);
+  EXPECT_EQ(play_.attacker(), 1);
+  EXPECT_GT(wanted_[1].v_mps, 0.3f);
+}
+
+TEST_F(PlayTest, NobodyButTheGoalkeeperGoesIntoTheOwnArea) {
+  // The ball lies in front of the own goal; the goalkeeper is far from it, the attacker near.
+  add(0, {-1.05, -0.15}, 1.57);
+  add(1, {-0.6, 0.1}, 3.1);
+  add(2, {-0.2, -0.3});
+  world_.ball = {-0.95, 0.1};
+  const Pitch pitch(kField, {});
+  for (int frame = 0; frame < 60 && pitch.in_own_area(world_.ball, 0.0); ++frame) {
+    decide();
+    Commands commands;
+    commands.stop = false;
+    for (std::size_t i = 0; i < world_.robots.size(); ++i)
+      commands.robots.push_back({world_.robots[i].id, wanted_[i], {}});
+    world_.obey(commands);
+    world_.advance(kFrame);
+    EXPECT_FALSE(pitch.in_own_area(world_.robots[1].position, 0.0)) << frame;
+    EXPECT_FALSE(pitch.in_own_area(world_.robots[2].position, 0.0)) << frame;
+  }
+  EXPECT_FALSE(pitch.in_own_area(world_.ball, 0.0)) << "the goalkeeper clears it within a second";
+  EXPECT_EQ(world_.own_goals, 0);
+}
+
+TEST_F(PlayTest, AJammedAttackerSpinsAndThenLeavesTheBall) {
+  add(0, {-1.0, 0.0});
+  add(1, {0.0, 0.0});
+  world_.robots[1].jammed = true;
+  world_.ball = {0.06, 0.0};
+  double spins = -1.0, leaves = -1.0;
+  for (; world_.time_s < 1.15; world_.time_s += kFrame) {
+    decide();
+    if (spins < 0.0 && wanted_[1].w_radps != 0.0f && wanted_[1].v_mps == 0.0f) spins = world_.time_s;
+    if (leaves < 0.0 && wanted_[1].v_mps < -0.3f) leaves = world_.time_s;
+  }
+  EXPECT_NEAR(spins, 0.4, 0.05);
+  EXPECT_NEAR(leaves, 0.9, 0.05);
+}
+
+TEST(PlayTable, HasASkillForEachJobAndNoLineThatIsNeverReached) {
+  for (const JobLine& job : job_table()) {
+    bool found = false;
+    for (const SkillLine& line : skill_table()) found = found || line.job == job.job;
+    EXPECT_TRUE(found) << static_cast<int>(job.job);
+  }
+  // The last line of each job holds always, and no other line has its condition.
+  const auto table = skill_table();
+  const auto otherwise = table.back().condition;
+  for (std::size_t i = 0; i < table.size(); ++i) {
+    const bool last = i + 1 == table.size() || table[i + 1].job != table[i].job;
+    EXPECT_EQ(table[i].condition == otherwise, last) << i;
+  }
+}
+
+TEST(PlayTable, KeepsPlacesOfAllJobsInTheFieldAndOutOfTheOwnArea) {
+  Scene scene;
+  scene.pitch = Pitch(kField, {});
+  scene.ball_known = true;
+  for (double x = -1.1; x <= 1.1; x += 0.1) {
+    for (double y = -0.9; y <= 0.9; y += 0.1) {
+      scene.ball = {x, y};
+      scene.path = BallPath({scene.ball, {}}, scene.pitch);
+      for (const JobLine& job : job_table()) {
+        if (job.place == nullptr) continue;
+        const Vector2 place = job.place(scene);
+        EXPECT_LT(std::abs(place.x), 1.1 - 0.0375) << x << " " << y;
+        EXPECT_LT(std::abs(place.y), 0.9 - 0.0375) << x << " " << y;
+        EXPECT_FALSE(scene.pitch.in_own_area(place, 0.0375)) << x << " " << y << " " << static_cast<int>(job.job);
       }
     }
   }
-  Places many;
-  supporter_places(plan_push({0.0, 0.0}, kField, kPlay), kField, kPlay, 9, many);
-  EXPECT_EQ(many.size(), 9u) << "the largest teams";
-}
-
-TEST(StuckMonitor, BacksOffAJammedRobotOnly) {
-  StuckMonitor jammed, free, standing;
-  Pose moving;
-  double escape_began = -1.0, escaped_for = 0.0;
-  for (int k = 0; k < 100; ++k) {
-    const double t = k * 0.016;
-    const Twist out = jammed.watch({}, {0.5f, 0.0f}, at(t), kPlay);
-    if (out.v_mps < 0.0f) {
-      if (escape_began < 0.0) escape_began = t;
-      escaped_for += 0.016;
-    }
-    moving.position.x_m += 0.5f * 0.016f;
-    EXPECT_EQ(free.watch(moving, {0.5f, 0.0f}, at(t), kPlay).v_mps, 0.5f);
-    EXPECT_EQ(standing.watch({}, {0.02f, 0.1f}, at(t), kPlay).v_mps, 0.02f) << "it is not commanded to move";
-  }
-  EXPECT_NEAR(escape_began, kPlay.stuck_after_s, 0.035);
-  EXPECT_NEAR(escaped_for, kPlay.escape_for_s, 0.035);
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include "tools/programs/command_line/command_line.h"
 #include "tools/programs/command_line/progress.h"
 #include "tools/programs/simulate/game_series.h"
+#include "tools/programs/simulate/scenario.h"
 #include "tools/programs/simulate/series_report.h"
 #include "tools/programs/simulate/serve_command.h"
 
@@ -22,6 +23,7 @@ struct Options {
   SeriesSettings series;
   int robots = 0;
   bool table = false;
+  int scenarios = 0;
 };
 
 Result<Series> play(const Options& options, const Team& own, const Team& opponent) {
@@ -98,7 +100,15 @@ Result<void> compare_files(const std::string& first, const std::string& second) 
   return failure(ErrorCode::kInconsistent, "%s and %s have no opponent in common", first.c_str(), second.c_str());
 }
 
+Result<void> play_scenarios(const Options& options) {
+  TOUCHLINE_TRY_ASSIGN(const Team own, load_team(options.board, options.own, options.overrides));
+  TOUCHLINE_TRY_ASSIGN(const std::string text, scenario_text(own, options.scenarios));
+  std::fputs(text.c_str(), stdout);
+  return {};
+}
+
 Result<void> run(const Options& options) {
+  if (options.scenarios > 0) return play_scenarios(options);
   if (!options.compare.empty()) return compare_files(options.compare[0], options.compare[1]);
   return options.table ? play_table(options) : play_pair(options);
 }
@@ -134,6 +144,9 @@ int main(int argc, char** argv) {
   app.add_option("--robots", options.robots, "Robots of each side (default: as in the board file)")
       ->check(CLI::Range(1, 11));
   app.add_flag("--table", options.table, "Let every strategy play against every strategy");
+  app.add_option("--scenarios", options.scenarios,
+                 "Instead of games, play this many trials of each situation: a resting ball, shots at the goalkeeper")
+      ->check(CLI::Range(1, 100000));
   app.add_option("--jobs", options.series.jobs, "Games that are played at the same time (default: one per processor)")
       ->check(CLI::Range(1, 256));
   app.add_option("--json", options.json, "Write all results to this file")->type_name("FILE");

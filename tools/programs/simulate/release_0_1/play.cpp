@@ -31,17 +31,6 @@ ControlParameters parameters_of(const touchline::ControlParameters& now) {
   then.play.goalkeeper_id = now.play.goalkeeper_id;
   then.play.robot_radius_m = now.play.robot_radius_m;
   then.play.clearance_m = now.play.clearance_m;
-  then.play.behind_ball_m = now.play.behind_ball_m;
-  then.play.corridor_m = now.play.corridor_m;
-  then.play.corridor_slope = now.play.corridor_slope;
-  then.play.push_speed_mps = now.play.push_speed_mps;
-  then.play.wall_m = now.play.wall_m;
-  then.play.keeper_line_m = now.play.keeper_line_m;
-  then.play.attacker_hysteresis_m = now.play.attacker_hysteresis_m;
-  then.play.slot_hysteresis_m = now.play.slot_hysteresis_m;
-  then.play.stuck_after_s = now.play.stuck_after_s;
-  then.play.escape_for_s = now.play.escape_for_s;
-  then.play.escape_speed_mps = now.play.escape_speed_mps;
   return then;
 }
 

@@ -45,8 +45,8 @@ Vector2 place_of_goalkeeper(const GameSituation& situation, Vector2 ball, const 
     // The goalkeeper takes it: between the ball and the middle of the goal.
     const Vector2 to_ball = ball - Vector2{-field.half_length, 0.0};
     const double reach = norm(to_ball);
-    return reach > parameters.play.behind_ball_m ? ball - (parameters.play.behind_ball_m / reach) * to_ball
-                                                 : Vector2{line, 0.0};
+    return reach > parameters.play.clearance_m ? ball - (parameters.play.clearance_m / reach) * to_ball
+                                               : Vector2{line, 0.0};
   }
   double y = std::clamp(ball.y, -field.mouth, field.mouth);
   const double least = distance_to_ball(situation, parameters, field) + kMargin, ahead = ball.x - line;
@@ -113,7 +113,7 @@ void line_up_places(const GameSituation& situation, Vector2 ball, const ControlP
   const Vector2 goal{size.half_length, 0.0};
   if (is_taken_by_us(situation) && situation.restart != Restart::kGoalKick) {
     const Vector2 ahead = goal - ball;
-    out.taker = ball - (parameters.play.behind_ball_m / std::max(norm(ahead), 1e-6)) * ahead;
+    out.taker = ball - (parameters.play.clearance_m / std::max(norm(ahead), 1e-6)) * ahead;
   }
   const double apart = 2.0 * parameters.play.clearance_m;
   const auto is_free = [&](Vector2 p) {

@@ -24,7 +24,7 @@ FieldParameters league_field() {
 }
 ControlParameters league_control() {
   ControlParameters control;
-  control.play.robot_radius_m = 0.09, control.play.clearance_m = 0.22, control.play.behind_ball_m = 0.15;
+  control.play.robot_radius_m = 0.09, control.play.clearance_m = 0.22;
   control.drive.max_speed_mps = 3.0, control.drive.max_wheel_speed_mps = 3.5;
   return control;
 }
@@ -99,7 +99,7 @@ TEST_F(LineUpTest, AKickOffKeepsTheTeamInItsHalfAndTheTakerAtTheBall) {
   put_ball({0.0, 0.0});
   run(prepare(Restart::kKickOff, true), 12.0);
   const std::size_t taker = nearest_robot();
-  EXPECT_NEAR(to_ball(taker), control_.play.behind_ball_m, 0.03);
+  EXPECT_NEAR(to_ball(taker), control_.play.clearance_m, 0.03);
   for (std::size_t i = 0; i < 6; ++i) {
     EXPECT_LT(robot(i).x, -0.09) << i;
     if (i != taker) {

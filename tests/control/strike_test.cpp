@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/control/drive_limits.h"
+#include "core/control/motion/drive_limits.h"
 #include "tests/control/small_world.h"
 
 namespace touchline {

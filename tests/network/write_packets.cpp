@@ -28,6 +28,8 @@ int main(int argc, char** argv) {
         datagram([&](auto out) { return encode_ssl_tracked(frame, "01234567-89ab-4cde-8f01-23456789abcd", out); }));
   write("firasim",
         datagram([&](auto out) { return encode_firasim_environment(frame, example_geometry().field, out); }));
-  write("json", datagram([&](auto out) { return write_json_line(frame, kExampleNames, "/dev/video0", out); }));
+  write("json", datagram([&](auto out) {
+          return write_json_line(frame, kExampleNames, example_geometry().field, "/dev/video0", out);
+        }));
   return 0;
 }

@@ -150,7 +150,8 @@ TEST(LockstepServer, ASilentProgramEndsTheGame) {
   Served served(0.05);
   Program program(served.path());
   EXPECT_TRUE(program.ask(R"({"reset": {}})").contains("reset"));
-  EXPECT_EQ(program.hear(), (json{{"error", "the program was silent for 0.05 s; the game has ended"}, {"ended", true}}));
+  EXPECT_EQ(program.hear(),
+            (json{{"error", "the program was silent for 0.05 s; the game has ended"}, {"ended", true}}));
   EXPECT_EQ(served.result().code(), ErrorCode::kTimeout);
 }
 

@@ -60,9 +60,9 @@ Result<std::unique_ptr<Drill>> Drill::make(const config::Configuration& configur
     }
     if (side == Side::kOwn || settings.opponents > 0) drill->game_->set_side(side, player.get());
     if (side == Side::kOpponent) continue;
-    constexpr double kPacketBytes = 65.0;  // docs/radio.md
+    constexpr std::size_t kPacketBytes = 65;  // docs/radio.md
     drill->mean_reaction_s_ = 0.5 / settings.rate_hz + seconds(of_side.frame_latency) +
-                              kPacketBytes * seconds(of_side.byte_time) + arena.radio.delay_s + arena.radio.jitter_s;
+                              seconds(of_side.line.of(kPacketBytes)) + arena.radio.delay_s + arena.radio.jitter_s;
   }
   drill->game_->channel(Side::kOwn).set_layouts(changed.pipeline.radio, changed.pipeline.telemetry);
   return drill;

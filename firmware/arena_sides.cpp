@@ -19,6 +19,7 @@ hal::mock::SideSettings side_settings(const config::Configuration& configuration
     settings.pipeline.radio = touchline_layout();
     settings.pipeline.telemetry = touchline_telemetry_layout();
   }
+  settings.pipeline.has_pictures = false;
   settings.rate_hz = board.camera.rate_hz;
   settings.frame_latency = hal::mock::frame_latency(board.arena.sensor);
   settings.radio_delay = from_seconds(board.radio.delay_s);

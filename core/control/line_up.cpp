@@ -66,12 +66,12 @@ Vector2 way_around(Vector2 here, Vector2 target, Vector2 center, double radius, 
   if (length < 1e-6 || away < 1e-6) return target;
   const double along = std::clamp(dot(to_center, way) / (length * length), 0.0, 1.0);
   if (distance(here + along * way, center) >= std::min(radius, away) - 1e-9) return target;
-  constexpr double kLeastTurn = 0.3;  // rad; a robot on the circle would otherwise touch it where it is
-  const double turn = std::max(kLeastTurn, std::acos(std::min(1.0, radius / away)));
+  constexpr double kMinTurn = 0.3;  // rad; a robot on the circle would otherwise touch it where it is
+  const double turn = std::max(kMinTurn, std::acos(std::min(1.0, radius / away)));
   const double side = cross(here - center, target - center) >= 0.0 ? 1.0 : -1.0;
   const auto touching = [&](double direction) {
     return center +
-           radius / std::cos(std::min(turn, kLeastTurn)) * unit_vector(bearing(here - center) + direction * turn);
+           radius / std::cos(std::min(turn, kMinTurn)) * unit_vector(bearing(here - center) + direction * turn);
   };
   const auto is_inside = [&](Vector2 p) {
     return std::abs(p.x) < field.half_length && std::abs(p.y) < field.half_width;

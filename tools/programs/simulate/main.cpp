@@ -159,7 +159,6 @@ int main(int argc, char** argv) {
                      {"touchline-simulate --table --seeds 10 --duration 120", "everybody against everybody"}});
   simulate::ServeOptions serve_options;
   serve_options.board = options.board;
-  app.add_subcommand("play", "Play games, as without a command")->fallthrough();
   const CLI::App* const serve = simulate::add_serve_command(app, serve_options);
   app.require_subcommand(0, 1);
   if (const auto exit_code = parse_arguments(app, argc, argv)) return *exit_code;

@@ -43,54 +43,6 @@ struct DriveParameters {
   }
 };
 
-/// Gains of the control laws.
-struct MotionParameters {
-  double distance_per_s = 3.5;
-  double bearing_per_s = 8.0;
-  double approach_weight = 1.5;
-  double heading_per_s = 8.0;
-  double arrived_m = 0.012;
-  double tracking_damping = 0.8;
-  double tracking_per_m2 = 60.0;
-  double tracking_floor_per_s = 4.0;
-
-  template <class Self, class Visitor>
-  static void describe(Self& self, Visitor& visit) {
-    visit.number(self.distance_per_s, {.name = "distance_per_s",
-                                       .range = {0.1, 20.0},
-                                       .unit = "1/s",
-                                       .help = "Speed per meter of distance to the target (gamma of Aicardi)"});
-    visit.number(self.bearing_per_s, {.name = "bearing_per_s",
-                                      .range = {0.1, 50.0},
-                                      .unit = "1/s",
-                                      .help = "Angular velocity per radian of bearing error (k of Aicardi)"});
-    visit.number(self.approach_weight, {.name = "approach_weight",
-                                        .range = {0.1, 10.0},
-                                        .help = "Weight of the direction of approach to a pose (h of Aicardi)"});
-    visit.number(self.heading_per_s,
-                 {.name = "heading_per_s",
-                  .range = {0.1, 50.0},
-                  .unit = "1/s",
-                  .help = "Angular velocity per radian of heading error when a robot turns on the spot"});
-    visit.number(self.arrived_m, {.name = "arrived_m",
-                                  .range = {0.001, 0.2},
-                                  .unit = "m",
-                                  .help = "Distance to the target below which a robot only turns"});
-    visit.number(self.tracking_damping,
-                 {.name = "tracking_damping", .range = {0.1, 5.0}, .help = "Damping ratio of trajectory tracking"});
-    visit.number(self.tracking_per_m2,
-                 {.name = "tracking_per_m2",
-                  .range = {0.1, 1000.0},
-                  .unit = "1/m^2",
-                  .help = "Stiffness of trajectory tracking: square of the natural frequency per meter of path"});
-    visit.number(self.tracking_floor_per_s,
-                 {.name = "tracking_floor_per_s",
-                  .range = {0.0, 20.0},
-                  .unit = "1/s",
-                  .help = "Natural frequency of trajectory tracking when the reference does not move"});
-  }
-};
-
 /// Parameters of the default game.
 struct PlayParameters {
   bool enabled = true;
@@ -188,7 +140,6 @@ inline constexpr std::array<Choice<Avoidance>, 2> kAvoidances{
 struct ControlParameters {
   Avoidance avoid = Avoidance::kNormal;
   DriveParameters drive;
-  MotionParameters motion;
   PlayParameters play;
   LineUpParameters line_up;
   ExternalParameters external;
@@ -200,7 +151,6 @@ struct ControlParameters {
         {.name = "avoid",
          .help = "How robots avoid each other; strict: a robot moves only if it can stop before each other one"});
     visit.section(self.drive, {.name = "drive", .help = "Wheels and limits of the drive"});
-    visit.section(self.motion, {.name = "motion", .help = "Gains of the control laws"});
     visit.section(self.play, {.name = "play", .help = "Roles and rules of the built-in game"});
     visit.section(self.line_up, {.name = "line_up", .help = "Places and speed while the referee has stopped the game"});
     visit.section(self.external, {.name = "external", .help = "Robots that other programs drive"});

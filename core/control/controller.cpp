@@ -30,8 +30,8 @@ Status Controller::apply(const ControlParameters& parameters, const FieldParamet
   const PlayParameters& play = parameters.play;
   if (!is_positive(play.robot_radius_m) || !is_positive(play.clearance_m) || !is_positive(play.ball_radius_m) ||
       !is_positive(parameters.line_up.max_speed_mps) || !is_positive(parameters.line_up.ball_distance_m) ||
-      !is_positive(parameters.motion.distance_per_s) || !is_positive(parameters.external.max_age_s) ||
-      !is_positive(static_cast<double>(field.length_m)) || !is_positive(static_cast<double>(field.width_m))) {
+      !is_positive(parameters.external.max_age_s) || !is_positive(static_cast<double>(field.length_m)) ||
+      !is_positive(static_cast<double>(field.width_m))) {
     return ErrorCode::kOutOfRange;
   }
   parameters_ = parameters;
@@ -142,7 +142,7 @@ void Controller::decide(const Tracks& measured, bool is_halted, Commands& out) {
     strategy().reset();
   } else if (permission == Permission::kLineUp) {
     strategy().reset();  // the game begins anew
-    line_up_.decide(tracks, players, situation_, wanted);
+    line_up_.decide(tracks, players, situation_, period, wanted);
   } else {
     strategy().decide(tracks, players, wanted);
   }

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/control/motion_laws.h"
+#include "core/control/motion/drive_to_goal.h"
 #include "core/control/obstacle_avoidance.h"
 #include "core/linear_assignment.h"
 
@@ -140,7 +140,7 @@ void LineUp::configure(const ControlParameters& parameters, const FieldParameter
   field_ = field;
 }
 
-void LineUp::decide(const Tracks& tracks, const Players& players, const GameSituation& situation,
+void LineUp::decide(const Tracks& tracks, const Players& players, const GameSituation& situation, double period_s,
                     Strategy::Twists& wanted) const {
   // Without a ball, as if it were in the center: there it is at a kick-off.
   const bool is_ball_known = tracks.ball.state == TrackState::kSeen || tracks.ball.state == TrackState::kCoasting;
@@ -177,24 +177,26 @@ void LineUp::decide(const Tracks& tracks, const Players& players, const GameSitu
   for (std::size_t column = 0; column < columns; ++column) {
     if (row_of[column + 1] == 0) continue;
     const std::size_t robot = row_of[column + 1] - 1;
-    wanted[robot] = column < all.size() ? drive(players[robot], all[column], ball, tracks) : Twist{};
+    wanted[robot] = column < all.size() ? drive(players[robot], all[column], ball, tracks, period_s) : Twist{};
   }
 }
 
-Twist LineUp::drive(const Player& player, Vector2 place, Vector2 ball, const Tracks& tracks) const {
+Twist LineUp::drive(const Player& player, Vector2 place, Vector2 ball, const Tracks& tracks, double period_s) const {
   const PlayParameters& play = parameters_.play;
   const Vector2 here = position(player.pose);
-  if (distance(here, place) < parameters_.motion.arrived_m) {
-    return turn_to(player.pose, bearing(ball - here), Facing::kEither, parameters_.motion);
-  }
   Obstacles obstacles;
   obstacles_for(player.id, tracks, obstacles);
   Vector2 next = detour(here, place, obstacles, play.clearance_m, field_);
   // A place inside of the circle that robots must not enter makes it smaller.
   const double circle = parameters_.line_up.ball_distance_m + play.robot_radius_m;
   next = way_around(here, next, ball, std::min(circle, distance(place, ball)), FieldSize(field_));
-  const double speed = std::min(parameters_.drive.max_speed_mps, parameters_.line_up.max_speed_mps);
-  return go_to_point(player.pose, next, distance(next, place) < 1e-9, speed, parameters_.motion);
+  DriveParameters limits = parameters_.drive;
+  limits.max_speed_mps = std::min(limits.max_speed_mps, parameters_.line_up.max_speed_mps);
+  // Robots stop at the points of their way, so that they do not cut its corners.
+  MotionGoal goal;
+  goal.place = next;
+  if (distance(next, place) < 1e-9) goal.direction_rad = bearing(ball - place);
+  return touchline::drive(motion_state(player.pose, player.twist, player.wheels), goal, period_s, limits);
 }
 
 }  // namespace touchline

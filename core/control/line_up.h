@@ -31,12 +31,14 @@ void line_up_places(const GameSituation& situation, Vector2 ball, const ControlP
 class LineUp {
  public:
   void configure(const ControlParameters& parameters, const FieldParameters& field);
-  /// Writes the desired velocities in the order of `players`. A robot without a place stands.
-  void decide(const Tracks& tracks, const Players& players, const GameSituation& situation,
+  /// Writes the commands in the order of `players`. A robot without a place stands. `period_s`: time until the next
+  /// commands act.
+  void decide(const Tracks& tracks, const Players& players, const GameSituation& situation, double period_s,
               Strategy::Twists& wanted) const;
 
  private:
-  [[nodiscard]] Twist drive(const Player& player, Vector2 place, Vector2 ball, const Tracks& tracks) const;
+  [[nodiscard]] Twist drive(const Player& player, Vector2 place, Vector2 ball, const Tracks& tracks,
+                            double period_s) const;
 
   ControlParameters parameters_;
   FieldParameters field_;

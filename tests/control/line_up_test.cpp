@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "core/control/controller.h"
+#include "core/control/motion/drive_limits.h"
 
 namespace touchline {
 namespace {
@@ -29,7 +30,7 @@ ControlParameters league_control() {
   return control;
 }
 
-/// Six robots that obey exactly.
+/// Six robots that follow their commands with the lag of the drive.
 class LineUpTest : public ::testing::Test {
  protected:
   LineUpTest() {
@@ -54,10 +55,14 @@ class LineUpTest : public ::testing::Test {
     std::array<bool, 6> was_legal{};
     for (int frame = 0; frame < static_cast<int>(time_s / 0.016); ++frame) {
       tracks_.capture_time = tracks_.action_time = Instant{} + from_seconds(0.016 * ++frames_);
-      for (RobotTrack& track : tracks_.robots) track.pose_at_action = track.pose;
+      for (RobotTrack& track : tracks_.robots) {
+        track.pose_at_action = track.pose;
+        track.twist_at_action = track.twist;
+      }
       controller_.decide(tracks_, false, commands_);
       for (std::size_t i = 0; i < commands_.robots.size(); ++i) {
-        const Twist& twist = commands_.robots[i].twist;
+        Twist& twist = tracks_.robots[i].twist;
+        twist = wheels_after(twist, commands_.robots[i].twist, 0.016, control_.drive);
         Pose& pose = tracks_.robots[i].pose;
         const auto way = 0.016 * static_cast<double>(twist.v_mps);
         pose.position = to_field_point(position(pose) + way * unit_vector(heading(pose)));

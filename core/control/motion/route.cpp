@@ -11,7 +11,6 @@
 namespace touchline {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 // A robot so near to the line through its goal drives straight on: a circle of any allowed radius would not correct it.
 constexpr double kOnLine_m = 0.006;
 // Share of a turn's time that a drive takes longer: the rest overlaps with acceleration and braking. Measured: the
@@ -20,7 +19,7 @@ constexpr double kTurnShare = 0.85;
 // Speeds for which the final circles are planned, as shares of the maximum. Slower circles are a turn in place.
 constexpr std::array<double, 3> kCircleSpeeds{0.4, 0.7, 1.0};
 
-double positive_angle(double angle) { return angle < 0.0 ? angle + 2.0 * kPi : angle; }
+double positive_angle(double angle) { return angle < 0.0 ? angle + 2.0 * std::numbers::pi : angle; }
 
 class Candidates {
  public:
@@ -55,7 +54,7 @@ class Candidates {
   void set_direction(bool backward) {
     backward_ = backward;
     begin_mps_ = backward ? -robot_.v_mps : robot_.v_mps;
-    facing_rad_ = backward ? robot_.heading_rad + kPi : robot_.heading_rad;
+    facing_rad_ = backward ? robot_.heading_rad + std::numbers::pi : robot_.heading_rad;
   }
 
   // Straight to the place; the heading is reached by a turn in place.
@@ -65,10 +64,10 @@ class Candidates {
     a.line_m = length_;
     a.line_end_mps = a.end_mps = goal_.end_speed_mps;
     if (goal_.direction_rad) {
-      const double final_heading = *goal_.direction_rad + (backward_ ? kPi : 0.0);
+      const double final_heading = *goal_.direction_rad + (backward_ ? std::numbers::pi : 0.0);
       a.turn_at_end_rad = wrap_angle(final_heading - a.direction_rad);
-      if (!goal_.exact_heading && std::abs(a.turn_at_end_rad) > 0.5 * kPi)
-        a.turn_at_end_rad -= std::copysign(kPi, a.turn_at_end_rad);
+      if (!goal_.exact_heading && std::abs(a.turn_at_end_rad) > 0.5 * std::numbers::pi)
+        a.turn_at_end_rad -= std::copysign(std::numbers::pi, a.turn_at_end_rad);
     }
     consider(a);
   }
@@ -113,13 +112,13 @@ class Candidates {
     const double tangent = std::sqrt(std::max(0.0, square));
     // Angle, seen from the center, at which the line meets the circle.
     const double meets = bearing(from_center) + side * std::atan2(tangent, radius);
-    const double arc = positive_angle(wrap_angle(side * (direction - side * 0.5 * kPi - meets)));
+    const double arc = positive_angle(wrap_angle(side * (direction - side * 0.5 * std::numbers::pi - meets)));
     // More than this is a loop: another circle is always shorter.
-    if (arc > 1.5 * kPi) return;
+    if (arc > 1.5 * std::numbers::pi) return;
     const Vector2 first = center + radius * unit_vector(meets);
     if (!area_.contains(first) || !area_.contains(center + radius * unit_vector(meets + side * 0.5 * arc))) return;
     Route a;
-    a.direction_rad = meets + side * 0.5 * kPi;
+    a.direction_rad = meets + side * 0.5 * std::numbers::pi;
     a.line_m = tangent;
     a.arc_m = radius * arc + run_up;
     a.line_end_mps = limits_.speed_on(radius);

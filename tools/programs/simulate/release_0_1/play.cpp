@@ -20,14 +20,6 @@ ControlParameters parameters_of(const touchline::ControlParameters& now) {
   then.drive.max_turn_radps = now.drive.max_turn_radps;
   then.drive.max_wheel_speed_mps = now.drive.max_wheel_speed_mps;
   then.drive.max_wheel_acceleration_mps2 = now.drive.max_wheel_acceleration_mps2;
-  then.motion.distance_per_s = now.motion.distance_per_s;
-  then.motion.bearing_per_s = now.motion.bearing_per_s;
-  then.motion.approach_weight = now.motion.approach_weight;
-  then.motion.heading_per_s = now.motion.heading_per_s;
-  then.motion.arrived_m = now.motion.arrived_m;
-  then.motion.tracking_damping = now.motion.tracking_damping;
-  then.motion.tracking_per_m2 = now.motion.tracking_per_m2;
-  then.motion.tracking_floor_per_s = now.motion.tracking_floor_per_s;
   then.play.goalkeeper_id = now.play.goalkeeper_id;
   then.play.robot_radius_m = now.play.robot_radius_m;
   then.play.clearance_m = now.play.clearance_m;

@@ -20,3 +20,10 @@ if(TOUCHLINE_SANITIZE)
   # The C++ library's checks of indices and empty containers.
   target_compile_definitions(touchline_options INTERFACE _GLIBCXX_ASSERTIONS)
 endif()
+
+# For code that uses objects of the core's classes with virtual functions: clang's check of their types needs type information, and the core
+# has none.
+add_library(touchline_without_type_checks INTERFACE)
+if(TOUCHLINE_SANITIZE MATCHES "undefined" AND CMAKE_CXX_COMPILER_ID STREQUAL "Clang")
+  target_compile_options(touchline_without_type_checks INTERFACE -fno-sanitize=vptr)
+endif()

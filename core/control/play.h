@@ -10,7 +10,7 @@ namespace touchline {
 /// The built-in game. In each frame, the table of jobs (play_table.cpp) says what the team must do; the robots take the
 /// jobs so that the sum of their times is the least; and the table of skills says how each of them drives. Before the
 /// ball was seen for the first time, the goalkeeper keeps the middle and the others stand still.
-class Play final : public Strategy {
+class Play final : public Strategy {  // NOLINT(cppcoreguidelines-virtual-class-destructor): as Strategy says
  public:
   void configure(const ControlParameters& parameters, const FieldParameters& field) override;
   void reset() override;

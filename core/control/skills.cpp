@@ -107,7 +107,7 @@ SkillGoal keep(const Task& task) {
     const double way = middle.x < -0.05 ? (ball.x - line) / -middle.x : 0.0;
     goal.place.y = ball.x > line ? ball.y + way * middle.y : ball.y;
   }
-  const double limit = pitch.mouth_m - 0.3 * pitch.robot_m;  // its side covers the post
+  const double limit = std::max(0.0, pitch.mouth_m - 0.3 * pitch.robot_m);  // its side covers the post
   goal.place.y = std::clamp(goal.place.y, -limit, limit);
   return goal;
 }

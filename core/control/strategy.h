@@ -34,6 +34,8 @@ class Strategy {
   Strategy() = default;
   Strategy(const Strategy&) = default;
   Strategy& operator=(const Strategy&) = default;
+  Strategy(Strategy&&) = default;
+  Strategy& operator=(Strategy&&) = default;
 };
 
 }  // namespace touchline

@@ -81,6 +81,7 @@ Meeting earliest(const MotionState& robot, RollingBall ball, const MotionPlanner
 
 class Interceptor final : public Strategy {
  public:
+  virtual ~Interceptor() = default;
   explicit Interceptor(const hal::mock::ArenaParameters& arena) : arena_(arena) {}
   void configure(const ControlParameters& parameters, const FieldParameters& field) override {
     motion.configure(parameters, field);

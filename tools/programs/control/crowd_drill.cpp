@@ -28,7 +28,7 @@ Result<CrowdResult> crowd_drill(const config::Configuration& configuration, cons
   drill->world().place_ball({0.0, 3.0});
   drill->wait(0.3);
   hal::mock::Random random(seed, 102);
-  const auto count = static_cast<std::size_t>(settings.own + settings.opponents);
+  const auto count = static_cast<std::size_t>(settings.own) + static_cast<std::size_t>(settings.opponents);
   std::vector<Vector2> goals(count, Vector2{9.0, 9.0});
   std::vector<int> reached(count, 0);
   std::vector<double> since(count, drill->time_s());

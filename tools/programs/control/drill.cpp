@@ -20,7 +20,8 @@ std::vector<hal::mock::ArenaRobot> robots_in_rows(int own, int opponents) {
     hal::mock::ArenaRobot robot;
     robot.team = i < own ? Side::kOwn : Side::kOpponent;
     robot.id = i < own ? i : i - own;
-    robot.x_m = (i < own ? -1.0 : 1.0) * (0.2 + 0.25 * (robot.id / 4));
+    const int row = robot.id / 4;
+    robot.x_m = (i < own ? -1.0 : 1.0) * (0.2 + 0.25 * row);
     robot.y_m = 0.3 * (robot.id % 4) - 0.45;
     robots.push_back(robot);
   }

@@ -50,6 +50,7 @@ class Eight {
 
 class Follower final : public Strategy {
  public:
+  virtual ~Follower() = default;
   explicit Follower(double speed_mps) : eight(speed_mps) {}
   void configure(const ControlParameters& parameters, const FieldParameters&) override { drive_ = parameters.drive; }
   void reset() override {}

@@ -52,7 +52,7 @@ void FirasimSimulation::place(const FirasimPlacement& placement) {
 
 void FirasimSimulation::step() {
   before_ = now_;
-  for (int i = 0; i < static_cast<int>(kStepS / World::kStepS + 0.5); ++i) {
+  for (int i = 0; i < static_cast<int>(std::lround(kStepS / World::kStepS)); ++i) {
     world_.step();
     rules_.update();
   }

@@ -212,7 +212,9 @@ TEST_F(ExternalInputLoop, DrivesTheRobotUntilTheCommandIsTooOld) {
     // It is within the limits of acceleration, whatever the play commanded before.
     EXPECT_GE(at_frame(t).twist.w_radps, std::min(2.99f, at_frame(t - 0.02).twist.w_radps)) << t;
   }
-  EXPECT_NEAR(at_frame(1.2).twist.w_radps, 3.0f, 0.01f);
+  // The play may have turned the robot quickly in the other direction; wheels change by 4 m/s^2.
+  EXPECT_GE(at_frame(1.2).twist.w_radps, std::min(2.99f, at_frame(1.0).twist.w_radps + 10.0f));
+  EXPECT_LE(at_frame(1.2).twist.w_radps, 3.0f);
   for (double t = 1.22; t < 1.99; t += 0.02) {
     EXPECT_EQ(at_frame(t).source, CommandSource::kExpired) << t;
     EXPECT_EQ(at_frame(t).twist.w_radps, 0.0f);

@@ -128,7 +128,8 @@ void line_up_places(const GameSituation& situation, Vector2 ball, const ControlP
     const double step = apart / radius;
     const int steps = static_cast<int>(std::numbers::pi / step);
     for (int i = 0; i <= 2 * steps && out.others.size() < count; ++i) {
-      const double turn = (i % 2 == 0 ? -step : step) * ((i + 1) / 2);
+      const int nth = (i + 1) / 2;
+      const double turn = (i % 2 == 0 ? -step : step) * nth;
       const Vector2 place = ball + radius * unit_vector(home + turn);
       if (is_legal(place, situation, ball, parameters, size) && is_free(place)) out.others.push_back(place);
     }

@@ -32,7 +32,9 @@ double time_to_goal(BallState ball, const Scene& scene) {
   double danger = 0.0;
   const bool was_in_area = pitch.in_own_area(ball.position, 0.0);
   const Rolling rolling(kStep);
-  for (double t = 0.0; t < kHorizon; t += kStep) {
+  constexpr int kSteps = static_cast<int>(kHorizon / kStep);
+  for (int i = 0; i < kSteps; ++i) {
+    const double t = i * kStep;
     const Vector2 from = ball.position;
     // A wall so near leaves the ball no way back: the robot behind it keeps it there.
     BallState next = rolling.after(ball, pitch);

@@ -9,10 +9,9 @@ void ArenaObjects::attach(hal::mock::Arena& arena, const std::array<std::string,
   arena_ = &arena;
   colors_ = colors;
   time_ = time;
-  hal::mock::World& world = arena.world();
-  if (!has_places_ || world.snapshot().robots.size() != places_.robots.size()) return;
-  for (std::size_t i = 0; i < places_.robots.size(); ++i) world.place(i, places_.robots[i]);
-  world.place_ball(places_.ball);
+  if (!has_places_ || arena.world().snapshot().robots.size() != places_.robots.size()) return;
+  for (std::size_t i = 0; i < places_.robots.size(); ++i) arena.game().rules().place_robot(i, places_.robots[i]);
+  arena.game().rules().place_ball(places_.ball);
 }
 
 void ArenaObjects::detach() {

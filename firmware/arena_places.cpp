@@ -103,7 +103,7 @@ Result<void> put_objects(const ArenaPlaces& places, const std::array<std::string
   TOUCHLINE_TRY_ASSIGN(const WantedPlaces wanted, wanted_places(places, colors, game.world()));
   TOUCHLINE_TRY(check_places(wanted, arena));
   for (std::size_t i = 0; i < wanted.changed.size(); ++i) {
-    if (!wanted.changed[i].empty()) game.world().place(i, wanted.all.robots[i]);
+    if (!wanted.changed[i].empty()) game.rules().place_robot(i, wanted.all.robots[i]);
   }
   if (!places.robots.empty()) game.note_jump();
   if (places.ball) game.rules().place_ball(wanted.all.ball, places.ball->velocity_mps);

@@ -21,6 +21,18 @@
 #include "hal/replay/replay_camera.h"
 
 namespace touchline {
+namespace {
+
+// Reads the game of an arena, which the console's thread may change at the same time (ArenaObjects).
+template <class Read>
+auto read_game(void* context, const Read& read) {
+  auto& arena = *static_cast<hal::mock::Arena*>(context);
+  const std::scoped_lock lock(arena.mutex());
+  return read(arena.game());
+}
+
+}  // namespace
+
 Devices::Devices() = default;
 Devices::~Devices() {
   if (objects_ && arena_) objects_->detach();
@@ -139,26 +151,23 @@ HalDevices Devices::hal_devices() { return {*camera_, *radio_, *gpio_, *clock_, 
 
 ScoreSource Devices::score() const {
   if (!arena_) return {};
-  return {[](const void* arena) {
-            const hal::mock::GameStatistics& game = static_cast<const hal::mock::Arena*>(arena)->game().statistics();
-            return Score{game.goals_own, game.goals_opponent};
+  return {[](void* arena) {
+            return read_game(arena, [](hal::mock::Game& game) {
+              return Score{game.statistics().goals_own, game.statistics().goals_opponent};
+            });
           },
           arena_.get()};
 }
 
 JumpSource Devices::jumps() const {
   if (!arena_) return {};
-  return {[](void* context) {
-            auto& arena = *static_cast<hal::mock::Arena*>(context);
-            const std::scoped_lock lock(arena.mutex());
-            return arena.game().last_jump();
-          },
+  return {[](void* arena) { return read_game(arena, [](hal::mock::Game& game) { return game.last_jump(); }); },
           arena_.get()};
 }
 
 RefereeSource Devices::referee() const {
   if (!arena_) return {};
-  return {[](const void* arena) { return static_cast<const hal::mock::Arena*>(arena)->game().rules().referee(); },
+  return {[](void* arena) { return read_game(arena, [](hal::mock::Game& game) { return game.rules().referee(); }); },
           arena_.get()};
 }
 

@@ -58,8 +58,8 @@ class Devices {
  private:
   [[nodiscard]] std::unique_ptr<hal::Radio> make_radio(const PlannedRadio& radio);
 
-  ArenaOpponents opponents_;
-  std::unique_ptr<hal::mock::Arena> arena_;   // first: the devices refer to it
+  ArenaOpponents opponents_;                  // before the arena, which refers to them
+  std::unique_ptr<hal::mock::Arena> arena_;   // before the devices, which refer to it
   std::unique_ptr<hal::Clock> slowed_clock_;  // the clock that `clock_` slows or pauses
   std::unique_ptr<hal::Clock> clock_;
   std::unique_ptr<hal::Camera> camera_;

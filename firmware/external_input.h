@@ -25,8 +25,8 @@ enum class SetupMode : std::uint8_t {
 
 /// Reads the state of a simulated referee, without its time of reception. nullopt: there is no referee.
 struct RefereeSource {
-  std::optional<RefereeState> (*read)(const void* context) = nullptr;  // null: there is none
-  const void* context = nullptr;
+  std::optional<RefereeState> (*read)(void* context) = nullptr;  // null: there is none
+  void* context = nullptr;
 };
 
 struct ExternalInputSettings {

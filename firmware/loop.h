@@ -28,8 +28,8 @@ namespace touchline {
 
 /// Reads the score from a simulation that counts goals. Called on the loop's thread.
 struct ScoreSource {
-  Score (*read)(const void* context) = nullptr;  // null: no score is counted
-  const void* context = nullptr;
+  Score (*read)(void* context) = nullptr;  // null: no score is counted
+  void* context = nullptr;
 };
 
 /// Reads when robots of a simulation were put elsewhere for the last time, on the loop's clock. Called on the loop's

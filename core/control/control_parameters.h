@@ -14,8 +14,8 @@ struct DriveParameters {
   double max_turn_radps = 14.0;
   double max_wheel_speed_mps = 1.4;
   double max_wheel_acceleration_mps2 = 4.0;
-  // What the tracker believes of the drive; the pipeline copies both from track.robot. Lag of the wheels behind their
-  // commands, and acceleration at which the tires begin to slide (0: never).
+  // What the tracker believes of the drive; the pipeline copies both from tracking.robot. Lag of the wheels behind
+  // their commands, and acceleration at which the tires begin to slide (0: never).
   double wheel_lag_s = 0.08;
   double tire_grip_mps2 = 7.8;
 
@@ -43,7 +43,7 @@ struct DriveParameters {
   }
 };
 
-/// Parameters of the default game.
+/// Parameters of the built-in play.
 struct PlayParameters {
   bool enabled = true;
   int goalkeeper_id = -1;
@@ -61,7 +61,7 @@ struct PlayParameters {
         {.name = "enabled", .help = "Play the built-in game; false: robots without a command of another program stop"});
     visit.number(self.goalkeeper_id, {.name = "goalkeeper_id",
                                       .range = {-1, 127},
-                                      .help = "Id of the goalkeeper; -1: the robot nearest to the goal at the start"});
+                                      .help = "Id of the goalkeeper; -1: the robot that is soonest in the goal"});
     visit.number(self.robot_radius_m,
                  {.name = "robot_radius_m", .range = {0.005, 0.5}, .unit = "m", .help = "Half the side of a robot"});
     visit.number(self.ball_radius_m,

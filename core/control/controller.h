@@ -12,12 +12,13 @@ namespace touchline {
 /// Computes the velocities of all own robots from the tracks (paper, section 2, last paragraph).
 class Controller {
  public:
-  /// kOutOfRange: an impossible limit or gain.
+  /// kOutOfRange: an impossible limit or size.
   Status configure(const ControlParameters& parameters, const FieldParameters& field);
   /// Replaces the built-in play by another strategy, which must outlive this object; null: the built-in play. Call it
   /// before configure().
   void set_strategy(Strategy* strategy) { other_ = strategy; }
-  /// Changes limits, gains and rules during a game without resetting it. Errors as configure(); nothing changes then.
+  /// Changes limits and parameters of the play during a game without resetting it. Errors as configure(); nothing
+  /// changes then.
   Status set_parameters(const ControlParameters& parameters) { return apply(parameters, play_.field()); }
   void reset();
   /// Sets the commands of other programs. A robot with such a command leaves the built-in play until a command releases

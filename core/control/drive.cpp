@@ -267,7 +267,7 @@ double time_to(const Player& robot, const SkillGoal& goal, const Pitch& pitch, c
 
 Twist drive(const Player& robot, const SkillGoal& goal, const RoundObstacles& obstacles, const Pitch& pitch,
             const DriveParameters& limits) {
-  if (goal.twist) return *goal.twist;
+  if (goal.twist) return braked(*goal.twist, robot, obstacles);
   const Rover rover = rover_of(robot, false, kResponseS);
   SkillGoal next = goal;
   next.place = around(rover.position, rover.speed * unit_vector(rover.heading), goal, obstacles, pitch);

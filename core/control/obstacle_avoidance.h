@@ -6,7 +6,7 @@
 
 namespace touchline {
 
-// Positions of the ball and of all other robots.
+// Positions of all other robots.
 using Obstacles = FixedVector<Vector2, kMaxRobots>;
 
 /// Lists the positions of all robots of `tracks` except the own robot `id`.

@@ -28,7 +28,7 @@ void Play::reset() {
 }
 
 PlayRole Play::role_of(RobotId id) const {
-  if (id == goalkeeper_) return PlayRole::kGoalkeeper;
+  if (is_in_goal(id)) return PlayRole::kGoalkeeper;
   if (id == attacker_) return PlayRole::kAttacker;
   return roles_.opening_of(id) >= 0 ? PlayRole::kSupporter : PlayRole::kNone;
 }
@@ -41,7 +41,11 @@ void Play::look(const Tracks& tracks, const Players& players) {
   scene_.ball_known = scene_.ball_known || seen;
   scene_.opponents.clear();
   for (const RobotTrack& robot : tracks.robots) {
-    if (robot.team == Team::kOwn) continue;
+    if (robot.team == Team::kOwn) {
+      // Another program may drive the goalkeeper that the team file names.
+      if (robot.id >= 0 && robot.id == scene_.parameters.play.goalkeeper_id) goalkeeper_seen_ = scene_.now;
+      continue;
+    }
     scene_.opponents.push_back({position(robot.pose_at_action), static_cast<double>(robot.twist_at_action.v_mps) *
                                                                     unit_vector(heading(robot.pose_at_action))});
   }
@@ -59,17 +63,18 @@ void Play::look(const Tracks& tracks, const Players& players) {
 // A single robot plays in the field.
 void Play::choose_goalkeeper() {
   find_goalkeeper();
-  scene_.goalkeeper_plays = scene_.players.size() > 1 || !scene_.ball_known;
+  scene_.goalkeeper_plays = (scene_.players.size() > 1 && goalkeeper_ != kUnknownId) || !scene_.ball_known;
 }
 
 void Play::find_goalkeeper() {
   const PlayParameters& play = scene_.parameters.play;
-  if (play.goalkeeper_id >= 0) {
-    goalkeeper_ = static_cast<RobotId>(play.goalkeeper_id);
-    return;
-  }
   // A goalkeeper whose track is lost for a moment comes back.
   constexpr double kReturnS = 0.5, kBetterS = 1.0;
+  if (play.goalkeeper_id >= 0) {
+    const bool is_there = seconds(scene_.now - goalkeeper_seen_) <= kReturnS;
+    goalkeeper_ = is_there ? static_cast<RobotId>(play.goalkeeper_id) : kUnknownId;
+    return;
+  }
   const SkillGoal goal{.place = {-scene_.pitch.end_m + play.keeper_line_m, 0.0}};
   RobotId best = kUnknownId;
   double least = 1e9;
@@ -185,7 +190,8 @@ SkillGoal Play::goal_of(const Player& player) const {
 
 // Own robots with a lower rank have the right of way.
 int Play::rank_of(RobotId id) const {
-  if (id == goalkeeper_) return -2;
+  if (id == kUnknownId) return 100;
+  if (is_in_goal(id)) return -2;
   if (id == attacker_) return -1;
   const int opening = roles_.opening_of(id);
   return opening < 0 ? 100 : opening;
@@ -196,7 +202,7 @@ void Play::list_obstacles(const Player& player, const SkillGoal& goal, const Tra
   out.clear();
   const double clearance = scene_.parameters.play.clearance_m;
   const bool attacks = player.id == attacker_;
-  if (player.id == goalkeeper_) return;  // the others make room
+  if (is_in_goal(player.id)) return;  // the others make room
   for (const RobotTrack& robot : tracks.robots) {
     if (robot.team == Team::kOwn && robot.id == player.id) continue;
     const Vector2 v = static_cast<double>(robot.twist_at_action.v_mps) * unit_vector(heading(robot.pose_at_action));

@@ -29,6 +29,8 @@ class Play final : public Strategy {  // NOLINT(cppcoreguidelines-virtual-class-
   void assign_jobs();
   [[nodiscard]] double blocked_time(const Player& player, Vector2 place) const;
   [[nodiscard]] SkillGoal goal_of(const Player& player) const;
+  // Whether this robot keeps the goal now: a single robot plays in the field.
+  [[nodiscard]] bool is_in_goal(RobotId id) const { return id == goalkeeper_ && scene_.goalkeeper_plays; }
   [[nodiscard]] int rank_of(RobotId id) const;
   void list_obstacles(const Player& player, const SkillGoal& goal, const Tracks& tracks, RoundObstacles& out) const;
 

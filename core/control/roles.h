@@ -4,7 +4,7 @@
 
 namespace touchline {
 
-/// What a robot does for the team. The order is that of the table in play.cpp.
+/// What a robot does for the team. play_table.cpp gives the order of importance.
 enum class Job : std::uint8_t { kNone, kKeep, kAttack, kCover, kBackUp, kSupport, kMark };
 
 /// A job that somebody must do, and what it costs each player, in seconds.

@@ -17,11 +17,10 @@ inline constexpr double kRunUpM = 0.03;
 
 struct SkillGoal {
   Vector2 place{};
-  Vector2 velocity{};                     // of the place
-  std::optional<double> direction_rad{};  // of the motion at the place; none: any
-  double end_speed_mps = 0.0;             // speed at the place; 0: the robot stops there
-  // With end_speed_mps = 0 and a direction: the robot turns along the direction (front or back ahead) when it has
-  // arrived.
+  // Of the motion at the place; none: any. If end_speed_mps is 0, the robot turns to this direction after it arrives,
+  // front or back ahead.
+  std::optional<double> direction_rad{};
+  double end_speed_mps = 0.0;  // speed at the place; 0: the robot stops there
   bool avoid_ball = false;
   std::optional<Twist> twist{};  // drive these velocities instead
 };

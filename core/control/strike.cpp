@@ -29,6 +29,7 @@ double time_to_goal(BallState ball, const Scene& scene) {
   constexpr double kStep = 0.1, kHorizon = 1.6;
   constexpr double kLost = 0.5, kOwnGoal = 10.0, kOwnArea = 1.0;
   const Pitch& pitch = scene.pitch;
+  if (ball.position.x > pitch.end_m) return 0.0;  // it is there already
   double danger = 0.0;
   const bool was_in_area = pitch.in_own_area(ball.position, 0.0);
   const Rolling rolling(kStep);

@@ -32,7 +32,7 @@ Arena::Arena(const ArenaParameters& parameters, const CameraSettings& camera, co
     : parameters_(parameters),
       camera_(camera),
       faults_(parameters.fault),
-      game_(parameters, radio.baud, seed, begin, from_seconds(radio.pause_s)),
+      game_(parameters, radio, seed, begin),
       renderer_(parameters, camera.width_px, camera.height_px),
       sensor_(parameters.sensor, pixel_format(camera.format), camera.width_px, camera.height_px, seed),
       picture_faults_(parameters, camera, seed),
@@ -55,6 +55,11 @@ void Arena::advance_to(Instant instant) {
     if (streaming_) update_shutter();
   }
   now_ = std::max(now_, instant);
+}
+
+void Arena::inject(const ArenaFault& fault) {
+  picture_faults_.prepare(fault.kind);
+  faults_.push_back(fault);
 }
 
 void Arena::start_camera() {
@@ -180,7 +185,7 @@ Result<void> Arena::move_object(const PixelPoint& from, const PixelPoint& to) {
   if (*moved == ball) {
     game_.rules().place_ball(placed);
   } else {
-    game_.world().place(*moved, placed);
+    game_.rules().place_robot(*moved, placed);
   }
   return {};
 }

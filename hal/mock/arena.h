@@ -35,7 +35,10 @@ struct Exposure {
 /// How fast the time of an arena passes, as a person wants it. Any thread may change it.
 class ArenaPace {
  public:
-  void pause() { paused_.store(true, std::memory_order_relaxed); }
+  void pause() {
+    frames_.store(0, std::memory_order_relaxed);
+    paused_.store(true, std::memory_order_relaxed);
+  }
   void resume() {
     frames_.store(0, std::memory_order_relaxed);
     paused_.store(false, std::memory_order_relaxed);
@@ -43,7 +46,7 @@ class ArenaPace {
   /// Pauses after so many frames.
   void step(int frames) {
     frames_.fetch_add(frames, std::memory_order_relaxed);
-    pause();
+    paused_.store(true, std::memory_order_relaxed);
   }
   /// `speed`: times real time, for a clock that follows real time.
   void set_speed(double speed) { speed_.store(speed, std::memory_order_relaxed); }
@@ -67,7 +70,7 @@ class ArenaPace {
 /// arrival, the opening and closing of the shutter on the first step at or after its time. If the exposure time or the
 /// time of the readout is longer than the frame period, the camera takes fewer pictures. A rolling shutter exposes the
 /// first rows of a picture while it still reads the last ones of the picture before. Nothing is allocated after
-/// construction.
+/// construction, except by inject().
 class Arena {
  public:
   static constexpr Instant kBegin = Game::kBegin;
@@ -86,8 +89,8 @@ class Arena {
   [[nodiscard]] bool fault_active(FaultKind kind) const { return fault_active(kind, now_); }
   [[nodiscard]] bool fault_active(FaultKind kind, Instant at) const;
   [[nodiscard]] const std::vector<ArenaFault>& faults() const { return faults_; }
-  /// Adds a fault to those of the parameters.
-  void inject(const ArenaFault& fault) { faults_.push_back(fault); }
+  /// Adds a fault to those of the parameters; allocates.
+  void inject(const ArenaFault& fault);
   [[nodiscard]] ArenaPace& pace() { return pace_; }
   [[nodiscard]] const ArenaParameters& parameters() const { return parameters_; }
   [[nodiscard]] Instant begin() const { return game_.begin(); }
@@ -170,12 +173,16 @@ class Arena {
   std::mutex mutex_;
 };
 
-/// The arena's virtual time as a Clock: it does not advance while the processor works, and jumps in sleep_until().
+/// The arena's virtual time as a Clock: it does not advance while the processor works, and jumps in sleep_until(),
+/// whose caller does not hold the arena's mutex. Only the thread that sleeps may read the time.
 class ArenaClock : public Clock {
  public:
   explicit ArenaClock(Arena& arena) : arena_(arena) {}
   [[nodiscard]] Instant now() const override { return arena_.now(); }
-  void sleep_until(Instant instant) override { arena_.advance_to(instant); }
+  void sleep_until(Instant instant) override {
+    const std::scoped_lock lock(arena_.mutex());
+    arena_.advance_to(instant);
+  }
 
  private:
   Arena& arena_;

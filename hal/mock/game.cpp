@@ -4,11 +4,11 @@
 
 namespace touchline::hal::mock {
 
-Game::Game(const ArenaParameters& parameters, int baud, std::uint64_t seed, Instant begin, Duration pause)
+Game::Game(const ArenaParameters& parameters, const RadioSettings& radio, std::uint64_t seed, Instant begin)
     : world_(parameters, seed),
       rules_(parameters, world_, seed),
-      channels_{RadioChannel(parameters, baud, seed, pause, Side::kOwn),
-                RadioChannel(parameters, baud, seed, {}, Side::kOpponent)},
+      channels_{RadioChannel(parameters, radio.baud, seed, from_seconds(radio.pause_s), Side::kOwn),
+                RadioChannel(parameters, radio.baud, seed, from_seconds(radio.pause_s), Side::kOpponent)},
       begin_(begin),
       now_(begin),
       last_jump_(begin) {}
@@ -22,9 +22,9 @@ void Game::restart(std::uint64_t seed) {
 void Game::step() {
   now_ += kStep;
   world_.step();
-  const std::uint32_t restarts = rules_.restarts();
+  const std::uint32_t placements = rules_.placements();
   rules_.update();
-  const bool returned = (rules_.is_stopped() && rules_.restarts() != restarts) || jumped_;
+  const bool returned = rules_.placements() != placements || jumped_;
   jumped_ = false;
   if (returned) last_jump_ = now_;
   for (const Side side : {Side::kOwn, Side::kOpponent}) {

@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "core/time.h"
+#include "hal/device_parameters.h"
 #include "hal/mock/arena_parameters.h"
 #include "hal/mock/game_rules.h"
 #include "hal/mock/radio_channel.h"
@@ -23,10 +24,9 @@ class Game {
   static constexpr Duration kStep = std::chrono::milliseconds(1);
   static_assert(seconds(kStep) == World::kStepS);
 
-  /// `baud`: speed of the lines to both sides' radios; `begin`: the instant of arena time 0;
-  /// `pause`: after each packet of the own side (LineTime). The parameters must have
-  /// no violation (find_violation()).
-  Game(const ArenaParameters& parameters, int baud, std::uint64_t seed, Instant begin = kBegin, Duration pause = {});
+  /// `radio`: baud rate and pauses of the lines to both sides' radios; `begin`: the instant of arena time 0. The
+  /// parameters must have no violation (find_violation()).
+  Game(const ArenaParameters& parameters, const RadioSettings& radio, std::uint64_t seed, Instant begin = kBegin);
   Game(const Game&) = delete;
   Game& operator=(const Game&) = delete;
   ~Game() = default;

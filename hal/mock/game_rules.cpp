@@ -62,6 +62,7 @@ void GameRules::restart(std::uint64_t seed) {
 void GameRules::begin() {
   half_ = 1;
   line_up_s_ = -1.0;
+  stopped_steps_ = 0;
   if (league_.sides_exchanged()) league_.exchange_sides();
   held_ = start_;
   if (rules_.league == League::kSimple) {
@@ -76,6 +77,22 @@ void GameRules::place_ball(const Placement& placement, Vector2 velocity_mps) {
   world_.place_ball(placement, velocity_mps);
   still_at_ = ball_before_ = world_.ball();
   still_s_ = 0.0;
+}
+
+void GameRules::place_robot(std::size_t robot, const Placement& placement) {
+  world_.place(robot, placement);
+  held_.robots[robot] = placement;
+}
+
+void GameRules::hold_places_of_start() {
+  held_ = start_;
+  if (league_.sides_exchanged()) turn(held_);
+}
+
+void GameRules::put_robots() {
+  hold_robots();
+  ++placements_;
+  stopped_steps_ = kStoppedSteps;
 }
 
 void GameRules::hold_robots() {
@@ -99,8 +116,7 @@ void GameRules::order(const RestartOrder& order, bool by_hand) {
     Snapshot from = order.restart == Restart::kKickOff ? start_ : world_.snapshot();
     if (order.restart == Restart::kKickOff && league_.sides_exchanged()) turn(from);
     league_.place(order, world_, from, true, held_);
-    hold_robots();
-    stopped_steps_ = kStoppedSteps;
+    put_robots();
   }
   place_ball({order.ball.x, order.ball.y, 0.0});
 }
@@ -122,7 +138,9 @@ void GameRules::watch_line_up() {
   league_.place(order_, world_, now, false, held_);
   for (std::size_t i = 0; i < now.robots.size(); ++i) {
     const Placement &placed = held_.robots[i], &robot = now.robots[i];
-    if (length(Vector2{placed.x_m - robot.x_m, placed.y_m - robot.y_m}) > 0.0) world_.place(i, placed);
+    if (length(Vector2{placed.x_m - robot.x_m, placed.y_m - robot.y_m}) == 0.0) continue;
+    world_.place(i, placed);
+    ++placements_;
   }
   place_ball({order_.ball.x, order_.ball.y, 0.0});
 }
@@ -135,10 +153,8 @@ void GameRules::end_half() {
     order(LeagueRules::kick_off(half_ % 2 == 0 ? other_side(first_kick_off_) : first_kick_off_), true);
     return;
   }
-  held_ = start_;
-  if (league_.sides_exchanged()) turn(held_);
-  hold_robots();
-  stopped_steps_ = kStoppedSteps;
+  hold_places_of_start();
+  put_robots();
   restart_near_center();
 }
 
@@ -152,8 +168,8 @@ void GameRules::kick_off(Side conceded) {
 
 void GameRules::restart_near_center() {
   if (returns_robots_) {
-    hold_robots();
-    stopped_steps_ = kStoppedSteps;
+    hold_places_of_start();
+    put_robots();
   }
   // Draws a random point near the center, because from a fixed point two symmetric teams could block each other
   // forever. The area grows with each draw until the point is free of robots.
@@ -275,7 +291,7 @@ std::optional<RefereeState> GameRules::referee() const {
   state.restart = now.restart;
   state.restart_is_ours = now.ours;
   state.lines_up = now.lines_up;
-  state.half = rules_.half_s > 0.0 ? half_ : std::uint8_t{0};
+  state.half = rules_.half_s > 0.0 ? static_cast<std::uint8_t>(std::min(half_, 255U)) : std::uint8_t{0};
   state.own_on_positive_half = league_.sides_exchanged();
   return state;
 }

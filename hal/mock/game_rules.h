@@ -54,8 +54,13 @@ class GameRules {
   [[nodiscard]] std::optional<RefereeState> referee() const;
   /// Returns the number of restarts so far.
   [[nodiscard]] std::uint32_t restarts() const { return restarts_; }
+  /// Puts a robot somewhere else, also while the game is stopped. By the simple rules it returns to its place at the
+  /// start of the game after the next goal.
+  void place_robot(std::size_t robot, const Placement& placement);
+  /// Returns how often the rules have put robots elsewhere.
+  [[nodiscard]] std::uint32_t placements() const { return placements_; }
   [[nodiscard]] const GameStatistics& statistics() const { return statistics_; }
-  /// FNV-1a hash of world, statistics and the complete state, including the random generator's.
+  /// FNV-1a hash of world, rules and statistics, including the state of the random generator.
   [[nodiscard]] std::uint64_t hash() const;
 
  private:
@@ -71,6 +76,9 @@ class GameRules {
   void restart_near_center();
   // `by_hand`: people place the robots, even if they could drive.
   void order(const RestartOrder& order, bool by_hand);
+  // Puts the robots into held_ and stops the game.
+  void put_robots();
+  void hold_places_of_start();
   void hold_robots();
 
   const double goal_line_m_, reach_m_, free_ball_after_s_;
@@ -85,8 +93,8 @@ class GameRules {
   std::optional<Side> possession_;
   std::uint32_t touches_ball_ = 0;  // bits of the robots
   std::uint64_t steps_ = 0;
-  std::uint32_t restarts_ = 0;
-  Snapshot held_;          // where robots and ball are held while the game is stopped
+  std::uint32_t restarts_ = 0, placements_ = 0;
+  Snapshot held_;          // where robots are held while the game is stopped
   int stopped_steps_ = 0;  // until the game goes on
   // By a league's rules: the last restart, whether nobody has touched the ball since, and the time for which robots
   // have been driving to their places; negative: they are not.
@@ -95,7 +103,7 @@ class GameRules {
   double line_up_s_ = -1.0;
   Snapshot line_up_before_;
   Side first_kick_off_ = Side::kOwn;
-  std::uint8_t half_ = 1;
+  std::uint32_t half_ = 1;
   // By the numbers of two robots, the larger one first: the last step in which they touched; 0: never.
   std::array<std::array<std::uint64_t, kMaxRobots>, kMaxRobots> last_contact_{};
   double still_s_ = 0.0;

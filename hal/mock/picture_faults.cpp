@@ -12,26 +12,24 @@ namespace {
 constexpr std::uint64_t kRandomStream = 16;
 constexpr std::size_t kBlock_px = 16;
 
-bool has_fault(const ArenaParameters& parameters, FaultKind kind) {
-  return std::any_of(parameters.fault.begin(), parameters.fault.end(),
-                     [kind](const ArenaFault& fault) { return fault.kind == kind; });
-}
-
 }  // namespace
 
 PictureFaults::PictureFaults(const ArenaParameters& parameters, const CameraSettings& camera, std::uint64_t seed)
     : format_(pixel_format(camera.format)),
       width_(camera.width_px),
       height_(camera.height_px),
+      rate_hz_(camera.rate_hz),
       layout_(picture_layout(format_, width_, height_)),
       random_(seed, kRandomStream) {
-  if (has_fault(parameters, FaultKind::kPictureTurned) || has_fault(parameters, FaultKind::kPictureRandom)) {
-    scene_.resize(3 * width_ * height_);
-  }
-  if (has_fault(parameters, FaultKind::kPictureFrozen)) frozen_.bytes.resize(layout_.bytes);
-  if (has_fault(parameters, FaultKind::kPictureHalfFrozen)) half_frozen_.bytes.resize(layout_.bytes);
-  if (has_fault(parameters, FaultKind::kPictureTorn)) {
-    former_.resize(static_cast<std::size_t>(std::ceil(seconds(kTornAge) * camera.rate_hz)) + 1);
+  for (const ArenaFault& fault : parameters.fault) prepare(fault.kind);
+}
+
+void PictureFaults::prepare(FaultKind kind) {
+  if (kind == FaultKind::kPictureTurned || kind == FaultKind::kPictureRandom) scene_.resize(3 * width_ * height_);
+  if (kind == FaultKind::kPictureFrozen) frozen_.bytes.resize(layout_.bytes);
+  if (kind == FaultKind::kPictureHalfFrozen) half_frozen_.bytes.resize(layout_.bytes);
+  if (kind == FaultKind::kPictureTorn && former_.empty()) {
+    former_.resize(static_cast<std::size_t>(std::ceil(seconds(kTornAge) * rate_hz_)) + 1);
     for (Picture& picture : former_) picture.bytes.resize(layout_.bytes);
   }
 }

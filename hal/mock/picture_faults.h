@@ -13,10 +13,14 @@
 namespace touchline::hal::mock {
 
 /// Injects the faults of FaultKind that begin with kPicture: pictures with fresh time stamps and frame numbers that do
-/// not show the scene before the camera. Allocates at construction only, and only what the listed faults need.
+/// not show the scene before the camera. Allocates only what the listed faults need, when
+/// they are listed.
 class PictureFaults {
  public:
   PictureFaults(const ArenaParameters& parameters, const CameraSettings& camera, std::uint64_t seed);
+
+  /// Makes room for a fault of this kind. The constructor does so for the faults of the parameters.
+  void prepare(FaultKind kind);
 
   /// Changes the scene before the sensor, so rotated and random pictures have fresh noise. `scene`: R, G, B of each
   /// pixel. The result is valid until the next call. `is_active`: FaultKind -> bool.
@@ -60,6 +64,7 @@ class PictureFaults {
 
   PixelFormat format_;
   std::size_t width_ = 0, height_ = 0;
+  double rate_hz_ = 0.0;
   PictureLayout layout_;
   Random random_;
   std::vector<std::uint16_t> scene_;  // R, G, B of each pixel

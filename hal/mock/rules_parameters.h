@@ -27,7 +27,10 @@ struct RulesParameters {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
-    visit.choice(self.league, kLeagues, {.name = "league", .help = "Rules of restarts and fouls"});
+    visit.choice(self.league, kLeagues,
+                 {.name = "league",
+                  .help = "simple: the ball returns to the center after goals and jams; mirosot: restarts and fouls of "
+                          "MiroSot and VSSS"});
     visit.choice(self.robots, kRobotsAtRestart,
                  {.name = "robots",
                   .help = "With league \"mirosot\": robots are placed for a restart, or drive to their places"});

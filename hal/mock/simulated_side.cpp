@@ -30,7 +30,8 @@ Status SimulatedSide::configure(const SideSettings& settings) {
 
 void SimulatedSide::hold(bool stands, bool restarts) {
   inputs_.halt = stands ? inputs_.halt | kHaltByRules : inputs_.halt & ~kHaltByRules;
-  if (restarts) inputs_.events.reset = true;
+  // Frames on their way still show the places before.
+  if (restarts) reset_at_frame_ = next_frame_;
 }
 
 void SimulatedSide::advance(Instant now, const World& world, RadioChannel& channel) {
@@ -47,7 +48,7 @@ void SimulatedSide::advance(Instant now, const World& world, RadioChannel& chann
 }
 
 void SimulatedSide::capture(Instant now, const World& world) {
-  const auto sequence = static_cast<std::uint32_t>(next_frame_++);
+  const std::uint64_t number = next_frame_++;
   const bool is_late = random_.bernoulli(view_.late);
   if (camera_stalled_) return;
   if (waiting_ == pending_.size()) return;  // as a camera without a free buffer
@@ -56,14 +57,18 @@ void SimulatedSide::capture(Instant now, const World& world) {
   observer_.observe(world, frame.sightings);
   frame.captured = now;
   frame.arrives = now + settings_.frame_latency + (is_late ? from_seconds(view_.late_s) : Duration::zero());
-  frame.sequence = sequence;
+  frame.number = number;
 }
 
 void SimulatedSide::process(const PendingFrame& pending, Instant now, RadioChannel& channel) {
   Frame frame;
   frame.capture_time = pending.captured;
-  frame.sequence = pending.sequence;
+  frame.sequence = static_cast<std::uint32_t>(pending.number);
   frame.sightings = &pending.sightings;
+  if (reset_at_frame_ && pending.number >= *reset_at_frame_) {
+    inputs_.events.reset = true;
+    reset_at_frame_.reset();
+  }
   inputs_.now = now;
   inputs_.action_delay = settings_.frame_latency + packet_time_ + settings_.radio_delay;
   const StepTrace& trace = pipeline_->step(frame, inputs_);

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 
 #include "core/pipeline.h"
 #include "core/step_inputs.h"
@@ -78,7 +79,7 @@ class SimulatedSide {
   struct PendingFrame {
     Sightings sightings;
     Instant captured{}, arrives{};
-    std::uint32_t sequence = 0;
+    std::uint64_t number = 0;
   };
 
   void capture(Instant now, const World& world);
@@ -95,6 +96,7 @@ class SimulatedSide {
   std::array<PendingFrame, 16> pending_;
   std::size_t first_ = 0, waiting_ = 0;
   std::uint64_t next_frame_ = 0, frames_ = 0;
+  std::optional<std::uint64_t> reset_at_frame_;  // the first frame after everything was put elsewhere
   Instant begin_{};
   bool begun_ = false;
   bool camera_stalled_ = false, radio_lost_ = false;

@@ -77,6 +77,7 @@ void World::restart(std::uint64_t seed) {
   for (std::size_t i = 0; i < robots_.size(); ++i) {
     const ArenaRobot& entry = parameters_.robot[i];
     place(i, {entry.x_m, entry.y_m, entry.theta_rad});
+    robots_[i].slip = {};
   }
 }
 

@@ -64,7 +64,7 @@ bool PoseMerger::add(const SentPoses& poses, Instant capture_time, Instant arriv
 }
 
 void PoseMerger::note_gap(std::size_t index, Instant captured) {
-  if (index != last_) {
+  if (index != last_ && cameras_[last_].is_known) {
     Camera& last = cameras_[last_];
     const double gap_s = seconds(captured - last.captured);
     last.gap_s = last.gap_s == 0.0 ? gap_s : last.gap_s + kGapShare * (gap_s - last.gap_s);

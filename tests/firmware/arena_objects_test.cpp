@@ -107,6 +107,34 @@ TEST(ArenaObjects, PlacesAreThoseOfFrames) {
   objects.detach();
 }
 
+// The picture needs memory for some kinds, which are not in the arena's parameters.
+TEST(ArenaObjects, AFaultOfEveryKindChangesThePicturesOfARunningArena) {
+  ArenaObjects objects;
+  auto arena = small_arena(1);
+  objects.attach(*arena);
+  const PictureLayout layout =
+      picture_layout(hal::pixel_format(arena->camera().format), arena->camera().width_px, arena->camera().height_px);
+  std::vector<std::uint8_t> picture(layout.bytes);
+  arena->start_camera();
+  for (const auto& kind : hal::mock::kFaultKinds) {
+    if (kind.value == hal::mock::FaultKind::kCameraStall || kind.value == hal::mock::FaultKind::kCameraLost) continue;
+    ArenaRequest fault = request_of(Kind::kFault);
+    fault.fault = {kind.value, 0.0, 0.3};
+    ASSERT_TRUE(objects.control(fault).ok()) << kind.word;
+    int pictures = 0;
+    const Instant end = arena->now() + std::chrono::milliseconds(400);
+    while (arena->now() < end) {
+      arena->advance_to(arena->now() + std::chrono::milliseconds(5));
+      if (const auto exposure = arena->take_exposure()) {
+        arena->render(*exposure, picture);
+        ++pictures;
+      }
+    }
+    EXPECT_GT(pictures, 3) << kind.word;
+  }
+  objects.detach();
+}
+
 TEST(ArenaObjects, AFaultBeginsNow) {
   ArenaObjects objects;
   auto arena = small_arena(1);

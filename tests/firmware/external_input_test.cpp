@@ -120,8 +120,8 @@ TEST(ExternalInput, ASimulatedRefereeIsObeyedUnlessThereIsAnotherOne) {
   simulated.phase = GamePhase::kPrepare;
   simulated.own_on_positive_half = true;
   ExternalInputSettings settings;
-  settings.simulated_referee = {
-      [](const void* state) { return std::optional(*static_cast<const RefereeState*>(state)); }, &simulated};
+  settings.simulated_referee = {[](void* state) { return std::optional(*static_cast<const RefereeState*>(state)); },
+                                &simulated};
   ExternalInput input(settings);
   input.take(at(1.0), machine(1.0));
   EXPECT_EQ(input.halt(at(1.0), 1s), kHaltReferee);

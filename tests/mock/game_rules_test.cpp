@@ -7,12 +7,10 @@
 namespace touchline::hal::mock {
 namespace {
 
-constexpr int kBaud = 115200;
-
 double from_center(const Game& game) { return length(position(game.world().snapshot().ball)); }
 
 TEST(Referee, CountsGoalsOfBothSidesAndKicksOff) {
-  Game game(noise_free_arena(), kBaud, 1);
+  Game game(noise_free_arena(), RadioSettings{}, 1);
   game.rules().place_ball({0.9, 0.0, 0.0}, {1.5, 0.0});
   run(game, 0.4);
   EXPECT_EQ(game.statistics().goals_own, 1U);
@@ -26,7 +24,7 @@ TEST(Referee, CountsGoalsOfBothSidesAndKicksOff) {
 
 TEST(Referee, BallOnTheLineIsNoGoal) {
   const ArenaParameters parameters = noise_free_arena();
-  Game game(parameters, kBaud, 1);
+  Game game(parameters, RadioSettings{}, 1);
   game.rules().place_ball({0.5 * parameters.field.length_m + 0.9 * parameters.ball_radius_m, 0.0, 0.0});
   run(game, 1.0);
   EXPECT_EQ(game.statistics().goals_own, 0U);
@@ -36,7 +34,7 @@ TEST(Referee, BallOnTheLineIsNoGoal) {
 }
 
 TEST(Referee, ShotBesideTheGoalBouncesBack) {
-  Game game(noise_free_arena(), kBaud, 1);
+  Game game(noise_free_arena(), RadioSettings{}, 1);
   game.rules().place_ball({0.8, 0.3, 0.0}, {2.0, 0.0});
   run(game, 1.0);
   EXPECT_EQ(game.statistics().goals_own, 0U);
@@ -46,7 +44,7 @@ TEST(Referee, ShotBesideTheGoalBouncesBack) {
 TEST(Referee, MovesABallThatStandsStill) {
   ArenaParameters parameters = noise_free_arena();
   parameters.physics.free_ball_after_s = 2.0;
-  Game game(parameters, kBaud, 1);
+  Game game(parameters, RadioSettings{}, 1);
   game.rules().place_ball({0.9, 0.8, 0.0});
   game.world().drive(0, -0.1, 0.1);  // somebody plays
   run(game, 1.99);
@@ -59,7 +57,7 @@ TEST(Referee, MovesABallThatStandsStill) {
 TEST(Referee, LeavesTheBallWhereSomebodyHasPutItWhileRobotsStand) {
   ArenaParameters parameters = noise_free_arena();
   parameters.physics.free_ball_after_s = 1.0;
-  Game game(parameters, kBaud, 1);
+  Game game(parameters, RadioSettings{}, 1);
   game.rules().place_ball({0.9, 0.8, 0.0});
   game.world().drive(0, 0.0, 0.0);
   run(game, 3.0);
@@ -71,7 +69,7 @@ TEST(Referee, LeavesABallThatRolls) {
   ArenaParameters parameters = noise_free_arena();
   parameters.physics.free_ball_after_s = 1.0;
   parameters.physics.ball_deceleration_mps2 = parameters.physics.ball_damping_per_s = 0.0;
-  Game game(parameters, kBaud, 1);
+  Game game(parameters, RadioSettings{}, 1);
   game.rules().place_ball({-1.0, 0.5, 0.0}, {0.2, 0.0});
   game.world().drive(0, -0.1, 0.1);
   run(game, 8.0);
@@ -80,7 +78,7 @@ TEST(Referee, LeavesABallThatRolls) {
 
 TEST(Referee, PutsTheBallBesideARobotInTheCenter) {
   ArenaParameters parameters = noise_free_arena();
-  Game game(parameters, kBaud, 1);
+  Game game(parameters, RadioSettings{}, 1);
   game.world().place(0, {0.0, 0.0, 0.3});
   game.rules().place_ball({1.13, 0.0, 0.0});
   game.step();
@@ -93,7 +91,7 @@ TEST(Referee, PutsTheBallBesideARobotInTheCenter) {
 }
 
 TEST(Statistics, TouchCountsOnceUntilTheRobotLeavesTheBall) {
-  Game game(noise_free_arena(), kBaud, 1);
+  Game game(noise_free_arena(), RadioSettings{}, 1);
   game.world().place(0, {-0.5, 0.0, 0.0});
   game.rules().place_ball({-0.3, 0.0, 0.0});
   EXPECT_EQ(game.statistics().touches[0], 0U);
@@ -113,7 +111,7 @@ TEST(Statistics, CountPossessionContactsAndStandingOfEachSide) {
   ArenaParameters parameters = noise_free_arena();
   parameters.robot.push_back({Side::kOwn, 1, -0.3, 0.5, 0.0, {"red"}});
   parameters.robot.push_back({Side::kOpponent, 0, 0.5, -0.5, 0.0, {"red"}});
-  Game game(parameters, kBaud, 1);
+  Game game(parameters, RadioSettings{}, 1);
   game.rules().place_ball({-0.45, 0.0, 0.0});
   game.world().drive(0, 0.3, 0.3);
   run(game, 0.6);

@@ -14,7 +14,6 @@
 namespace touchline::hal::mock {
 namespace {
 
-constexpr int kLineBaud = 115200;
 constexpr double kHoldS = 1.0;
 
 // Three robots of each side: the goalkeepers, and two in each half.
@@ -31,7 +30,7 @@ ArenaParameters league_arena() {
 class LeagueGame : public ::testing::Test {
  protected:
   void begin(const ArenaParameters& parameters) {
-    game_.emplace(parameters, kLineBaud, 1);
+    game_.emplace(parameters, RadioSettings{}, 1);
     run(*game_, kHoldS + 0.01);
     // Somebody plays.
     game_->world().drive(0, -0.05, 0.05);

@@ -2,7 +2,9 @@
 #include "hal/mock/simulated_side.h"
 
 #include <gtest/gtest.h>
+#include <algorithm>
 #include <memory>
+#include <vector>
 
 #include "firmware/arena_sides.h"
 #include "hal/mock/game.h"
@@ -25,7 +27,8 @@ class SimulatedSideTest : public ::testing::Test {
       player->set_observer(
           [](void* test, const StepTrace& trace) { static_cast<SimulatedSideTest*>(test)->on_step(trace); }, this);
     }
-    game_ = std::make_unique<Game>(arena(), configuration_->board.radio.baud, 1);
+    resets_.reserve(100);  // a test counts allocations
+    game_ = std::make_unique<Game>(arena(), configuration_->board.radio, 1);
     for (const Side side : {Side::kOwn, Side::kOpponent}) {
       game_->set_side(side, sides_[static_cast<std::size_t>(side)].get());
     }
@@ -36,13 +39,15 @@ class SimulatedSideTest : public ::testing::Test {
     ++steps_;
     stop_packets_ += trace.commands.stop ? 1 : 0;
     tracks_ = trace.tracks;
+    if (trace.inputs->events.reset) resets_.push_back(trace.frame.capture_time - game_->last_jump());
   }
 
   std::unique_ptr<config::Configuration> configuration_ = std::make_unique<config::Configuration>();
   std::array<std::unique_ptr<SimulatedSide>, 2> sides_;
   std::unique_ptr<Game> game_;
   int steps_ = 0, stop_packets_ = 0;
-  Tracks tracks_;  // of the last step of any side
+  Tracks tracks_;                 // of the last step of any side
+  std::vector<Duration> resets_;  // for each step that reset the tracks: from the jump to the capture of its frame
 };
 
 TEST_F(SimulatedSideTest, BothSidesPlayAtTheCamerasRateOverTheirOwnRadio) {
@@ -88,6 +93,31 @@ TEST_F(SimulatedSideTest, ARestartHoldsBothSidesForASecondAndForgetsTracks) {
   run(1.0);
   EXPECT_FALSE(game_->rules().is_stopped());
   EXPECT_EQ(tracks_.robots.size(), 10U);
+  // A robot that somebody puts elsewhere while the game is stopped stays there.
+  game_->rules().place_ball({1.0, 0.0, 0.0}, {3.0, 0.0});
+  run(0.3);
+  ASSERT_TRUE(game_->rules().is_stopped());
+  game_->rules().place_robot(0, {-0.9, 0.7, 0.0});
+  run(0.2);
+  EXPECT_NEAR(game_->world().snapshot().robots[0].y_m, 0.7, 1e-9);
+}
+
+// A frame that was on its way when everything was put elsewhere still shows the former places.
+TEST_F(SimulatedSideTest, TracksBeginWithTheFirstFrameAfterAJump) {
+  load();
+  run(3.0);
+  for (std::size_t i = 0; i < arena().robot.size(); ++i) {
+    const Placement& at = game_->world().snapshot().robots[i];
+    game_->rules().place_robot(i, {-at.x_m, -at.y_m, at.theta_rad});
+  }
+  game_->note_jump();
+  resets_.clear();
+  run(0.2);
+  ASSERT_EQ(resets_.size(), 2U) << "one for each side";
+  for (const Duration after : resets_) {
+    EXPECT_GE(after, Duration::zero()) << "the frame was captured before the jump";
+    EXPECT_LE(after, 20ms);
+  }
 }
 
 TEST_F(SimulatedSideTest, BothSidesSeeTheReferee) {
@@ -150,8 +180,15 @@ TEST_F(SimulatedSideTest, AfterAHalfBothSidesAttackTheOtherGoal) {
 
 TEST_F(SimulatedSideTest, LateFramesArriveInOrder) {
   load({"arena.view.late=0.3", "arena.view.late_s=0.05"});
+  std::vector<Instant> captures;
+  sides_[0]->set_observer(
+      [](void* all, const StepTrace& trace) {
+        static_cast<std::vector<Instant>*>(all)->push_back(trace.frame.capture_time);
+      },
+      &captures);
   run(5.0);
-  EXPECT_NEAR(static_cast<double>(sides_[0]->frames()), 300.0, 8.0);
+  EXPECT_NEAR(static_cast<double>(captures.size()), 300.0, 8.0);
+  EXPECT_TRUE(std::is_sorted(captures.begin(), captures.end()));
   EXPECT_EQ(tracks_.robots.size(), 10U);
 }
 

@@ -8,8 +8,6 @@
 namespace touchline::hal::mock {
 namespace {
 
-constexpr int kBaud = 115200;
-
 void drive_all(World& world, Random& random, double fastest_mps) {
   for (int id = 0; id < 11; ++id) {
     for (const Side side : {Side::kOwn, Side::kOpponent}) {
@@ -65,7 +63,7 @@ class RandomGame : public ::testing::TestWithParam<RandomGameCase> {};
 // step. The limits are about twice the values measured since then (1.5, 1.2, 1.3 and 2.1 mm).
 TEST_P(RandomGame, NoOverlapNoEscapeNoJump) {
   ArenaParameters parameters = GetParam().robots == 22 ? full_arena() : ArenaParameters{};
-  Game game(parameters, kBaud, GetParam().seed);
+  Game game(parameters, RadioSettings{}, GetParam().seed);
   World& world = game.world();
   Random random(GetParam().seed, 99);
   double overlap = 0.0, outside = 0.0, jump = 0.0, ball_outside = 0.0, ball_jump = 0.0;
@@ -188,7 +186,7 @@ TEST(Hash, IncludesCommandsAndTheRefereesClock) {
   EXPECT_EQ(world.hash(), driven.hash());
   driven.drive(0, 0.1, 0.1);
   EXPECT_NE(world.hash(), driven.hash());
-  Game game(noise_free_arena(), kBaud, 1), moved(noise_free_arena(), kBaud, 1);
+  Game game(noise_free_arena(), RadioSettings{}, 1), moved(noise_free_arena(), RadioSettings{}, 1);
   const Placement ball = moved.world().snapshot().ball;
   // The clock runs while robots are driven.
   for (Game* const each : {&game, &moved}) {

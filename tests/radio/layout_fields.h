@@ -58,4 +58,21 @@ inline std::string text_in(const Packet& packet) {
   return text;
 }
 
+/// Wheel speeds in bits, as the packets of some robots on nRF24 modules.
+inline PacketLayout bit_layout() {
+  PacketLayout layout;
+  layout.fields.push_back(field_of(FieldValue::kUnused, FieldType::kBits));
+  layout.fields[0].bits = 4;
+  layout.fields.push_back(field_of(FieldValue::kId, FieldType::kBits));
+  layout.fields[1].bits = 4;
+  for (const FieldValue value : {FieldValue::kLeft, FieldValue::kRight}) {
+    PacketField speed = field_of(value, FieldType::kSignedBits, 1000.0);
+    speed.bits = 18;
+    layout.fields.push_back(speed);
+  }
+  layout.one_each = true;
+  for (const int id : {2, 5}) layout.receivers.push_back({static_cast<RobotId>(id), 0});
+  return layout;
+}
+
 }  // namespace touchline

@@ -24,7 +24,8 @@ constexpr double kConflict_s = 2.5;
 constexpr double kForbidden_s = 5.0, kForbiddenLater_s = 1.5;
 // Robots drive around the corners of a forbidden area at this distance.
 constexpr double kCorner_m = 0.03;
-// A conflict after this step (0.8 s at full speed) is no reason to look for a detour: until then, others have moved.
+// Number of steps (1 s; more for slow robots) after which a conflict starts no search for a detour, because the others
+// will have moved by then.
 constexpr std::size_t kSearchesBefore = 10;
 // Other robots keep their velocity this long; then they have decided something else.
 constexpr double kKeepsVelocity_s = 0.5;
@@ -34,6 +35,13 @@ constexpr double kBallRadius_m = 0.0214;
 // Strict: distance of two robots' circles that is never used up: twice the prediction's error and a lost packet's way.
 constexpr double kStrictMargin_m = 0.008;
 constexpr double kLongestPeriod_s = 0.05, kShortestPeriod_s = 0.004;
+
+double distance_to_way(Vector2 p, Vector2 from, Vector2 to) {
+  const Vector2 way = to - from;
+  const double length2 = dot(way, way);
+  const double part = length2 > 0.0 ? std::clamp(dot(p - from, way) / length2, 0.0, 1.0) : 0.0;
+  return distance(p, from + part * way);
+}
 
 }  // namespace
 
@@ -90,13 +98,6 @@ MotionPlanner::Memory& MotionPlanner::memory_of(RobotId id) {
   fresh.id = id;
   memory_.push_back(fresh);
   return memory_.back();
-}
-
-const Vector2* MotionPlanner::next_point(RobotId id) const {
-  for (const Memory& memory : memory_) {
-    if (memory.id == id && memory.used) return &memory.via;
-  }
-  return nullptr;
 }
 
 void MotionPlanner::list_obstacles(const Robot& robot, const MotionGoal& goal) {
@@ -214,23 +215,24 @@ MotionPlanner::Choice MotionPlanner::choose(const MotionState& state, const Moti
 // always possible.
 bool MotionPlanner::may_move(const Robot& robot, const Twist& command) const {
   const double a = limits_.acceleration_mps2;
-  const auto stop_from = [a](Vector2 place, double heading_rad, double v) {
-    return place + (v * std::abs(v) / (2.0 * a)) * unit_vector(heading_rad);
-  };
+  // A lost packet lets a robot go on for another period.
+  const auto way_to_stop = [&](double v) { return v * (2.0 * period_s_ + 0.5 * std::abs(v) / a); };
   const Twist wheels = wheels_after(robot.state.wheels, command, period_s_, parameters_.drive);
   const double v = std::max(std::abs(static_cast<double>(wheels.v_mps)), std::abs(robot.state.v_mps));
   const double sign = static_cast<double>(wheels.v_mps) < 0.0 ? -1.0 : 1.0;
   const Vector2 ahead = unit_vector(robot.state.heading_rad);
-  // A lost packet lets a robot go on for another period.
-  const Vector2 end = robot.state.place + (sign * v * (2.0 * period_s_ + 0.5 * v / a)) * ahead;
+  const Vector2 end = robot.state.place + way_to_stop(sign * v) * ahead;
   const double least = 2.0 * std::numbers::sqrt2 * parameters_.play.robot_radius_m + kStrictMargin_m;
   return std::none_of(robots_.begin(), robots_.end(), [&](const Robot& other) {
     if (&other == &robot) return false;
     const double now = distance(robot.state.place, other.state.place);
-    const Vector2 others_end = stop_from(other.state.place, other.state.heading_rad, other.state.v_mps);
-    // The ways are short: the least distance of all pairs of their points is at one of the ends.
-    const double after = std::min(
-        {distance(end, other.state.place), distance(end, others_end), distance(robot.state.place, others_end)});
+    const Vector2 others_end =
+        other.state.place + way_to_stop(other.state.v_mps) * unit_vector(other.state.heading_rad);
+    // Unless two ways cross, their least distance is at an end of one of them.
+    const double after = std::min({distance_to_way(end, other.state.place, others_end),
+                                   distance_to_way(robot.state.place, other.state.place, others_end),
+                                   distance_to_way(other.state.place, robot.state.place, end),
+                                   distance_to_way(others_end, robot.state.place, end)});
     return after < std::min(least, now) && distance(end, others_end) < distance(robot.state.place, others_end);
   });
 }

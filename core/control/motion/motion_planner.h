@@ -32,9 +32,6 @@ class MotionPlanner {
   [[nodiscard]] double time_to(const MotionState& robot, const MotionGoal& goal) const {
     return touchline::time_to(robot, goal, parameters_.drive, area_);
   }
-  [[nodiscard]] double period_s() const { return period_s_; }
-  /// Where robots drive in this frame, for the page: the next point of the robot's path. Null: it was not driven.
-  [[nodiscard]] const Vector2* next_point(RobotId id) const;
 
  private:
   struct Robot {

@@ -13,12 +13,9 @@ namespace {
 
 using hal::mock::Side;
 
-constexpr double kBallPi = std::numbers::pi;
 constexpr double kSpeed_mps = 1.0, kUseful_mps = 0.5, kInTime_s = 0.5;
 constexpr double kRun_s = 6.0;
 constexpr double kStrike_mps = 0.8;  // speed of the robot at the ball
-// A robot that plans to arrive just in time is late for each error on its way.
-constexpr double kSlack_s = 0.0;
 // Directions of a strike towards the opponent's half.
 constexpr std::array<double, 5> kStrikes{0.0, 0.5, -0.5, 1.0, -1.0};
 
@@ -63,7 +60,7 @@ struct Meeting {
 
 // The earliest strike that the robot reaches in time.
 Meeting earliest(const MotionState& robot, RollingBall ball, const MotionPlanner& motion, double delay_s,
-                 double slack_s, const hal::mock::ArenaParameters& arena) {
+                 const hal::mock::ArenaParameters& arena) {
   constexpr double kStep = 0.05, kLongest = 4.0;
   const MotionArea area{0.5 * arena.field.length_m - 0.5 * arena.robot_side_m,
                         0.5 * arena.field.width_m - 0.5 * arena.robot_side_m};
@@ -71,7 +68,7 @@ Meeting earliest(const MotionState& robot, RollingBall ball, const MotionPlanner
   for (double time = 0.0; time < kLongest; time += kStep) {
     for (const double direction : kStrikes) {
       const MotionGoal goal = strike(ball.place(), direction, arena);
-      if (!area.contains(goal.place) || delay_s + motion.time_to(robot, goal) + slack_s > time) continue;
+      if (!area.contains(goal.place) || delay_s + motion.time_to(robot, goal) > time) continue;
       return {time, goal};
     }
     for (int i = 0; i < 10; ++i) ball.advance(0.1 * kStep);
@@ -93,7 +90,7 @@ class Interceptor final : public Strategy {
     const MotionState robot = motion_state(players[0].pose, players[0].twist, players[0].wheels);
     const RollingBall ball(to_vector(tracks.ball.position_at_action), to_vector(tracks.ball.velocity_at_action),
                            arena_);
-    const Meeting meeting = earliest(robot, ball, motion, 0.0, kSlack_s, arena_);
+    const Meeting meeting = earliest(robot, ball, motion, 0.0, arena_);
     const MotionGoal goal = std::isfinite(meeting.time_s) ? meeting.goal : strike(ball.place(), 0.0, arena_);
     wanted[0] = motion.drive(players[0].id, robot, goal);
   }
@@ -122,7 +119,8 @@ Result<BallResult> ball_drill(const config::Configuration& configuration, int ru
     const Vector2 from = random_place(random, arena, 0.12);
     Vector2 ball = random_place(random, arena, 0.12);
     while (distance(ball, from) < 0.3) ball = random_place(random, arena, 0.12);
-    const double heading = 2.0 * kBallPi * (random.uniform() - 0.5), rolls = 2.0 * kBallPi * (random.uniform() - 0.5);
+    const double heading = 2.0 * std::numbers::pi * (random.uniform() - 0.5),
+                 rolls = 2.0 * std::numbers::pi * (random.uniform() - 0.5);
     interceptor.enabled = false;
     drill->world().place(0, {from.x, from.y, heading});
     drill->world().place_ball({ball.x, ball.y});
@@ -133,8 +131,7 @@ Result<BallResult> ball_drill(const config::Configuration& configuration, int ru
     drill->world().place_ball({ball.x, ball.y}, velocity);
     const MotionState robot{from, heading, 0.0, 0.0, {}};
     const double oracle =
-        earliest(robot, RollingBall(ball, velocity, arena), interceptor.motion, drill->mean_reaction_s(), 0.0, arena)
-            .time_s;
+        earliest(robot, RollingBall(ball, velocity, arena), interceptor.motion, drill->mean_reaction_s(), arena).time_s;
     const double begin = drill->time_s();
     double met = std::numeric_limits<double>::infinity(), touched = -1.0;
     Vector2 before = drill->world().ball();

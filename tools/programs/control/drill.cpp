@@ -28,7 +28,7 @@ std::vector<hal::mock::ArenaRobot> robots_in_rows(int own, int opponents) {
   return robots;
 }
 
-// No goal is scored, and nobody puts the ball elsewhere.
+// Nobody puts a resting ball elsewhere; a goal still restarts the game.
 void without_rules(hal::mock::ArenaParameters& arena) { arena.physics.free_ball_after_s = 600.0; }
 
 }  // namespace
@@ -50,7 +50,7 @@ Result<std::unique_ptr<Drill>> Drill::make(const config::Configuration& configur
   control.play.enabled = settings.strategy != nullptr;
   if (settings.max_speed_mps) control.drive.max_speed_mps = *settings.max_speed_mps;
   if (settings.strict) control.avoid = Avoidance::kStrict;
-  drill->game_ = std::make_unique<hal::mock::Game>(arena, changed.board.radio.baud, settings.seed);
+  drill->game_ = std::make_unique<hal::mock::Game>(arena, changed.board.radio, settings.seed);
   for (const Side side : {Side::kOwn, Side::kOpponent}) {
     hal::mock::SideSettings of_side = side_settings(changed, side);
     of_side.strategy = side == Side::kOwn ? settings.strategy : nullptr;

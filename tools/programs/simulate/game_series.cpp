@@ -41,8 +41,7 @@ Result<GameResult> play_game(const ArenaParameters& arena, const Team& own, cons
                              double duration_s) {
   TOUCHLINE_TRY_ASSIGN(Player own_player, make_player(own, arena, Side::kOwn, seed));
   TOUCHLINE_TRY_ASSIGN(Player other_player, make_player(opponent, arena, Side::kOpponent, seed));
-  const int baud = own.configuration->board.radio.baud;
-  hal::mock::Game game(arena, baud, seed);
+  hal::mock::Game game(arena, own.configuration->board.radio, seed);
   game.channel(Side::kOwn).set_layouts(own.configuration->pipeline.radio, own.configuration->pipeline.telemetry);
   game.set_side(Side::kOwn, own_player.side.get());
   game.set_side(Side::kOpponent, other_player.side.get());

@@ -103,7 +103,7 @@ Result<ArenaParameters> LockstepGame::arena_of(const Team& own, const ResetMessa
   }
   if (message.places.robots.empty() && !message.places.ball) return arena;
   // The places are checked in a game of their own, so that the game begins there, and robots return there.
-  Game places(arena, own.configuration->board.radio.baud, message.seed);
+  Game places(arena, own.configuration->board.radio, message.seed);
   // A ball that nobody places is put where no robot is, when the game begins.
   places.world().place_ball({arena.field.length_m, arena.field.width_m, 0.0});
   TOUCHLINE_TRY(put_objects(message.places, team_colors(*own.configuration), arena, places));
@@ -134,7 +134,7 @@ Result<void> LockstepGame::reset(const ResetMessage& message) {
     made.is_external = is_program(name);
     made.names = names_of(*own->configuration, side);
   }
-  auto game = std::make_unique<Game>(arena, own->configuration->board.radio.baud, message.seed);
+  auto game = std::make_unique<Game>(arena, own->configuration->board.radio, message.seed);
   game->channel(Side::kOwn).set_layouts(own->configuration->pipeline.radio, own->configuration->pipeline.telemetry);
   const std::array<std::string, 2> colors = team_colors(*own->configuration);
   if (message.places.ball) TOUCHLINE_TRY(put_objects({{}, message.places.ball}, colors, arena, *game));
@@ -279,7 +279,14 @@ void LockstepGame::write_frame(SidePlayer& player, const StepTrace& trace) {
   snapshot_.number = player.player.side->frames() - 1;
   snapshot_.sent = game_->now();
   snapshot_.halt = inputs.halt != 0 ? kHaltReferee : kHaltNone;
+  const GameSituation situation = game_->rules().situation(player.side);
+  snapshot_.referee = {};
   snapshot_.referee.phase = inputs.halt != 0 ? GamePhase::kPrepare : GamePhase::kRunning;
+  if (situation.phase != GamePhase::kNoReferee) snapshot_.referee.phase = situation.phase;
+  snapshot_.referee.restart = situation.restart;
+  snapshot_.referee.restart_is_ours = situation.ours;
+  snapshot_.referee.lines_up = situation.lines_up;
+  snapshot_.referee.own_on_positive_half = game_->rules().sides_exchanged();
   snapshot_.referee.received = game_->now();
   const GameStatistics& statistics = game_->statistics();
   const bool is_own = player.side == Side::kOwn;

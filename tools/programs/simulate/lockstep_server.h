@@ -33,7 +33,7 @@ class LockstepServer {
   /// Returns the address of open() with the port that the system chose if it was 0.
   [[nodiscard]] std::string address() const { return address_.text(); }
   /// Serves until the first program closes its connection. kTimeout: a program was silent, or did not read its answers;
-  /// kDisconnected: the opponents' program has gone, or the first one in the middle of a message.
+  /// kDisconnected: the opponents' program has gone.
   Result<void> serve();
 
  private:

@@ -132,7 +132,8 @@ int main(int argc, char** argv) {
   app.add_option("--opponent", options.opponent, "Who plays for the other side: a strategy or a team file")
       ->type_name("TEAM")
       ->capture_default_str();
-  app.add_option("--baseline", options.baseline, "Play the same seeds with this own side too, and compare")
+  app.add_option("--baseline", options.baseline,
+                 "Play the same seeds also with this own side, and compare both with --own")
       ->type_name("TEAM");
   app.add_option("--seeds", options.series.seeds, "Number of games, each with its own random numbers")
       ->check(CLI::Range(1, 100000))
@@ -145,7 +146,8 @@ int main(int argc, char** argv) {
       ->check(CLI::Range(1, 11));
   app.add_flag("--table", options.table, "Let every strategy play against every strategy");
   app.add_option("--scenarios", options.scenarios,
-                 "Instead of games, play this many trials of each situation: a resting ball, shots at the goalkeeper")
+                 "Instead of games, play this many trials of each situation with the side --own: a resting ball in the "
+                 "field and at a wall, and shots at the goalkeeper")
       ->check(CLI::Range(1, 100000));
   app.add_option("--jobs", options.series.jobs, "Games that are played at the same time (default: one per processor)")
       ->check(CLI::Range(1, 256));

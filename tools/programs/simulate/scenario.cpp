@@ -70,6 +70,18 @@ Vector2 resting_place(Random& random, const ArenaParameters& arena, double wall_
   return {random.uniform(-1.0, 1.0) < 0.0 ? off - end : end - off, sign * y};
 }
 
+// Time in which a resting ball shall be in the goal.
+constexpr double kScoreS = 6.0;
+
+Result<std::array<ArenaRobot, 2>> two_own_robots(const ArenaParameters& board) {
+  std::vector<ArenaRobot> own;
+  for (const ArenaRobot& robot : board.robot) {
+    if (robot.team == Side::kOwn) own.push_back(robot);
+  }
+  if (own.size() >= 2) return std::array{own[0], own[1]};
+  return failure(ErrorCode::kInconsistent, "--scenarios needs two own robots; the board file has %zu", own.size());
+}
+
 struct Strike {
   double at_s = -1.0, speed_mps = 0.0;
   bool towards_goal = false, scored = false;
@@ -79,31 +91,34 @@ Result<Strike> play_strike(const Team& team, std::uint64_t seed, double wall_m) 
   const ArenaParameters& board = team.configuration->board.arena;
   Random random(seed, kScenarioStream);
   const Vector2 ball = resting_place(random, board, wall_m);
-  ArenaRobot robot = board.robot.front();
+  TOUCHLINE_TRY_ASSIGN(const auto own, two_own_robots(board));
+  ArenaRobot robot = own[0];
   do {
     robot.x_m = random.uniform(-0.75, 0.9) * 0.5 * board.field.length_m;
     robot.y_m = random.uniform(-0.85, 0.85) * 0.5 * board.field.width_m;
   } while (std::hypot(robot.x_m - ball.x, robot.y_m - ball.y) < 0.15);
   robot.theta_rad = random.uniform(-1.0, 1.0) * std::numbers::pi;
-  ArenaRobot keeper = board.robot[1];
+  ArenaRobot keeper = own[1];
   keeper.x_m = -0.5 * board.field.length_m + 0.05;
   keeper.y_m = 0.0;
   keeper.theta_rad = 0.5 * std::numbers::pi;
   ArenaParameters arena = arena_with(team, robot);
   arena.robot.push_back(keeper);
   TOUCHLINE_TRY_ASSIGN(Player player, make_player(team, arena, Side::kOwn, seed));
-  Game game(arena, team.configuration->board.radio.baud, seed);
+  Game game(arena, team.configuration->board.radio, seed);
   game.rules().place_ball({ball.x, ball.y, 0.0});
   connect(team, player, game);
   Strike strike;
   Vector2 before = ball;
-  constexpr double kScoreS = 6.0, kAfterS = 0.3;
+  constexpr double kAfterS = 0.3;
+  const std::uint32_t begun = game.rules().restarts();
   for (double t = 0.0; t < kScoreS; t += seconds(kFrame)) {
     const Vector2 velocity = advance(game, before);
     if (game.statistics().goals_own > 0) {
       strike.scored = true;
       break;
     }
+    if (game.rules().restarts() != begun) break;  // an own goal, or a free ball
     const double speed = std::hypot(velocity.x, velocity.y);
     if (strike.at_s < 0.0 && speed >= kStruckMps) strike.at_s = t;
     if (strike.at_s < 0.0 || t > strike.at_s + kAfterS) continue;
@@ -130,18 +145,19 @@ Result<ShotResult> play_shot(const Team& team, std::uint64_t seed) {
   const Vector2 from{-end + random.uniform(0.5, 1.2), random.uniform(-0.5, 0.5)};
   const Vector2 aim{-end, random.uniform(-mouth, mouth)};
   const double speed = random.uniform(0.6, 1.6);
-  ArenaRobot robot = board.robot.front();
+  TOUCHLINE_TRY_ASSIGN(const auto own, two_own_robots(board));
+  ArenaRobot robot = own[0];
   robot.x_m = -end + 0.08;
   robot.y_m = 0.0;
   robot.theta_rad = 0.5 * std::numbers::pi;
   ArenaRobot other = robot;  // so that the first one keeps the goal
-  other.id = board.robot[1].id;
-  other.colors = board.robot[1].colors;
+  other.id = own[1].id;
+  other.colors = own[1].colors;
   other.x_m = 0.8 * end;
   ArenaParameters arena = arena_with(team, robot);
   arena.robot.push_back(other);
   TOUCHLINE_TRY_ASSIGN(Player player, make_player(team, arena, Side::kOwn, seed));
-  Game game(arena, team.configuration->board.radio.baud, seed);
+  Game game(arena, team.configuration->board.radio, seed);
   connect(team, player, game);
   // First the goalkeeper takes its place for a ball that lies there.
   game.rules().place_ball({from.x, from.y, 0.0});
@@ -172,7 +188,7 @@ Result<RestingBall> play_resting_ball(const Team& team, int trials, double wall_
     all.struck += soon ? 1 : 0;
     all.towards_goal += soon && strike.towards_goal ? 1 : 0;
     all.scored += strike.scored ? 1 : 0;
-    times.push_back(strike.at_s < 0.0 ? 6.0 : strike.at_s);
+    times.push_back(strike.at_s < 0.0 ? kScoreS : strike.at_s);
     if (strike.at_s >= 0.0) speeds.push_back(strike.speed_mps);
   }
   all.strike_s = median(times);

@@ -89,7 +89,7 @@ class Arena:
     """
 
     def __init__(self, program: Optional[FilePath] = None, *, board: Optional[FilePath] = None, seed: int = 1,
-                 duration: Optional[float] = None, opponents: str = "play", own_play: bool = False, pace: str = "real",
+                 duration: Optional[float] = None, opponents: str = "follow", own_play: bool = False, pace: str = "real",
                  settings: Optional[Mapping[str, object]] = None, timeout: float = 10.0, every_frame: bool = False) -> None:
         found = find_program(program)
         keys = {"arena.opponents": opponents, "control.play.enabled": own_play, "console.enabled": False, **(settings or {})}

@@ -43,6 +43,7 @@ Result<ArenaOpponents> make_opponents(const config::Configuration& configuration
   TOUCHLINE_TRY_ASSIGN(opponents.strategy, catalog.create(name, seed));
   settings.strategy = opponents.strategy.get();
   settings.pipeline.control = hal::mock::parameters_for(*catalog.find(name), settings.pipeline.control);
+  settings.pipeline.control.play.enabled = true;  // also if our robots wait for a program outside
   if (arena.opponent_speed_mps > 0.0) {
     DriveParameters& drive = settings.pipeline.control.drive;
     drive.max_speed_mps = std::min(drive.max_speed_mps, arena.opponent_speed_mps);

@@ -188,6 +188,15 @@ TEST_F(ExternalGame, SidesAreExchanged) {
   EXPECT_GT(last_robot_x_m, 0.8) << "the goalkeeper";
 }
 
+TEST_F(ExternalGame, OpponentsPlayAlsoIfTheOwnRobotsWaitForAProgram) {
+  begin({"control.play.enabled=false", "arena.opponents=follow"});
+  run(1);
+  const auto begin_m = tracks_.ball.position;
+  run(60 * 8);
+  const auto end_m = tracks_.ball.position;
+  EXPECT_GT(std::hypot(end_m.x_m - begin_m.x_m, end_m.y_m - begin_m.y_m), 0.1F);
+}
+
 TEST_F(ExternalGame, TheArenasRefereeIsObeyedIfThereIsNoOtherOne) {
   begin({"arena.opponents=stand", "arena.rules.league=mirosot", "arena.rules.half_s=2"}, false);
   run(30);

@@ -215,7 +215,7 @@ test('a robot is tried with its wheels in the air, measured, and its values are 
       await page.waitForSelector('[data-received]:has-text("battery")');
 
       // A stop ends the test, and a start does not resume it.
-      await page.click('[data-pattern="forward"]:not([disabled])');
+      await page.click('[data-pattern="turn"]:not([disabled])');
       await page.waitForSelector('[data-test-stop]');
       await page.keyboard.press('Space');
       await page.waitForSelector('[data-setup-error]:has-text("robots were stopped")');
@@ -223,7 +223,7 @@ test('a robot is tried with its wheels in the air, measured, and its values are 
       await page.click('[data-release-stop]:not([disabled])');
       await page.waitForSelector('[data-halt="setup"]');
       // Another step ends it, too.
-      await page.click('[data-pattern="forward"]:not([disabled])');
+      await page.click('[data-pattern="turn"]:not([disabled])');
       await page.waitForSelector('[data-test-stop]');
       await page.click('[data-goto="robots"]');
       await page.waitForSelector('[data-action="robots"]:not([disabled])');

@@ -45,8 +45,12 @@ Result<Team> load_team(const std::string& board, const std::string& team, const 
                    "there is no strategy \"%s\"; there are %s, or the path of a team file (.toml)", team.c_str(),
                    catalog().names().c_str());
   }
+  std::vector<std::string> settings;
+  // A strategy plays, also on a board whose own robots wait for a program outside.
+  if (!is_file(team)) settings.emplace_back("control.play.enabled=true");
+  settings.insert(settings.end(), overrides.begin(), overrides.end());
   auto configuration = std::make_shared<config::Configuration>();
-  TOUCHLINE_TRY(config::load({board, "", is_file(team) ? team : "", overrides}, *configuration));
+  TOUCHLINE_TRY(config::load({board, "", is_file(team) ? team : "", settings}, *configuration));
   out.configuration = std::move(configuration);
   return out;
 }

@@ -1,6 +1,7 @@
 // The setup of a copy of the arena TOUCHLINE_BOARD, with the real programs TOUCHLINE_PROGRAM and TOUCHLINE_SETUP.
 import assert from 'node:assert/strict';
-import { on } from 'node:events';
+import { createSocket } from 'node:dgram';
+import { on, once } from 'node:events';
 import { cp, mkdtemp, readFile, readdir, rm, writeFile } from 'node:fs/promises';
 import { createRequire } from 'node:module';
 import { tmpdir } from 'node:os';
@@ -130,7 +131,7 @@ async function moveTheBallByKeyboard(page) {
 }
 
 /** Both programs with a copy of the board's folder; `change` of its venue file. */
-async function withArena(run, change = (text) => text, settings = []) {
+async function withArena(run, change = (text) => text, settings = [], options = []) {
   const folder = await mkdtemp(join(tmpdir(), 'touchline-arena-'));
   let setup;
   let server;
@@ -141,7 +142,7 @@ async function withArena(run, change = (text) => text, settings = []) {
     const board = join(folder, basename(original));
     const socket = join(folder, 'setup.sock');
     setup = await startSetup(setupProgram, board, join(folder, 'state'), socket);
-    server = await startProgram(program, board, 0, ['--set', `console.setup_socket=${socket}`, '--set', 'arena.opponents=stand', ...settings.flatMap((one) => ['--set', one])]);
+    server = await startProgram(program, board, 0, ['--set', `console.setup_socket=${socket}`, '--set', 'arena.opponents=stand', ...settings.flatMap((one) => ['--set', one]), ...options]);
     const { page, problems, close } = await open(browser, `${server.url}#setup`);
     await run(page, folder, server);
     assert.deepEqual(problems, []);
@@ -182,9 +183,29 @@ test('the field is found, undone with one key, and saved after its difference wa
     await page.waitForSelector('[data-begin]');
   }));
 
-/** Runs a test of a robot. A page that gets no processor for a second loses the robot, and rightly so; it is then run anew. */
-async function testRobot(page, press, shown) {
+/** A port of this computer that nobody uses. */
+async function freePort() {
+  const socket = createSocket('udp4');
+  await once(socket.bind(0, '127.0.0.1'), 'listening');
+  const { port } = socket.address();
+  await new Promise((done) => socket.close(done));
+  return port;
+}
+
+/** Sends a request to the arena, as docs/arena.md describes. */
+async function ask(port, request) {
+  const socket = createSocket('udp4');
+  await new Promise((done, fail) => socket.send(JSON.stringify(request), port, '127.0.0.1', (error) => (error ? fail(error) : done())));
+  socket.close();
+}
+
+/**
+ * Runs a test of robot 1, from a place with room around it. A page that gets no processor for a second loses the robot, and rightly so; it is
+ * then run anew.
+ */
+async function testRobot(page, port, press, shown) {
   for (let attempt = 1; ; attempt += 1) {
+    await ask(port, { place: { ball: { x: 0.9, y: 0 }, robots: { blue: { 1: { x: 0.05, y: -0.25, theta: 0 } } } } });
     await press();
     await page.waitForSelector(`${shown}, [data-setup-error]`);
     const error = page.locator('[data-setup-error]');
@@ -197,8 +218,9 @@ async function testRobot(page, press, shown) {
   }
 }
 
-test('a robot is tried with its wheels in the air, measured, and its values are written', () =>
-  withArena(
+test('a robot is tried with its wheels in the air, measured, and its values are written', async () => {
+  const port = await freePort();
+  await withArena(
     async (page, folder, server) => {
       await begin(page);
       await page.click('[data-goto="radio"]');
@@ -207,7 +229,7 @@ test('a robot is tried with its wheels in the air, measured, and its values are 
       await page.waitForSelector('[data-measure-drive]:not([disabled])');
       await page.waitForSelector('[data-pattern="turn"][disabled]');
       await page.check('[data-lifted]');
-      await testRobot(page, () => page.click('[data-pattern="turn"]:not([disabled])'), '[data-sent]:has-text("left of robot 1: -200 = -0.200 m/s")');
+      await testRobot(page, port, () => page.click('[data-pattern="turn"]:not([disabled])'), '[data-sent]:has-text("left of robot 1: -200 = -0.200 m/s")');
       await page.waitForSelector('[data-test-text]:has-text("the robot would turn to the left")');
       assert.match(await page.innerText('[data-sent]'), /right of robot 1: 200 = 0.200 m\/s/);
       await page.waitForSelector('[data-test-stop]', { state: 'detached' });
@@ -230,7 +252,7 @@ test('a robot is tried with its wheels in the air, measured, and its values are 
       await page.click('[data-goto="radio"]');
 
       if (!(await page.locator('[data-robot="1"][aria-pressed="true"]').count())) await page.click('[data-robot="1"]:not([disabled])');
-      await testRobot(page, () => page.click('[data-measure-drive]:not([disabled])'), '[data-drive-result]');
+      await testRobot(page, port, () => page.click('[data-measure-drive]:not([disabled])'), '[data-drive-result]');
       assert.match(await page.innerText('[data-wiring]'), /^Robot 1, wiring: right/);
       const key = 'own.robot[1].wheel_gain';
       await page.click(`[data-write="${key}"]:not([disabled])`);
@@ -250,7 +272,9 @@ test('a robot is tried with its wheels in the air, measured, and its values are 
     },
     (text) => text,
     ['arena.physics.wheel_error=0.15', 'arena.radio.delay_s=0.05'],
-  ));
+    ['--accept', `json=udp://127.0.0.1:${port}`],
+  );
+});
 
 test('from an arena without calibration to a scored goal', () =>
   withArena(async (page, folder, server) => {

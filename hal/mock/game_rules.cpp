@@ -5,8 +5,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/geometry/angle.h"
 #include "hal/mock/fnv1a.h"
+#include "hal/mock/turned_placement.h"
 
 namespace touchline::hal::mock {
 namespace {
@@ -28,9 +28,7 @@ std::size_t index_of(Side side) { return static_cast<std::size_t>(side); }
 
 // Turns all robots by 180 degrees about the center of the field.
 void turn(Snapshot& all) {
-  for (Placement& robot : all.robots) {
-    robot = {-robot.x_m, -robot.y_m, wrap_angle(robot.theta_rad + std::numbers::pi)};
-  }
+  for (Placement& robot : all.robots) robot = turned(robot);
 }
 
 }  // namespace

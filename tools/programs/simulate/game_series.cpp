@@ -3,14 +3,12 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
-#include <cmath>
 #include <mutex>
-#include <numbers>
 #include <optional>
 #include <thread>
 #include <utility>
 
-#include "core/geometry/angle.h"
+#include "hal/mock/turned_placement.h"
 
 namespace touchline::simulate {
 
@@ -26,9 +24,10 @@ ArenaParameters fair_arena(const config::Configuration& configuration, int robot
   own.resize(std::min(own.size(), wanted));
   opponents.resize(std::min(opponents.size(), own.size()));
   for (std::size_t i = 0; i < opponents.size(); ++i) {
-    opponents[i].x_m = -own[i].x_m;
-    opponents[i].y_m = -own[i].y_m;
-    opponents[i].theta_rad = wrap_angle(own[i].theta_rad + std::numbers::pi);
+    const hal::mock::Placement place = hal::mock::turned({own[i].x_m, own[i].y_m, own[i].theta_rad});
+    opponents[i].x_m = place.x_m;
+    opponents[i].y_m = place.y_m;
+    opponents[i].theta_rad = place.theta_rad;
   }
   arena.robot = std::move(own);
   arena.robot.insert(arena.robot.end(), opponents.begin(), opponents.end());

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cinttypes>
 #include <cstdio>
-#include <mutex>
 #include <utility>
 
+#include "firmware/arena_loop.h"
 #include "firmware/null_devices.h"
 #include "firmware/paced_clock.h"
 #include "firmware/pose_plan.h"
@@ -21,17 +21,6 @@
 #include "hal/replay/replay_camera.h"
 
 namespace touchline {
-namespace {
-
-// Reads the game of an arena, which the console's thread may change at the same time (ArenaObjects).
-template <class Read>
-auto read_game(void* context, const Read& read) {
-  auto& arena = *static_cast<hal::mock::Arena*>(context);
-  const std::scoped_lock lock(arena.mutex());
-  return read(arena.game());
-}
-
-}  // namespace
 
 Devices::Devices() = default;
 Devices::~Devices() {
@@ -149,27 +138,9 @@ Result<void> Devices::make(const config::Configuration& configuration, std::uint
 
 HalDevices Devices::hal_devices() { return {*camera_, *radio_, *gpio_, *clock_, simulated_time_}; }
 
-ScoreSource Devices::score() const {
-  if (!arena_) return {};
-  return {[](void* arena) {
-            return read_game(arena, [](hal::mock::Game& game) {
-              return Score{game.statistics().goals_own, game.statistics().goals_opponent};
-            });
-          },
-          arena_.get()};
-}
-
-JumpSource Devices::jumps() const {
-  if (!arena_) return {};
-  return {[](void* arena) { return read_game(arena, [](hal::mock::Game& game) { return game.last_jump(); }); },
-          arena_.get()};
-}
-
-RefereeSource Devices::referee() const {
-  if (!arena_) return {};
-  return {[](void* arena) { return read_game(arena, [](hal::mock::Game& game) { return game.rules().referee(); }); },
-          arena_.get()};
-}
+ScoreSource Devices::score() const { return arena_ ? score_of(*arena_) : ScoreSource{}; }
+JumpSource Devices::jumps() const { return arena_ ? jumps_of(*arena_) : JumpSource{}; }
+RefereeSource Devices::referee() const { return arena_ ? referee_of(*arena_) : RefereeSource{}; }
 
 std::string Devices::summary() const {
   if (!arena_) return {};

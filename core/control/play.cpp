@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/control/play_table.h"
 #include "core/control/skills.h"
 
 namespace touchline {
@@ -22,6 +21,7 @@ void Play::configure(const ControlParameters& parameters, const FieldParameters&
 void Play::reset() {
   roles_.reset();
   openings_.clear();
+  plans_.clear();
   goalkeeper_ = attacker_ = kUnknownId;
   ball_stayed_since_ = Instant{};
   scene_.ball_known = false;
@@ -31,6 +31,16 @@ PlayRole Play::role_of(RobotId id) const {
   if (is_in_goal(id)) return PlayRole::kGoalkeeper;
   if (id == attacker_) return PlayRole::kAttacker;
   return roles_.opening_of(id) >= 0 ? PlayRole::kSupporter : PlayRole::kNone;
+}
+
+Intention Play::intention_of(RobotId id) const {
+  for (const Plan& plan : plans_) {
+    if (plan.id != id) continue;
+    Intention intention{name_of(plan.job), name_of(plan.skill)};
+    if (!plan.goal.twist) intention.target = to_field_point(plan.goal.place);
+    return intention;
+  }
+  return {};
 }
 
 void Play::look(const Tracks& tracks, const Players& players) {
@@ -168,8 +178,8 @@ void Play::watch_ball() {
   scene_.ball_stays_s = seconds(scene_.now - ball_stayed_since_);
 }
 
-// The goal of a robot by the table of skills; one that stays where it is if it has no job.
-SkillGoal Play::goal_of(const Player& player) const {
+// The plan of a robot by the table of skills; it stays where it is if it has no job.
+Play::Plan Play::plan_of(const Player& player) const {
   const int opening = roles_.opening_of(player.id);
   const bool keeps = player.id == goalkeeper_ && scene_.goalkeeper_plays;
   Strike strike = strike_;
@@ -183,9 +193,9 @@ SkillGoal Play::goal_of(const Player& player) const {
     task.place = openings_[static_cast<std::size_t>(opening)].place;
   }
   for (const SkillLine& line : skill_table()) {
-    if (line.job == job && line.condition(task)) return line.skill(task);
+    if (line.job == job && line.condition(task)) return {player.id, job, line.skill, line.skill(task)};
   }
-  return {.place = task.place, .twist = Twist{}};
+  return {player.id, job, nullptr, {.place = task.place, .twist = Twist{}}};
 }
 
 // Own robots with a lower rank have the right of way.
@@ -223,8 +233,10 @@ void Play::decide(const Tracks& tracks, const Players& players, Twists& wanted) 
   assign_jobs();
   watch_ball();
   RoundObstacles obstacles;
+  plans_.clear();
   for (std::size_t i = 0; i < players.size(); ++i) {
-    const SkillGoal goal = goal_of(players[i]);
+    plans_.push_back(plan_of(players[i]));
+    const SkillGoal& goal = plans_.back().goal;
     list_obstacles(players[i], goal, tracks, obstacles);
     wanted[i] = drive(players[i], goal, obstacles, scene_.pitch, scene_.parameters.drive);
   }

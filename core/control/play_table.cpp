@@ -78,4 +78,38 @@ constexpr std::array kSkills{
 std::span<const JobLine> job_table() { return kJobs; }
 std::span<const SkillLine> skill_table() { return kSkills; }
 
+const char* name_of(Job job) {
+  switch (job) {
+    case Job::kNone:
+      break;
+    case Job::kKeep:
+      return "keep";
+    case Job::kAttack:
+      return "attack";
+    case Job::kCover:
+      return "cover";
+    case Job::kBackUp:
+      return "back up";
+    case Job::kSupport:
+      return "support";
+    case Job::kMark:
+      return "mark";
+  }
+  return "";
+}
+
+const char* name_of(Skill skill) {
+  struct Named {
+    Skill skill;
+    const char* name;
+  };
+  constexpr std::array kNames{Named{strike, "strike"},      Named{spin, "spin"},
+                              Named{back_off, "back off"},  Named{wait_outside, "wait outside"},
+                              Named{keep_middle, "middle"}, Named{clear_by_spin, "clear by spin"}};
+  for (const Named& named : kNames) {
+    if (named.skill == skill) return named.name;
+  }
+  return "";
+}
+
 }  // namespace touchline

@@ -25,14 +25,20 @@ struct JobLine {
   double weight;                         // how much a second of its time counts in the assignment
 };
 
+using Skill = SkillGoal (*)(const Task& task);
+
 /// What a robot does in its job: the first line of its job whose condition holds.
 struct SkillLine {
   Job job;
   bool (*condition)(const Task& task);
-  SkillGoal (*skill)(const Task& task);
+  Skill skill;
 };
 
 std::span<const JobLine> job_table();
 std::span<const SkillLine> skill_table();
+
+/// Names for people who watch a game. "": no job, or a skill that does what its job says.
+const char* name_of(Job job);
+const char* name_of(Skill skill);
 
 }  // namespace touchline

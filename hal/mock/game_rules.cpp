@@ -5,8 +5,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/geometry/angle.h"
 #include "hal/mock/fnv1a.h"
+#include "hal/mock/turned_placement.h"
 
 namespace touchline::hal::mock {
 namespace {
@@ -28,9 +28,7 @@ std::size_t index_of(Side side) { return static_cast<std::size_t>(side); }
 
 // Turns all robots by 180 degrees about the center of the field.
 void turn(Snapshot& all) {
-  for (Placement& robot : all.robots) {
-    robot = {-robot.x_m, -robot.y_m, wrap_angle(robot.theta_rad + std::numbers::pi)};
-  }
+  for (Placement& robot : all.robots) robot = turned(robot);
 }
 
 }  // namespace
@@ -214,12 +212,14 @@ void GameRules::update() {
 
 void GameRules::count_touches() {
   std::uint32_t touches = 0;
+  std::array<bool, 2> touched{};  // by Side
   for (std::size_t i = 0; i < world_.robots(); ++i) {
     if (!world_.touches_ball(i)) continue;
     touches |= 1U << i;
-    possession_ = world_.side(i);
+    touched[index_of(world_.side(i))] = true;
     if ((touches_ball_ >> i & 1U) == 0) ++statistics_.touches[index_of(world_.side(i))];
   }
+  if (touched[0] != touched[1]) possession_ = touched[0] ? Side::kOwn : Side::kOpponent;
   touches_ball_ = touches;
   if (touches != 0 && stopped_steps_ == 0 && line_up_s_ < 0.0) is_untouched_ = false;
 }
@@ -284,10 +284,11 @@ GameSituation GameRules::situation(Side side) const {
 }
 
 std::optional<RefereeState> GameRules::referee() const {
-  if (rules_.league == League::kSimple && rules_.half_s == 0.0) return std::nullopt;
+  const bool stands = is_stopped();
+  if (rules_.league == League::kSimple && rules_.half_s == 0.0 && !stands) return std::nullopt;
   RefereeState state;
   const GameSituation now = situation(Side::kOwn);
-  state.phase = now.phase;
+  state.phase = stands ? GamePhase::kPrepare : now.phase;
   state.restart = now.restart;
   state.restart_is_ours = now.ours;
   state.lines_up = now.lines_up;

@@ -22,7 +22,8 @@ struct GameStatistics {
   double ball_path_m = 0.0;
   std::uint32_t goals_own = 0, goals_opponent = 0;  // goals scored by each team
   std::uint32_t free_balls = 0;
-  std::array<double, 2> possession_s{};     // time in which the side was the last to touch the ball
+  // Time in which the side was the last to touch the ball. While both touch it, the side that had it keeps it.
+  std::array<double, 2> possession_s{};
   double ball_stood_s = 0.0;                // time in which the ball stood, kStandingS included
   std::array<std::uint64_t, 2> contacts{};  // number of times that two robots of the side began to touch each other
   std::uint64_t mixed_contacts = 0;         // the same for robots of different sides
@@ -49,8 +50,8 @@ class GameRules {
   [[nodiscard]] GameSituation situation(Side side) const;
   /// Returns whether the own side attacks towards negative x.
   [[nodiscard]] bool sides_exchanged() const { return league_.sides_exchanged(); }
-  /// Returns the same as a referee tells it to the own team; its time of reception is not set. nullopt: there is no
-  /// referee.
+  /// Returns the same as a referee tells it to the own team, also that robots must stand; its time of reception is not
+  /// set. nullopt: there is no referee, and robots may move.
   [[nodiscard]] std::optional<RefereeState> referee() const;
   /// Returns the number of restarts so far.
   [[nodiscard]] std::uint32_t restarts() const { return restarts_; }

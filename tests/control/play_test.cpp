@@ -195,6 +195,33 @@ TEST_F(PlayTest, AJammedAttackerSpinsAndThenLeavesTheBall) {
   EXPECT_NEAR(leaves, 0.9, 0.05);
 }
 
+TEST_F(PlayTest, TellsWhatEachRobotIsAboutToDo) {
+  add(0, {-1.0, 0.0});
+  add(1, {-0.2, 0.0});
+  world_.ball = {0.1, 0.0};
+  decide();
+  EXPECT_STREQ(play_.intention_of(0).job, "keep");
+  const Intention attack = play_.intention_of(1);
+  EXPECT_STREQ(attack.job, "attack");
+  EXPECT_STREQ(attack.skill, "strike");
+  ASSERT_TRUE(attack.target.has_value());
+  EXPECT_LT(distance(to_vector(*attack.target), world_.ball), 0.15);
+  EXPECT_STREQ(play_.intention_of(7).job, "") << "there is no such robot";
+  play_.reset();
+  EXPECT_STREQ(play_.intention_of(1).job, "");
+}
+
+// A skill without a name does what its job says, so each job has at most one.
+TEST(PlayTable, NamesJobsAndSkills) {
+  for (const SkillLine& line : skill_table()) {
+    EXPECT_STRNE(name_of(line.job), "");
+    for (const SkillLine& other : skill_table()) {
+      if (other.job != line.job || other.skill == line.skill) continue;
+      EXPECT_STRNE(name_of(line.skill), name_of(other.skill)) << name_of(line.job);
+    }
+  }
+}
+
 TEST(PlayTable, HasASkillForEachJobAndNoLineThatIsNeverReached) {
   for (const JobLine& job : job_table()) {
     bool found = false;

@@ -107,6 +107,37 @@ TEST(Statistics, TouchCountsOnceUntilTheRobotLeavesTheBall) {
   EXPECT_EQ(game.statistics().touches[0], pushed);
 }
 
+// Equal sides that struggle for the ball must not have it by the order of the robots.
+TEST(Statistics, ABallThatBothTouchStaysWithTheSideThatHadIt) {
+  for (const double first : {-1.0, 1.0}) {
+    ArenaParameters parameters = noise_free_arena();
+    const double reach = 0.5 * parameters.robot_side_m + parameters.ball_radius_m;
+    // The first robot stands at the ball; the other one comes from the other side and stays there.
+    parameters.robot = {{Side::kOwn, 0, first < 0.0 ? -reach : -0.3, 0.0, 0.0, {"red"}},
+                        {Side::kOpponent, 0, first < 0.0 ? 0.3 : reach, 0.0, 3.14159265, {"red"}}};
+    Game game(parameters, RadioSettings{}, 1);
+    game.rules().place_ball({});
+    const Side comes = first < 0.0 ? Side::kOpponent : Side::kOwn;
+    game.world().drive(0, 0.3, 0.3, comes);
+    run(game, 2.0);
+    const std::size_t had = first < 0.0 ? 0 : 1;
+    ASSERT_GT(game.statistics().touches[1 - had], 0U) << "both must touch the ball";
+    EXPECT_GT(game.statistics().possession_s[had], 1.9) << first;
+    EXPECT_LT(game.statistics().possession_s[1 - had], 0.1) << first;
+  }
+}
+
+TEST(Referee, TellsThatRobotsMustStandAfterTheyWerePlaced) {
+  ArenaParameters parameters = noise_free_arena();
+  EXPECT_FALSE(Game(parameters, RadioSettings{}, 1).rules().referee().has_value()) << "nobody was placed";
+  parameters.robots_return = true;
+  Game game(parameters, RadioSettings{}, 1);
+  ASSERT_TRUE(game.rules().referee().has_value());
+  EXPECT_EQ(permission_in(*game.rules().referee()), Permission::kStand);
+  run(game, 1.0);
+  EXPECT_FALSE(game.rules().referee().has_value());
+}
+
 TEST(Statistics, CountPossessionContactsAndStandingOfEachSide) {
   ArenaParameters parameters = noise_free_arena();
   parameters.robot.push_back({Side::kOwn, 1, -0.3, 0.5, 0.0, {"red"}});

@@ -63,6 +63,28 @@ TEST(GameSeries, AStrategyMattersToTheResult) {
   EXPECT_LT(difference, -2);
 }
 
+// Two seconds, of which the robots stand in the first one.
+TEST(GameSeries, PlaysWithPictures) {
+  const Team own = team("play"), opponent = team("stand");
+  const hal::mock::ArenaParameters arena = fair_arena(*own.configuration, 2);
+  const Result<GameResult> game = play_game(arena, own, opponent, 1, 2.0, OwnView::kPictures);
+  const Result<GameResult> again = play_game(arena, own, opponent, 1, 2.0, OwnView::kPictures);
+  const Result<GameResult> without = play_game(arena, own, opponent, 1, 2.0, OwnView::kSightings);
+  ASSERT_OK(game);
+  ASSERT_OK(again);
+  ASSERT_OK(without);
+  EXPECT_EQ(game.value().hash, again.value().hash);
+  EXPECT_NE(game.value().hash, without.value().hash);
+  EXPECT_GT(game.value().statistics.touches[0], 0U) << "the side must see the ball";
+  EXPECT_GT(without.value().statistics.touches[0], 0U);
+}
+
+TEST(GameSeries, PicturesNeedTheArenasCamera) {
+  const Team own = team("play", {"camera.backend=v4l2"}), opponent = team("stand");
+  EXPECT_EQ(play_game(fair_arena(*own.configuration, 2), own, opponent, 1, 1.0, OwnView::kPictures).text(),
+            "games with pictures need camera.backend = \"mock\" and radio.backend = \"mock\"");
+}
+
 // Both sides have the same robots, view and rules, so equal strategies score equally often.
 TEST(GameSeries, AMirrorMatchIsFair) {
   const Team own = team("follow"), opponent = team("follow");

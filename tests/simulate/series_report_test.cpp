@@ -11,7 +11,7 @@ namespace touchline::simulate {
 namespace {
 
 Series series_of(std::initializer_list<std::pair<std::uint32_t, std::uint32_t>> scores) {
-  Series series{"play", "wall", 300.0, {}, 0.0};
+  Series series{.own = "play", .opponent = "wall", .duration_s = 300.0, .games = {}};
   std::uint64_t seed = 10;
   for (const auto& [own, opponent] : scores) {
     GameResult game;
@@ -53,6 +53,22 @@ TEST(Compare, PairsGamesOfTheSameSeed) {
   EXPECT_NE(comparison_text(b, a, compare(b, a).value()).find("the first one is better"), std::string::npos);
 }
 
+// As for games with and without pictures.
+TEST(Compare, ShowsGoalsAndPossessionOfPairs) {
+  const Series a = series_of({{1, 0}, {2, 2}, {0, 3}});
+  Series b = series_of({{1, 1}, {2, 3}, {0, 4}});
+  b.view = OwnView::kPictures;
+  for (GameResult& game : b.games) game.statistics.possession_s = {25.0, 25.0};
+  const Result<Comparison> comparison = compare(a, b);
+  ASSERT_OK(comparison);
+  EXPECT_EQ(comparison.value().goals_own.value, 0.0);
+  EXPECT_EQ(comparison.value().goals_opponent.value, 1.0);
+  EXPECT_EQ(comparison.value().possession.value, 25.0);
+  const std::string text = comparison_text(a, b, comparison.value());
+  EXPECT_NE(text.find("play, then play (with pictures), against wall"), std::string::npos) << text;
+  EXPECT_NE(text.find("the opponents' goals by 1.00 +- 0.00, possession by 25.0 +- 0.0 %"), std::string::npos) << text;
+}
+
 TEST(Compare, RefusesGamesThatCannotBeCompared) {
   const Series a = series_of({{1, 0}});
   Series other = a;
@@ -75,13 +91,16 @@ TEST(SeriesText, ShowsFiguresOfBothSides) {
 }
 
 TEST(Json, KeepsAllFigures) {
-  const std::vector<Series> all{series_of({{1, 0}, {2, 5}}), series_of({})};
+  std::vector<Series> all{series_of({{1, 0}, {2, 5}}), series_of({})};
+  all[1].view = OwnView::kPictures;
   const std::string text = to_json(all);
   const Result<std::vector<Series>> read = from_json(text);
   ASSERT_OK(read);
   EXPECT_EQ(to_json(read.value()), text);
   EXPECT_EQ(read.value()[0].games[1].hash, 0xFEDCBA9876543210U);
   EXPECT_EQ(read.value()[0].games[1].statistics.fouls[1], 10U);
+  EXPECT_EQ(read.value()[0].view, OwnView::kSightings);
+  EXPECT_EQ(read.value()[1].view, OwnView::kPictures);
 }
 
 TEST(Json, NamesWhatIsWrong) {

@@ -78,21 +78,9 @@ Result<void> RecordedGame::load_without_pictures(const config::FilePaths& files,
 
 Result<void> RecordedGame::load(const config::FilePaths& files, std::uint64_t seed) {
   TOUCHLINE_TRY(load_arena(files, seed));
-  const config::BoardFile& board = configuration_->board;
-  if (const Status status = pipeline_->configure(configuration_->pipeline); !status.ok()) {
-    return failure(status.code(), "%s: its venue and team file cannot be used together", files.board.c_str());
-  }
-  camera_.emplace(*arena_, *clock_);
-  radio_.emplace(*arena_, *clock_);
-  gpio_.emplace(*arena_, *clock_);
-  LoopSettings settings;
-  settings.faults = board.faults;
-  settings.radio_delay = from_seconds(board.radio.delay_s);
-  settings.radio_line = hal::line_time(board.radio);
-  settings.external.commands = mailbox_.get();
-  loop_ = std::make_unique<Loop>(HalDevices{*camera_, *radio_, *gpio_, *clock_, true}, *pipeline_, settings, *reports_,
-                                 LoopObserver{&RecordedGame::observe, this});
-  return loop_->open();
+  loop_.emplace(*arena_, *clock_);
+  return loop_->open(configuration_->board, configuration_->pipeline, nullptr, mailbox_.get(),
+                     {&RecordedGame::observe, this});
 }
 
 Result<void> RecordedGame::play(double duration_s, bool record) {
@@ -109,9 +97,7 @@ Result<void> RecordedGame::play(double duration_s, bool record) {
       for (ExternalCommand& command : stamped) command.received = hal::MonotonicClock::read() + std::chrono::hours(1);
       mailbox_->put(stamped);
     }
-    if (loop_->iterate()) {
-      return failure(loop_->last_fault().code, "the game ended early: %s", loop_->last_fault().reason.c_str());
-    }
+    TOUCHLINE_TRY(loop_->iterate());
   }
   return {};
 }

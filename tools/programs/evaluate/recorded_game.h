@@ -5,11 +5,10 @@
 #include <string>
 #include <vector>
 
+#include "firmware/arena_loop.h"
 #include "firmware/arena_sides.h"
 #include "firmware/config/configuration.h"
-#include "firmware/loop.h"
 #include "hal/mock/arena.h"
-#include "hal/mock/mock_devices.h"
 
 namespace touchline::evaluate {
 
@@ -67,18 +66,13 @@ class RecordedGame {
   static void observe(void* context, const StepTrace& trace, const StepTiming& timing);
 
   std::unique_ptr<config::Configuration> configuration_ = std::make_unique<config::Configuration>();
-  std::unique_ptr<Pipeline> pipeline_ = std::make_unique<Pipeline>();
-  std::unique_ptr<ReportRing> reports_ = std::make_unique<ReportRing>();
   std::unique_ptr<Mailbox<ExternalCommands>> mailbox_ = std::make_unique<Mailbox<ExternalCommands>>();
   std::optional<ExternalCommands> commands_;
   ArenaOpponents opponents_;
   std::unique_ptr<hal::mock::SimulatedSide> side_;  // null: the loop plays
   std::optional<hal::mock::Arena> arena_;
   std::optional<RecordingClock> clock_;
-  std::optional<hal::mock::MockCamera> camera_;
-  std::optional<hal::mock::MockRadio> radio_;
-  std::optional<hal::mock::MockGpio> gpio_;
-  std::unique_ptr<Loop> loop_;  // last, because it must be destroyed before the devices
+  std::optional<ArenaLoop> loop_;  // after arena and clock, which it uses
   std::vector<GameFrame> frames_;
   bool records_ = false;
 };

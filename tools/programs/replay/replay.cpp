@@ -12,8 +12,8 @@
 #include "hal/replay/replay_camera.h"
 #include "tools/programs/command_line/would_overwrite.h"
 #include "tools/programs/replay/annotation.h"
-#include "tools/programs/replay/annotation_output.h"
 #include "tools/programs/replay/motion_plot.h"
+#include "tools/programs/replay/picture_output.h"
 
 namespace touchline::replay {
 namespace {
@@ -103,7 +103,7 @@ Result<ReplaySummary> replay_input(const ReplayOptions& options, const Progress&
 
   const AnnotationStyle style = annotation_style(*configuration);
   hal::OutputFile lines;
-  AnnotationOutput pictures;
+  PictureOutput pictures;
   std::unique_ptr<Annotator> annotator;
   TOUCHLINE_TRY(lines.open(options.out));
   hal::OutputFile plot_file;

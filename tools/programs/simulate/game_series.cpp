@@ -3,15 +3,12 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
-#include <cmath>
 #include <mutex>
-#include <numbers>
 #include <optional>
 #include <thread>
 #include <utility>
 
-#include "core/geometry/angle.h"
-#include "hal/mock/game.h"
+#include "hal/mock/turned_placement.h"
 
 namespace touchline::simulate {
 
@@ -27,9 +24,10 @@ ArenaParameters fair_arena(const config::Configuration& configuration, int robot
   own.resize(std::min(own.size(), wanted));
   opponents.resize(std::min(opponents.size(), own.size()));
   for (std::size_t i = 0; i < opponents.size(); ++i) {
-    opponents[i].x_m = -own[i].x_m;
-    opponents[i].y_m = -own[i].y_m;
-    opponents[i].theta_rad = wrap_angle(own[i].theta_rad + std::numbers::pi);
+    const hal::mock::Placement place = hal::mock::turned({own[i].x_m, own[i].y_m, own[i].theta_rad});
+    opponents[i].x_m = place.x_m;
+    opponents[i].y_m = place.y_m;
+    opponents[i].theta_rad = place.theta_rad;
   }
   arena.robot = std::move(own);
   arena.robot.insert(arena.robot.end(), opponents.begin(), opponents.end());
@@ -38,15 +36,10 @@ ArenaParameters fair_arena(const config::Configuration& configuration, int robot
 }
 
 Result<GameResult> play_game(const ArenaParameters& arena, const Team& own, const Team& opponent, std::uint64_t seed,
-                             double duration_s) {
-  TOUCHLINE_TRY_ASSIGN(Player own_player, make_player(own, arena, Side::kOwn, seed));
-  TOUCHLINE_TRY_ASSIGN(Player other_player, make_player(opponent, arena, Side::kOpponent, seed));
-  hal::mock::Game game(arena, own.configuration->board.radio, seed);
-  game.channel(Side::kOwn).set_layouts(own.configuration->pipeline.radio, own.configuration->pipeline.telemetry);
-  game.set_side(Side::kOwn, own_player.side.get());
-  game.set_side(Side::kOpponent, other_player.side.get());
-  game.advance_to(game.begin() + from_seconds(duration_s));
-  return GameResult{seed, game.hash(), game.statistics()};
+                             double duration_s, OwnView view) {
+  TOUCHLINE_TRY_ASSIGN(const auto played, TeamGame::begin(arena, own, opponent, seed, view));
+  TOUCHLINE_TRY(played->advance_to(duration_s));
+  return GameResult{seed, played->game().hash(), played->game().statistics()};
 }
 
 Result<Series> play_series(const ArenaParameters& arena, const Team& own, const Team& opponent,
@@ -55,6 +48,7 @@ Result<Series> play_series(const ArenaParameters& arena, const Team& own, const 
   series.own = own.name;
   series.opponent = opponent.name;
   series.duration_s = settings.duration_s;
+  series.view = settings.view;
   series.games.resize(static_cast<std::size_t>(settings.seeds));
   std::atomic<std::size_t> next{0};
   std::mutex mutex;
@@ -63,7 +57,8 @@ Result<Series> play_series(const ArenaParameters& arena, const Team& own, const 
   const auto begin = std::chrono::steady_clock::now();
   const auto work = [&] {
     for (std::size_t i = next++; i < series.games.size(); i = next++) {
-      Result<GameResult> result = play_game(arena, own, opponent, settings.first_seed + i, settings.duration_s);
+      Result<GameResult> result =
+          play_game(arena, own, opponent, settings.first_seed + i, settings.duration_s, settings.view);
       const std::scoped_lock lock(mutex);
       if (!result.ok()) {
         error = std::move(result).error();

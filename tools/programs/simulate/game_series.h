@@ -8,6 +8,7 @@
 #include "hal/mock/game_rules.h"
 #include "hal/result.h"
 #include "tools/programs/simulate/team.h"
+#include "tools/programs/simulate/team_game.h"
 
 namespace touchline::simulate {
 
@@ -17,6 +18,7 @@ struct SeriesSettings {
   int seeds = 20;
   double duration_s = 300.0;
   int jobs = 1;  // games that are played at the same time
+  OwnView view = OwnView::kSightings;
 };
 
 struct GameResult {
@@ -32,6 +34,7 @@ struct GameResult {
 struct Series {
   std::string own, opponent;
   double duration_s = 0.0;  // of each game
+  OwnView view = OwnView::kSightings;
   std::vector<GameResult> games;
   double wall_s = 0.0;  // time that the series took
 };
@@ -40,9 +43,9 @@ struct Series {
 /// degrees, and return there after each goal. `robots`: robots of each side, the first ones of the board file; 0: all.
 hal::mock::ArenaParameters fair_arena(const config::Configuration& configuration, int robots);
 
-/// Plays one game without pictures. The same arguments give the same result bit for bit. Errors of make_player().
+/// Plays one game. The same arguments give the same result bit for bit. Errors of TeamGame.
 Result<GameResult> play_game(const hal::mock::ArenaParameters& arena, const Team& own, const Team& opponent,
-                             std::uint64_t seed, double duration_s);
+                             std::uint64_t seed, double duration_s, OwnView view);
 
 /// Plays all games. `progress` is called after each game with the number of games that have ended, on one thread at a
 /// time. Errors of play_game().

@@ -3,12 +3,11 @@
 #include <algorithm>
 #include <cinttypes>
 #include <cstdio>
-#include <numbers>
 #include <utility>
 
-#include "core/geometry/angle.h"
 #include "firmware/arena_sides.h"
 #include "firmware/network/json_line.h"
+#include "hal/mock/turned_placement.h"
 #include "tools/programs/simulate/game_series.h"
 
 namespace touchline::simulate {
@@ -19,6 +18,7 @@ using hal::mock::ArenaParameters;
 using hal::mock::FaultKind;
 using hal::mock::Game;
 using hal::mock::GameStatistics;
+using hal::mock::other_side;
 using hal::mock::Side;
 using report::JsonWriter;
 using report::write_number;
@@ -28,8 +28,6 @@ constexpr std::array kBothSides{Side::kOwn, Side::kOpponent};
 constexpr std::size_t kMaxFrameBytes = 2 * network::kMaxDatagramBytes;
 // Configurations that are kept. Randomized settings give a new one for each game.
 constexpr std::size_t kMaxTeams = 16;
-
-Side other(Side side) { return side == Side::kOwn ? Side::kOpponent : Side::kOwn; }
 
 bool is_program(const std::string& name) { return name == kExternal || name == kOtherProgram; }
 
@@ -49,11 +47,6 @@ report::TraceNames names_of(const config::Configuration& configuration, Side sid
   const auto own = static_cast<std::size_t>(side);
   names.teams = {teams[own], teams[1 - own]};
   return names;
-}
-
-// Coordinates and headings that the opponents see: the field turned by 180 degrees.
-hal::mock::Placement turned(const hal::mock::Placement& at) {
-  return {-at.x_m, -at.y_m, wrap_angle(at.theta_rad + std::numbers::pi)};
 }
 
 void write_event(JsonWriter& json, const char* kind, const std::string& team) {
@@ -229,9 +222,9 @@ Result<void> LockstepGame::begin_step(Side side, const StepMessage& message) {
     return failure(ErrorCode::kInconsistent, "step.opponent_commands: another program drives the opponents");
   }
   TOUCHLINE_TRY(check_commands(message.commands, side, "commands"));
-  TOUCHLINE_TRY(check_commands(message.opponent_commands, other(side), "opponent_commands"));
+  TOUCHLINE_TRY(check_commands(message.opponent_commands, other_side(side), "opponent_commands"));
   take_commands(message.commands, side);
-  take_commands(message.opponent_commands, other(side));
+  take_commands(message.opponent_commands, other_side(side));
   for (SidePlayer& each : players_) {
     const bool is_own = each.side == side;
     if (!is_own && (has_other_program_ || !each.is_external)) continue;
@@ -376,8 +369,8 @@ void LockstepGame::write_events(JsonWriter& json, SidePlayer& player) const {
 
 std::string LockstepGame::end_step(Side side) {
   std::string out = "{\"frames\":[" + std::exchange(player(side).frames, {}) + "]";
-  if (!has_other_program_ && player(other(side)).is_external) {
-    out += ",\"opponent_frames\":[" + std::exchange(player(other(side)).frames, {}) + "]";
+  if (!has_other_program_ && player(other_side(side)).is_external) {
+    out += ",\"opponent_frames\":[" + std::exchange(player(other_side(side)).frames, {}) + "]";
   }
   return out + "}";
 }

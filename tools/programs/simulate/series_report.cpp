@@ -44,6 +44,11 @@ double share_of_possession(const GameResult& game, std::size_t side) {
   return sum > 0.0 ? held[side] / sum : 0.5;
 }
 
+// The own side's name, and how it sees.
+std::string name_of_own(const Series& series) {
+  return series.own + (series.view == OwnView::kPictures ? " (with pictures)" : "");
+}
+
 std::size_t index_of(Restart restart) { return static_cast<std::size_t>(restart); }
 
 // Free balls are counted by all rules.
@@ -81,8 +86,8 @@ std::string series_text(const Series& series) {
   const auto row = [](const char* name, const std::string& own, const std::string& other) {
     return formatted("  %-26s %20s %20s\n", name, own.c_str(), other.c_str());
   };
-  std::string out = formatted("%s against %s: %zu games of %.0f s\n", series.own.c_str(), series.opponent.c_str(),
-                              series.games.size(), series.duration_s);
+  std::string out = formatted("%s against %s: %zu games of %.0f s\n", name_of_own(series).c_str(),
+                              series.opponent.c_str(), series.games.size(), series.duration_s);
   out += row("", series.own, series.opponent);
   out += row("goals per game", text_of(mean_over(series, [](const auto& game) { return game.goals_own(); }), 2),
              text_of(mean_over(series, [](const auto& game) { return game.goals_opponent(); }), 2));
@@ -142,16 +147,20 @@ Result<Comparison> compare(const Series& a, const Series& b) {
     return failure(ErrorCode::kInconsistent, "the games lasted %.0f s and %.0f s; compare equally long ones",
                    a.duration_s, b.duration_s);
   }
-  std::map<std::uint64_t, int> first;
-  for (const GameResult& game : a.games) first[game.seed] = game.difference();
-  std::vector<double> differences;
+  std::map<std::uint64_t, const GameResult*> first;
+  for (const GameResult& game : a.games) first[game.seed] = &game;
+  std::vector<double> difference, own, opponent, possession;
   for (const GameResult& game : b.games) {
-    if (const auto found = first.find(game.seed); found != first.end()) {
-      differences.push_back(static_cast<double>(game.difference() - found->second));
-    }
+    const auto found = first.find(game.seed);
+    if (found == first.end()) continue;
+    const GameResult& before = *found->second;
+    difference.push_back(static_cast<double>(game.difference() - before.difference()));
+    own.push_back(static_cast<double>(game.goals_own() - before.goals_own()));
+    opponent.push_back(static_cast<double>(game.goals_opponent() - before.goals_opponent()));
+    possession.push_back(100.0 * (share_of_possession(game, 0) - share_of_possession(before, 0)));
   }
-  if (differences.empty()) return Error{ErrorCode::kInconsistent, "the two series have no seed in common"};
-  return Comparison{differences.size(), mean_of(differences)};
+  if (difference.empty()) return Error{ErrorCode::kInconsistent, "the two series have no seed in common"};
+  return Comparison{difference.size(), mean_of(difference), mean_of(own), mean_of(opponent), mean_of(possession)};
 }
 
 std::string comparison_text(const Series& a, const Series& b, const Comparison& comparison) {
@@ -159,8 +168,12 @@ std::string comparison_text(const Series& a, const Series& b, const Comparison& 
   const char* verdict = "the games do not show which one is better; play more seeds";
   if (mean.value - mean.half_width > 0.0) verdict = "the second one is better";
   if (mean.value + mean.half_width < 0.0) verdict = "the first one is better";
-  return formatted("%s, then %s, against %s: %zu seeds, goal difference changes by %s (95 %%): %s\n", a.own.c_str(),
-                   b.own.c_str(), b.opponent.c_str(), comparison.pairs, text_of(mean, 2).c_str(), verdict);
+  return formatted("%s, then %s, against %s: %zu seeds, goal difference changes by %s (95 %%): %s\n",
+                   name_of_own(a).c_str(), name_of_own(b).c_str(), b.opponent.c_str(), comparison.pairs,
+                   text_of(mean, 2).c_str(), verdict) +
+         formatted("  goals change by %s, the opponents' goals by %s, possession by %s %%\n",
+                   text_of(comparison.goals_own, 2).c_str(), text_of(comparison.goals_opponent, 2).c_str(),
+                   text_of(comparison.possession, 1).c_str());
 }
 
 std::string to_json(const std::vector<Series>& all) {
@@ -184,7 +197,11 @@ std::string to_json(const std::vector<Series>& all) {
                        {"kick_offs", s.restarts[index_of(Restart::kKickOff)]},
                        {"hash", formatted("%016llx", static_cast<unsigned long long>(game.hash))}});
     }
-    series.push_back({{"own", one.own}, {"opponent", one.opponent}, {"duration_s", one.duration_s}, {"games", games}});
+    series.push_back({{"own", one.own},
+                      {"opponent", one.opponent},
+                      {"duration_s", one.duration_s},
+                      {"pictures", one.view == OwnView::kPictures},
+                      {"games", games}});
   }
   return json{{"schema", "touchline-simulate/1"}, {"series", series}}.dump(1) + "\n";
 }
@@ -201,6 +218,8 @@ Result<std::vector<Series>> from_json(const std::string& text) {
       series.own = one.at("own");
       series.opponent = one.at("opponent");
       series.duration_s = one.at("duration_s");
+      // Results of older versions do not say it.
+      if (one.value("pictures", false)) series.view = OwnView::kPictures;
       for (const json& game : one.at("games")) {
         GameResult result;
         result.seed = game.at("seed");

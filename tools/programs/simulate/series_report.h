@@ -21,10 +21,12 @@ std::string series_text(const Series& series);
 /// The table of everybody against everybody: mean goal difference of the row's team with its interval.
 std::string table_text(const std::vector<std::string>& names, const std::vector<Series>& games);
 
-/// How much better the own side of `b` is than that of `a`, by games of the same seeds.
+/// How the own side of `b` differs from that of `a`, by games of the same seeds: b minus a.
 struct Comparison {
   std::size_t pairs = 0;
-  Mean difference;  // of the goal differences of b and a
+  Mean difference;  // of the goal differences
+  Mean goals_own, goals_opponent;
+  Mean possession;  // own share in percent
 };
 /// kInconsistent: the two series have no seed in common, or their games were not equally long.
 Result<Comparison> compare(const Series& a, const Series& b);

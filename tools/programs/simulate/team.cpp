@@ -55,13 +55,21 @@ Result<Team> load_team(const std::string& board, const std::string& team, const 
   return out;
 }
 
+Result<hal::mock::StrategyPointer> make_strategy(const Team& team, std::uint64_t seed) {
+  return catalog().create(team.strategy, seed);
+}
+
+ControlParameters control_of(const Team& team) {
+  return parameters_for(*catalog().find(team.strategy), team.configuration->pipeline.control);
+}
+
 Result<Player> make_player(const Team& team, const hal::mock::ArenaParameters& arena, hal::mock::Side side,
                            std::uint64_t seed) {
   Player player;
   hal::mock::SideSettings settings = side_settings(*team.configuration, side);
-  TOUCHLINE_TRY_ASSIGN(player.strategy, catalog().create(team.strategy, seed));
+  TOUCHLINE_TRY_ASSIGN(player.strategy, make_strategy(team, seed));
   settings.strategy = player.strategy.get();
-  settings.pipeline.control = parameters_for(*catalog().find(team.strategy), settings.pipeline.control);
+  settings.pipeline.control = control_of(team);
   player.side = std::make_unique<hal::mock::SimulatedSide>(arena, side, seed);
   if (const Status status = player.side->configure(settings); !status.ok()) {
     return failure(status.code(), "%s: its pipeline refuses the settings", team.name.c_str());

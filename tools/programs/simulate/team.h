@@ -27,7 +27,12 @@ std::vector<std::string> strategy_names();
 /// `overrides`: KEY=VALUE. Errors of config::load(); kNotFound: there is no such strategy.
 Result<Team> load_team(const std::string& board, const std::string& team, const std::vector<std::string>& overrides);
 
-/// A side that is ready to play one game.
+/// Makes the team's strategy for one game. Errors of StrategyCatalog::create().
+Result<hal::mock::StrategyPointer> make_strategy(const Team& team, std::uint64_t seed);
+/// Returns the team's control parameters, with the limits of the drive that its strategy wants.
+ControlParameters control_of(const Team& team);
+
+/// A side that is ready to play one game without pictures.
 struct Player {
   hal::mock::StrategyPointer strategy{nullptr, nullptr};
   std::unique_ptr<hal::mock::SimulatedSide> side;

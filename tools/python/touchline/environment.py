@@ -30,7 +30,8 @@ APPROACH_REWARD = 0.5
 # Distances that random starts keep: between objects, so that a robot can turn between them, and from the walls.
 START_DISTANCE, WALL_DISTANCE = 0.15, 0.15
 
-# Ranges that differ between real robots and halls; the middle is about that of boards/mock.
+# Ranges that differ between real robots and halls. Those of robots, floor and delay have the value of boards/mock near their middle. Losses and
+# late frames begin at none. Noise begins at three to five times that of boards/mock, which has good light and a sharp lens.
 TYPICAL_RANGES: Mapping[str, tuple[float, float]] = {
     "arena.physics.wheel_lag_s": (0.05, 0.12), "arena.physics.wheel_error": (0.0, 0.04), "arena.physics.wheel_slip": (0.0, 0.06),
     "arena.physics.tire_friction": (0.6, 1.0), "arena.physics.ball_deceleration_mps2": (0.08, 0.2),

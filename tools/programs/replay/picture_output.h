@@ -11,10 +11,11 @@
 
 namespace touchline::replay {
 
-/// Writes annotated pictures: a folder of PNG files, NUMBER_NAME.png, or a video if the path ends in .mp4.
-class AnnotationOutput {
+/// Writes a series of drawn pictures: a folder of PNG files, NUMBER_NAME.png, or a video if the path ends in .mp4.
+class PictureOutput {
  public:
   Result<void> open(const std::string& path, double rate_hz);
+  /// `file`: gives the picture its NAME, without folder and ending. `stamp`: its time in a video.
   Result<void> write(cairo_surface_t& surface, std::uint64_t frame, const std::string& file, Duration stamp);
   Result<void> finish();
 

@@ -1,4 +1,4 @@
-#include "tools/programs/replay/annotation_output.h"
+#include "tools/programs/replay/picture_output.h"
 
 #include <cstdio>
 #include <filesystem>
@@ -10,7 +10,7 @@ bool is_video_name(const std::string& path) { return std::filesystem::path(path)
 
 }  // namespace
 
-Result<void> AnnotationOutput::open(const std::string& path, double rate_hz) {
+Result<void> PictureOutput::open(const std::string& path, double rate_hz) {
   path_ = path;
   rate_hz_ = rate_hz;
   if (is_video_name(path)) {
@@ -24,8 +24,8 @@ Result<void> AnnotationOutput::open(const std::string& path, double rate_hz) {
   return failure(ErrorCode::kIo, "%s: %s (the name of a video must end in .mp4)", path.c_str(), cause.c_str());
 }
 
-Result<void> AnnotationOutput::write(cairo_surface_t& surface, std::uint64_t frame, const std::string& file,
-                                     Duration stamp) {
+Result<void> PictureOutput::write(cairo_surface_t& surface, std::uint64_t frame, const std::string& file,
+                                  Duration stamp) {
   if (video_ != nullptr) {
     const Pixels pixels = pixels_of(surface);
     if (!video_open_) TOUCHLINE_TRY(video_->open(path_, pixels.width, pixels.height, rate_hz_));
@@ -39,8 +39,6 @@ Result<void> AnnotationOutput::write(cairo_surface_t& surface, std::uint64_t fra
   return write_png(surface, name, {.sync = false});
 }
 
-Result<void> AnnotationOutput::finish() {
-  return video_ == nullptr || !video_open_ ? Result<void>() : video_->finish();
-}
+Result<void> PictureOutput::finish() { return video_ == nullptr || !video_open_ ? Result<void>() : video_->finish(); }
 
 }  // namespace touchline::replay

@@ -63,7 +63,31 @@ Status Pipeline::configure(const PipelineParameters& parameters, StageClock cloc
   picture_check_.configure({parameters.scan.format, parameters.scan.width_px, parameters.scan.height_px,
                             parameters.control.drive.wheel_base_m, parameters.track.robot.wheel_lag_s});
   robot_filter_ = parameters.track.robot;
+  control_ = parameters.control;
+  drives_.configure({parameters.track.estimate_drive, robot_filter_.wheel_lag_s, control_.drive.wheel_base_m,
+                     control_.play.robot_radius_m, parameters.marker.field, radio_.receivers});
+  trace_.drives = drives_.reports();
   return controller_.configure(with_tracked_drive(parameters.control, robot_filter_), parameters.marker.field);
+}
+
+void Pipeline::adapt() {
+  if (trace_.frame.sightings == nullptr) adaptation_.update(scanner_, trace_);
+  if (inputs_.observing) return;
+  drives_.add_sightings(trace_.tracks, trace_.sightings);
+  drives_.add_commands(trace_.commands, trace_.frame.capture_time + inputs_.action_delay - inputs_.radio_delay,
+                       inputs_.lateness);
+  drives_.work();
+  trace_.drives = drives_.reports();
+  use_measured_lag();
+}
+
+void Pipeline::use_measured_lag() {
+  const double lag_s = trace_.drives.lag_s.used;
+  if (lag_s == robot_filter_.wheel_lag_s) return;
+  robot_filter_.wheel_lag_s = lag_s;
+  tracker_.set_wheel_lag(lag_s);
+  // The parameters differ from accepted ones in the lag alone.
+  static_cast<void>(controller_.set_parameters(with_tracked_drive(control_, robot_filter_)));
 }
 
 Status Pipeline::configure_recognition(const PipelineParameters& parameters) {
@@ -143,6 +167,7 @@ void Pipeline::apply(const StepInputs& inputs) {
     control = controller_.set_parameters(with_tracked_drive(*events.control, robot_filter_));
     const DriveParameters& drive = events.control->drive;
     if (control.ok()) {
+      control_ = *events.control;
       radio_.set_drive(drive.wheel_base_m, drive.max_wheel_speed_mps);
       monitor_.set_drive(drive.wheel_base_m, drive.max_wheel_speed_mps);
     }
@@ -158,6 +183,7 @@ void Pipeline::apply(const StepInputs& inputs) {
     const RobotId id = radio_.receivers[i].id;
     if (id >= 0) tracker_.set_lateness(id, inputs_.lateness[i]);
   }
+  drives_.set_stated_delay(inputs_.radio_delay);
   controller_.set_external(inputs_.commands, inputs_.now);
   controller_.set_situation(inputs_.situation);
 }
@@ -176,7 +202,7 @@ const StepTrace& Pipeline::step(const Frame& frame, const StepInputs& inputs) {
   }
   trace_.overload = trace_.runs_dropped + trace_.regions_dropped > 0 || trace_.sightings.cut_short;
   check_picture();
-  const Instant acts_at = frame.capture_time + inputs_.action_delay;
+  const Instant acts_at = frame.capture_time + inputs_.action_delay + drives_.more_delay();
   {
     const StageTimer t = timer(Stage::kTrack);
     tracker_.update(trace_.sightings, frame.capture_time, acts_at, trace_.tracks);
@@ -240,6 +266,7 @@ const OutgoingPackets& Pipeline::stop(const StepInputs& inputs) {
   apply(inputs);
   trace_.commands.robots.clear();
   stop_from(inputs_.now);
+  drives_.add_commands(trace_.commands, inputs_.now + inputs_.action_delay - inputs_.radio_delay, inputs_.lateness);
   return trace_.packets;
 }
 
@@ -261,13 +288,14 @@ void Pipeline::revoke() {
 
 void Pipeline::stop_from(Instant now) {
   trace_.commands.stop = true;
-  tracker_.add_commands(trace_.commands, now + inputs_.action_delay);
+  tracker_.add_commands(trace_.commands, now + inputs_.action_delay + drives_.more_delay());
   encode_commands(now);
 }
 
 void Pipeline::reset() {
   tracker_.reset();
   picture_check_.restart();
+  drives_.interrupt();
   trace_.tracks.robots.clear();
   trace_.tracks.ball = {};
   controller_.reset();
@@ -280,10 +308,16 @@ void Pipeline::encode_commands(Instant now) {
     last_start_ = now;
     starts_left_ = std::max(0, starts_left_ - 1);
   }
+  Commands sent = trace_.commands;
+  for (RobotCommand& robot : sent.robots) {
+    const auto [left, right] = drives_.correction_of(robot.id);
+    robot.wheels.left_mps *= left;
+    robot.wheels.right_mps *= right;
+  }
   // All commands fit into a packet, because both lists have the same capacity and the layout was checked. If they still
   // cannot be sent, the robots must not go on with their last ones.
   PacketValues values{trace_.commands.stop, is_due, packet_sequence_, now};
-  if (!encode(radio_, trace_.commands, values, trace_.packets).ok()) {
+  if (!encode(radio_, sent, values, trace_.packets).ok()) {
     trace_.commands.robots.clear();
     trace_.commands.stop = values.stop = true;
     if (!encode(radio_, trace_.commands, values, trace_.packets).ok()) trace_.packets.clear();

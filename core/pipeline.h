@@ -3,6 +3,7 @@
 #include "core/adaptation.h"
 #include "core/control/controller.h"
 #include "core/geometry/camera_model.h"
+#include "core/identification/drive_monitor.h"
 #include "core/marker/matcher.h"
 #include "core/radio/packet.h"
 #include "core/radio/telemetry.h"
@@ -51,11 +52,10 @@ class Pipeline {
   /// `inputs.now`. Valid until the next call.
   const OutgoingPackets& stop(const StepInputs& inputs);
 
-  /// Adapts to the light, using the sightings of the last step(), whose frame must still be valid. Call it after the
-  /// packet was sent, because nothing depends on it. Writes to the trace of this step.
-  void adapt() {
-    if (trace_.frame.sightings == nullptr) adaptation_.update(scanner_, trace_);
-  }
+  /// Adapts to the light and measures the drives, using the sightings and commands of the last step(), whose frame must
+  /// still be valid. Call it after the packet was sent, because nothing depends on it before the next step. Writes to
+  /// the trace of this step.
+  void adapt();
   /// Copies the tables that decided the classes of the last step's pixels, about 0.5 MB. Call it before adapt().
   void copy_classifier(PixelClassifier& out) const { scanner_.copy_to(out); }
   [[nodiscard]] AdaptationMode adaptation() const { return adaptation_.mode(); }
@@ -99,6 +99,7 @@ class Pipeline {
   void reset();
   void check_picture();
   void stop_from(Instant now);
+  void use_measured_lag();
   void encode_commands(Instant now);
 
   RegionScanner scanner_;
@@ -113,6 +114,8 @@ class Pipeline {
   TeamAssignment assignment_;
   Adaptation adaptation_;
   RobotMonitor monitor_;
+  DriveMonitor drives_;
+  ControlParameters control_;  // as configured
   PictureCheck picture_check_;
   StageClock clock_ = nullptr;
   StepInputs inputs_;  // of the last call

@@ -71,6 +71,8 @@ struct StepInputs {
   // Time from the capture of a frame until its commands act: the measured latency of the loop plus the delay of radio
   // and robots. Range 0 to 1 s.
   Duration action_delay{};
+  // The part of it that the files state: from the last byte of a packet until the wheels react.
+  Duration radio_delay{};
   // How much later than the action delay each receiver's commands act, because the packets of other robots take the
   // line first. The index is that of the team file's list own.robot.
   std::array<Duration, kMaxRobotsPerTeam> lateness{};

@@ -347,6 +347,36 @@ struct RobotReports {
   std::size_t report_bytes = 0;                        // of one packet, at most
 };
 
+// --- identification -> loop ------------------------------------------------------------------------------------------
+
+/// A measured value and its standard deviation.
+struct MeasuredValue {
+  double value = 0.0;
+  double sigma = std::numeric_limits<double>::infinity();
+  bool is_known = false;  // the standard deviation is small enough for use
+};
+
+/// A value that the files state, what was measured while robots drove, and the one of both that is in force.
+struct ComparedValue {
+  double stated = 0.0, used = 0.0;
+  MeasuredValue measured;
+
+  /// Returns whether the measurement contradicts the files.
+  [[nodiscard]] bool is_contradicted() const { return used != stated; }
+};
+
+/// What was measured of an own robot's drive while it drove.
+struct RobotDrive {
+  RobotId id = kUnknownId;
+  MeasuredValue delay_s, lag_s;       // from the packet's last byte to the wheels; time constant of the wheels
+  std::array<ComparedValue, 2> gain;  // of the left and right wheel, as own.robot.wheel_gain
+};
+
+struct DriveReports {
+  FixedVector<RobotDrive, kMaxRobotsPerTeam> robots;  // sorted by id
+  ComparedValue delay_s, lag_s;                       // of all robots together
+};
+
 // --- whole pipeline ------------------------------------------------------------------------------------------------
 
 enum class Stage : std::uint8_t { kRegion, kMarker, kTrack, kControl, kRadio };  // classification is part of kRegion
@@ -400,6 +430,7 @@ struct StepTrace {
   LightTrace light;
   PictureTrace picture;
   RobotReports reports;  // telemetry of all robots received so far
+  DriveReports drives;   // measured so far, valid after Pipeline::adapt()
   Status status;         // status of the scan: kUnsupported (no sightings), kFull (see overload)
   std::array<Duration, kStageCount> stage_time{};
   bool overload = false;  // a capacity was reached; the counters tell which

@@ -168,6 +168,7 @@ void Loop::process_frame(const hal::FrameLease& lease) {
   // The findings are copied before the adaptation changes the tables with which this frame was classified.
   if (is_picture_wanted && is_accepted) settings_.pictures->put_findings(pipeline_, trace);
   adapt_to_light();
+  reports_.report_drives(trace.drives, timing.sent);
   if (observer_.on_step != nullptr) observer_.on_step(observer_.context, trace, timing);
   // A frame that exceeds a capacity still gives partial results, which are better than none.
   if (is_accepted) {

@@ -6,6 +6,7 @@ namespace touchline {
 void Loop::fill_inputs(Instant now, Duration action_delay) {
   inputs_.now = now;
   inputs_.action_delay = action_delay;
+  inputs_.radio_delay = settings_.radio_delay;
   inputs_.commands = external_.commands();
   inputs_.teams = external_.teams();
   inputs_.situation = external_.referee().situation();

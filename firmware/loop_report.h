@@ -80,6 +80,7 @@ struct StatusReport {
   float brightness = 1.0f;                    // brightness of the light relative to the calibration
   FixedVector<SeenRobot, kMaxRobots> robots;
   FixedVector<RobotStatus, kMaxRobotsPerTeam> robot_status;
+  DriveReports drives;  // measured while the robots drove
 };
 
 /// Reports the first failure of a device with this code in an interval (while the device is lost, also only once per
@@ -114,13 +115,22 @@ struct BatteryReport {
   float battery_v = 0.0f;
 };
 
+/// Warns that the drives contradict the files. `robot`: whose gains these are; kUnknownId: the team's delay or lag.
+struct DriveReport {
+  double elapsed_s = 0.0;
+  enum class Value : std::uint8_t { kDelay, kLag, kGain } value = Value::kDelay;
+  RobotId robot = kUnknownId;
+  std::array<ComparedValue, 2> compared;  // of both wheels; a delay or lag is the first one
+};
+
 struct Report {
-  enum class Kind : std::uint8_t { kStatus, kFault, kHalt, kBattery, kStanding } kind = Kind::kStatus;
+  enum class Kind : std::uint8_t { kStatus, kFault, kHalt, kBattery, kStanding, kDrive } kind = Kind::kStatus;
   StatusReport status;
   FaultReport fault;
   HaltReport halt;
   BatteryReport battery;
   StandingReport standing;
+  DriveReport drive;
 };
 
 // Holds one minute of status reports while the terminal is blocked.

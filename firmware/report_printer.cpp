@@ -80,6 +80,8 @@ void ReportPrinter::print(const Report& report) {
       return print_event(report.halt.halt == kHaltNone ? "info" : "warning", halt_line(report.halt));
     case Report::Kind::kBattery:
       return print_event("warning", battery_line(report.battery));
+    case Report::Kind::kDrive:
+      return print_event("warning", drive_line(report.drive));
     case Report::Kind::kStanding:
       return print_event("warning", standing_line(report.standing));
   }

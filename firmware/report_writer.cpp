@@ -1,8 +1,16 @@
 #include "firmware/report_writer.h"
 
+#include <algorithm>
+#include <cmath>
 #include <utility>
 
 namespace touchline {
+namespace {
+
+// Wheels of one size differ by less; such gains are used without a warning.
+constexpr double kUsualGainError = 0.05;
+
+}  // namespace
 
 void ReportWriter::begin(Instant now) {
   begin_ = last_status_ = now;
@@ -87,6 +95,7 @@ void ReportWriter::report_status_if_due(const LoopStatistics& statistics, std::u
     status.robot_status.push_back(
         {last.id, last.battery_v, last.link_percent, seconds(now - robot.heard), robot.battery_low, last.wheels});
   }
+  if (last_trace_ != nullptr) status.drives = last_trace_->drives;
   report_.kind = Report::Kind::kStatus;
   ring_.push(report_);
   last_status_ = now;
@@ -105,6 +114,29 @@ void ReportWriter::report_batteries(const RobotReports& robots, Instant now) {
       ring_.push(report_);
     }
     reported = robot.battery_low;
+  }
+}
+
+void ReportWriter::report_drive(DriveReport::Value value, RobotId robot, const std::array<ComparedValue, 2>& compared,
+                                Instant now) {
+  report_.kind = Report::Kind::kDrive;
+  report_.drive = {elapsed_s(now), value, robot, compared};
+  ring_.push(report_);
+}
+
+void ReportWriter::report_drives(const DriveReports& drives, Instant now) {
+  const auto note = [&](bool& reported, const ComparedValue& value, DriveReport::Value name) {
+    const bool before = std::exchange(reported, value.is_contradicted());
+    if (reported && !before) report_drive(name, kUnknownId, {value, {}}, now);
+  };
+  note(delay_reported_, drives.delay_s, DriveReport::Value::kDelay);
+  note(lag_reported_, drives.lag_s, DriveReport::Value::kLag);
+  for (const RobotDrive& robot : drives.robots) {
+    const bool differs = std::any_of(robot.gain.begin(), robot.gain.end(), [](const ComparedValue& gain) {
+      return std::abs(gain.used - gain.stated) > kUsualGainError * gain.stated;
+    });
+    const bool before = std::exchange(gain_reported_[static_cast<std::uint8_t>(robot.id)], differs);
+    if (differs && !before) report_drive(DriveReport::Value::kGain, robot.id, robot.gain, now);
   }
 }
 

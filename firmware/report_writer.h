@@ -29,6 +29,8 @@ class ReportWriter {
   void report_fault(Device device, ErrorCode code, FaultAction action, std::string_view text, Instant now);
   /// Reports robots whose battery has become low since the last call.
   void report_batteries(const RobotReports& robots, Instant now);
+  /// Reports values in force that contradict the files, each once until they agree again.
+  void report_drives(const DriveReports& drives, Instant now);
   void report_status_if_due(const LoopStatistics& statistics, std::uint32_t halt, std::uint32_t stop_number,
                             AdaptationMode adaptation, Instant now);
   /// Removes the device from the lost devices of the status.
@@ -38,6 +40,7 @@ class ReportWriter {
   [[nodiscard]] const FaultReport& last_fault() const { return last_fault_; }
 
  private:
+  void report_drive(DriveReport::Value value, RobotId robot, const std::array<ComparedValue, 2>& compared, Instant now);
   [[nodiscard]] double elapsed_s(Instant now) const { return seconds(now - begin_); }
 
   ReportRing& ring_;
@@ -54,6 +57,8 @@ class ReportWriter {
   std::uint32_t stop_number_reported_ = 0;
   std::optional<Instant> standing_reported_;
   std::array<bool, 128> battery_reported_{};  // flag by robot id
+  std::array<bool, 128> gain_reported_{};     // the same
+  bool delay_reported_ = false, lag_reported_ = false;
   const StepTrace* last_trace_ = nullptr;
   FaultReport last_fault_;
   Report report_;  // built here and copied into the ring, because it is too large for the stack

@@ -1,5 +1,6 @@
 #include "firmware/status_text.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdarg>
@@ -183,6 +184,25 @@ std::string battery_line(const BatteryReport& battery) {
   print(line, "%.1f s  robot %d: battery is low, %.2f V", battery.elapsed_s, battery.id,
         static_cast<double>(battery.battery_v));
   return line;
+}
+
+std::string drive_line(const DriveReport& drive) {
+  std::string line;
+  const auto& [first, second] = drive.compared;
+  print(line, "%.1f s  ", drive.elapsed_s);
+  if (drive.value == DriveReport::Value::kGain) {
+    print(line,
+          "robot %d: own.robot.wheel_gain of the team file is %.3f, %.3f, but its wheels show %.3f, %.3f (+- %.3f); "
+          "these are used",
+          drive.robot, first.stated, second.stated, first.measured.value, second.measured.value,
+          std::max(first.measured.sigma, second.measured.sigma));
+  } else {
+    const bool is_delay = drive.value == DriveReport::Value::kDelay;
+    print(line, "%s is %.0f ms, but the robots show %.1f +- %.1f ms, which is used",
+          is_delay ? "radio.delay_s of the board file" : "tracking.robot.wheel_lag_s of the team file",
+          1e3 * first.stated, 1e3 * first.measured.value, 1e3 * first.measured.sigma);
+  }
+  return line + ": measure it with touchline-radio and correct the file";
 }
 
 std::string standing_line(const StandingReport& standing) {

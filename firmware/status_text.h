@@ -25,6 +25,8 @@ std::string status_line(const StatusReport& status, const Expectation& expected)
 std::string fault_line(const FaultReport& fault);
 /// Returns a text such as "robot 2: battery is low, 6.92 V".
 std::string battery_line(const BatteryReport& battery);
+/// Names the key, its value in the file and the measured one.
+std::string drive_line(const DriveReport& drive);
 /// Returns "all robots stand although they are commanded to move: check batteries, radio and picture".
 std::string standing_line(const StandingReport& standing);
 /// Returns "robots halted: emergency stop" or "robots may move".

@@ -29,6 +29,8 @@ constexpr double kCoarseDelayStep_s = 0.02;
 constexpr std::size_t kCoarseDelays = 13;
 constexpr std::array<double, 4> kCoarseLags_s{0.02, 0.05, 0.1, 0.2};
 constexpr std::size_t kCoarsePoints = kCoarseDelays * kCoarseLags_s.size();
+// The search needs no more intervals than these: ten seconds at 60 pictures per second.
+constexpr std::size_t kMaxSearched = 600;
 // A wheel's effect counts as seen beyond this number of standard deviations.
 constexpr double kSeenSigmas = 6.0;
 
@@ -77,6 +79,16 @@ void DriveEstimator::begin_search() {
   passes_ = 0;
 }
 
+void DriveEstimator::begin_at(const DriveEstimate& other) {
+  if (!is_searching_) return;
+  begin_search();
+  is_searching_ = false;
+  wiring_ = estimate_.wiring = other.wiring;
+  estimate_.is_wiring_known = other.is_wiring_known;
+  parameters_[kDelay] = other.delay_s.value;
+  parameters_[kLagLeft] = parameters_[kLagRight] = other.lag_s.value;
+}
+
 bool DriveEstimator::work_coarse(std::size_t& intervals) {
   while (coarse_point_ < kCoarsePoints) {
     const double delay = kCoarseDelayStep_s * static_cast<double>(coarse_point_ % kCoarseDelays);
@@ -87,7 +99,7 @@ bool DriveEstimator::work_coarse(std::size_t& intervals) {
       is_reading_ = true;
     }
     DriveInterval interval;
-    while (true) {
+    while (coarse_.count < kMaxSearched) {
       if (intervals == 0) return false;
       if (!reader_.next(record_, interval)) break;
       --intervals;
@@ -108,7 +120,6 @@ bool DriveEstimator::work_coarse(std::size_t& intervals) {
     if (coarse_.count < kMinIntervals) {
       coarse_point_ = 0;
       best_cost_ = std::numeric_limits<double>::infinity();
-      intervals = 0;
       return false;
     }
     finish_coarse_point();
@@ -155,9 +166,12 @@ void DriveEstimator::finish_coarse_point() {
     parameters_[i] = std::clamp(parameters_[i], kLimits[i].low, kLimits[i].high);
 }
 
-bool DriveEstimator::work(std::size_t intervals) {
+bool DriveEstimator::work(std::size_t& intervals) {
   if (is_searching_) {
-    if (!work_coarse(intervals)) return false;
+    std::size_t searched = intervals * kSearchedPerInterval;
+    const bool is_found = work_coarse(searched);
+    intervals = searched / kSearchedPerInterval;
+    if (!is_found) return false;
     estimate_.wiring = wiring_;
     if (!estimate_.is_wiring_known) {
       begin_search();
@@ -306,7 +320,7 @@ void DriveEstimator::finish_pass() {
 void DriveEstimator::report(std::size_t count) {
   // The noise is estimated twice.
   constexpr std::size_t kMinPasses = kRoughPasses + 2;
-  const bool is_settled = passes_ >= kMinPasses && moved_ < 1.0;
+  const bool is_settled = estimate_.is_settled = passes_ >= kMinPasses && moved_ < 1.0;
   const auto set = [&](MeasuredValue& out, Index i, double sigma_needed) {
     const double variance = covariance_[i * kParameters + i];
     out.value = parameters_[i];
@@ -365,11 +379,11 @@ void DriveEstimator::solve() {
   // From the coarse search, twelve passes suffice; without convergence the values stay unknown.
   constexpr int kMaxPasses = 20;
   constexpr double kConverged = 0.02;
-  constexpr std::size_t kAll = std::numeric_limits<std::size_t>::max();
   // From values that a short record gave, the steps can end at a wrong delay with a large noise.
   begin_search();
   for (int i = 0; i < kMaxPasses; ++i) {
-    if (!work(kAll) || is_searching_) return;
+    std::size_t intervals = std::numeric_limits<std::size_t>::max() / kSearchedPerInterval;
+    if (!work(intervals) || is_searching_) return;
     if (passes_ > kRoughPasses + 2 && moved_ < kConverged) return;
   }
 }

@@ -7,15 +7,9 @@
 #include "core/identification/drive_intervals.h"
 #include "core/identification/drive_record.h"
 #include "core/identification/residual_filter.h"
+#include "core/types.h"
 
 namespace touchline {
-
-/// A measured value and its standard deviation.
-struct MeasuredValue {
-  double value = 0.0;
-  double sigma = std::numeric_limits<double>::infinity();
-  bool is_known = false;  // the standard deviation is small enough for use
-};
 
 /// What DriveEstimator measures of a robot.
 struct DriveEstimate {
@@ -28,6 +22,7 @@ struct DriveEstimate {
   MeasuredValue marker_left_m;  // how far the marker's center is to the left of the middle between the wheels
   WheelWiring wiring;
   bool is_wiring_known = false;
+  bool is_settled = false;  // the passes no longer change the values by more than their standard deviations
   // RMS of the residuals of one interval: forward, and of the heading.
   double forward_rms_m = 0.0, turn_rms_rad = 0.0;
   std::size_t intervals = 0;  // that were used
@@ -60,16 +55,27 @@ class DriveEstimator {
   static constexpr std::size_t kParameters = 8;
   using Vector = std::array<double, kParameters>;
 
-  explicit DriveEstimator(const DriveExpectation& expected = {}) { restart(expected); }
+  DriveEstimator() : DriveEstimator(DriveExpectation()) {}
+  explicit DriveEstimator(const DriveExpectation& expected) { restart(expected); }
   /// Forgets record and estimate.
   void restart(const DriveExpectation& expected);
+  /// Begins at the delay, the lag and the wiring of another robot of the same kind instead of searching for them. Has
+  /// no effect after the search.
+  void begin_at(const DriveEstimate& other);
 
   /// Wheel speeds that hold until the next ones. `sent`: when the last byte of the packet left.
   void add_command(Instant sent, const WheelSpeeds& wheels) { record_.add_command(sent, wheels); }
   void add_sighting(Instant captured, const Pose& pose) { record_.add_sighting(captured, pose); }
 
-  /// Processes at most this number of intervals. Returns true if it completed a pass that changed the estimate.
-  bool work(std::size_t intervals);
+  /// Something else than the wheels may move the robot until the next sighting.
+  void add_break() { record_.add_break(); }
+
+  /// Processes at most this number of intervals, or kSearchedPerInterval times as many during the search, and reduces
+  /// it by what was processed. Returns true if it completed a pass that changed the estimate. Returns false with
+  /// intervals left if the record is too short.
+  bool work(std::size_t& intervals);
+  // An interval of the search takes 0.25 us, one of a pass 2 us.
+  static constexpr std::size_t kSearchedPerInterval = 8;
   /// Works until the estimate does not change any more. For use off line: takes some milliseconds per second of record.
   void solve();
 

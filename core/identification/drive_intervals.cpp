@@ -80,7 +80,7 @@ bool DriveIntervals::next(const DriveRecord& record, DriveInterval& out) {
   out.turn_rad = wrap_angle(heading(to.pose) - heading(from.pose));
   const Vector2 way = position(to.pose) - position(from.pose);
   out.forward_m = dot(way, unit_vector(heading(from.pose) + 0.5 * out.turn_rad));
-  out.is_usable = from.captured >= settled_ && out.dt_s <= kMaxInterval;
+  out.is_usable = from.captured >= settled_ && out.dt_s <= kMaxInterval && !to.follows_break;
   out.continues = out.is_usable && was_usable_;
   was_usable_ = out.is_usable;
   return true;

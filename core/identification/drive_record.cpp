@@ -4,7 +4,10 @@
 
 namespace touchline {
 
-void DriveRecord::clear() { commands_.end = sightings_.end = 0; }
+void DriveRecord::clear() {
+  commands_.end = sightings_.end = 0;
+  is_broken_ = false;
+}
 
 bool DriveRecord::add_command(Instant sent, const WheelSpeeds& wheels) {
   if (commands_.end > 0 && commands_.at(commands_.end - 1).sent >= sent) return false;
@@ -18,7 +21,8 @@ bool DriveRecord::add_sighting(Instant captured, const Pose& pose) {
   if (!std::isfinite(pose.position.x_m) || !std::isfinite(pose.position.y_m) || !std::isfinite(pose.theta_rad)) {
     return false;
   }
-  sightings_.push({captured, pose});
+  sightings_.push({captured, pose, is_broken_});
+  is_broken_ = false;
   return true;
 }
 

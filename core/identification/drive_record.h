@@ -20,6 +20,7 @@ class DriveRecord {
   struct Sighting {
     Instant captured{};
     Pose pose;
+    bool follows_break = false;  // something else than the wheels may have moved the robot since the former sighting
   };
   // 34 s at 60 pictures per second; 20 s are enough for all parameters.
   static constexpr std::size_t kCapacity = 2048;
@@ -30,6 +31,8 @@ class DriveRecord {
   bool add_command(Instant sent, const WheelSpeeds& wheels);
   /// Returns false, and adds nothing, if the pose is not newer than the last one, or not finite.
   bool add_sighting(Instant captured, const Pose& pose);
+  /// The next sighting follows a break.
+  void add_break() { is_broken_ = true; }
 
   /// The entries with numbers from begin to end - 1 are available.
   [[nodiscard]] std::uint64_t commands_begin() const { return commands_.begin(); }
@@ -51,6 +54,7 @@ class DriveRecord {
   };
   Ring<Command> commands_;
   Ring<Sighting> sightings_;
+  bool is_broken_ = false;
 };
 
 }  // namespace touchline

@@ -267,6 +267,7 @@ struct TrackParameters {
   double association_m = 0.08;
   double separation_m = 0.05;
   double consistent_m = 0.03;
+  bool estimate_drive = true;
   RobotFilterParameters robot;
   BallFilterParameters ball;
 
@@ -300,6 +301,9 @@ struct TrackParameters {
                                      .unit = "m",
                                      .help = "Maximum distance between consecutive rejected sightings of one object, "
                                              "in addition to its possible motion"});
+    visit.flag(self.estimate_drive,
+               {.name = "estimate_drive",
+                .help = "Measure delay, lag and wheel gains while robots play, and use what contradicts the files"});
     visit.section(self.robot, {.name = "robot", .help = "Filter of a robot, Klancar eq. (4) to (9)"});
     visit.section(self.ball, {.name = "ball", .help = "Filter of the ball, Klancar eq. (10) and (11)"});
   }

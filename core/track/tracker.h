@@ -20,6 +20,8 @@ class Tracker {
   void add_commands(const Commands& commands, Instant acts_at);
   /// Sets how much later than `acts_at` and `action_time` the own robot `id` gets its commands.
   void set_lateness(RobotId id, Duration lateness) { commands_.set_lateness(id, lateness); }
+  /// Replaces tracking.robot.wheel_lag_s; tracks continue.
+  void set_wheel_lag(double lag_s) { parameters_.robot.wheel_lag_s = lag_s; }
   /// Fuses the sightings at `capture_time` and predicts to `action_time`, which is limited to the interval from
   /// `capture_time` to kMaxPrediction later. `out` lists the tracks that are not lost: own team first, by id;
   /// unidentified ones (kUnknownId) last, by age. The sightings of a frame that was not captured after the previous one

@@ -1,5 +1,6 @@
 #include <array>
 #include <cinttypes>
+#include <cmath>
 #include <cstdio>
 
 #include "firmware/console/messages.h"
@@ -10,6 +11,8 @@ namespace {
 
 using report::JsonWriter;
 using report::write_number;
+
+constexpr double kDriveStep = 1e-4;  // of delays and lags in seconds, and of gains
 
 double ms(Duration duration) { return seconds(duration) * 1e3; }
 
@@ -67,6 +70,46 @@ void write_telemetry(JsonWriter& json, const StatusReport& report) {
     json.end_object();
   }
   json.end_array();
+}
+
+void write_measured(JsonWriter& json, std::string_view key, const MeasuredValue& measured) {
+  json.key(key);
+  if (!std::isfinite(measured.sigma)) return json.null();
+  json.begin_object();
+  write_number(json, "value", measured.value, kDriveStep);
+  write_number(json, "sigma", measured.sigma, kDriveStep);
+  json.key("is_known");
+  json.boolean(measured.is_known);
+  json.end_object();
+}
+
+void write_compared(JsonWriter& json, std::string_view key, const ComparedValue& compared) {
+  json.key(key);
+  json.begin_object();
+  write_number(json, "stated", compared.stated, kDriveStep);
+  write_number(json, "used", compared.used, kDriveStep);
+  write_measured(json, "measured", compared.measured);
+  json.end_object();
+}
+
+void write_drives(JsonWriter& json, const DriveReports& drives) {
+  json.begin_object();
+  write_compared(json, "delay_s", drives.delay_s);
+  write_compared(json, "lag_s", drives.lag_s);
+  json.key("robots");
+  json.begin_array();
+  for (const RobotDrive& robot : drives.robots) {
+    json.begin_object();
+    json.key("id");
+    json.integer(robot.id);
+    write_measured(json, "delay_s", robot.delay_s);
+    write_measured(json, "lag_s", robot.lag_s);
+    write_compared(json, "gain_left", robot.gain[0]);
+    write_compared(json, "gain_right", robot.gain[1]);
+    json.end_object();
+  }
+  json.end_array();
+  json.end_object();
 }
 
 void write_lost_devices(JsonWriter& json, const StatusReport& report) {
@@ -170,6 +213,8 @@ void write_status(JsonWriter& json, const Scene& scene, const FrameFeed& feed, c
   json.end_object();
   json.key("telemetry");
   write_telemetry(json, report);
+  json.key("drives");
+  write_drives(json, report.drives);
   json.key("adaptation");
   json.string(word_of_mode(report.adaptation));
   write_count(json, "clients", clients);

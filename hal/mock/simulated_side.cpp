@@ -70,6 +70,7 @@ void SimulatedSide::process(const PendingFrame& pending, Instant now, RadioChann
     reset_at_frame_.reset();
   }
   inputs_.now = now;
+  inputs_.radio_delay = settings_.radio_delay;
   inputs_.action_delay = settings_.frame_latency + packet_time_ + settings_.radio_delay;
   const StepTrace& trace = pipeline_->step(frame, inputs_);
   inputs_.events = {};
@@ -83,6 +84,7 @@ void SimulatedSide::process(const PendingFrame& pending, Instant now, RadioChann
     // A full queue rejects the packet, and the channel counts it.
     static_cast<void>(channel.send({outgoing.packet.data(), outgoing.packet.size()}, now, outgoing.receiver));
   }
+  pipeline_->adapt();
   ++frames_;
   if (on_step_ != nullptr) on_step_(context_, trace);
 }

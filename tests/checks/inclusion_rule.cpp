@@ -38,8 +38,8 @@ const std::vector<FolderRule>& stage_rules() {
       {"subpixel", {"geometry", "color", "marker"}},
       {"track", {"geometry"}},
       {"control", {"geometry"}},
-      {"identification", {"geometry"}},
       {"radio", {}},
+      {"identification", {"geometry", "radio"}},
       {"supervision", {}},
   };
   return rules;

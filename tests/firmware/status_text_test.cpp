@@ -187,6 +187,17 @@ TEST(HaltLine, ShowsTheFigureOfAPictureThatIsNotTheTruth) {
             "2.0 s  all robots stand although they are commanded to move: check batteries, radio and picture");
 }
 
+TEST(DriveLine, NamesKeyStatedAndMeasuredValue) {
+  const ComparedValue delay{0.018, 0.0621, {0.0621, 0.0004, true}};
+  EXPECT_EQ(drive_line({12.34, DriveReport::Value::kDelay, kUnknownId, {delay, {}}}),
+            "12.3 s  radio.delay_s of the board file is 18 ms, but the robots show 62.1 +- 0.4 ms, which is used: "
+            "measure it with touchline-radio and correct the file");
+  const ComparedValue left{1.0, 1.08, {1.08, 0.003, true}}, right{1.0, 1.0, {0.998, 0.004, true}};
+  EXPECT_EQ(drive_line({30.0, DriveReport::Value::kGain, 3, {left, right}}),
+            "30.0 s  robot 3: own.robot.wheel_gain of the team file is 1.000, 1.000, but its wheels show 1.080, 0.998 "
+            "(+- 0.004); these are used: measure it with touchline-radio and correct the file");
+}
+
 TEST(FieldMap, OmitsPosesThatAreNotNumbers) {
   StatusReport status = good_status();
   const float nan = std::numeric_limits<float>::quiet_NaN();

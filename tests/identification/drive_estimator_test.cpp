@@ -201,7 +201,8 @@ TEST(DriveEstimator, WorksInPartsWhileTheRecordGrows) {
   // Longer than the record, so that entries are overwritten while they are read.
   for (int frame = 0; frame < 60 * 40; ++frame) {
     measurement.run(1.0 / 60.0);
-    static_cast<void>(measurement.estimator.work(200));
+    std::size_t intervals = 200;
+    static_cast<void>(measurement.estimator.work(intervals));
   }
   const DriveEstimate& measured = measurement.estimator.estimate();
   EXPECT_TRUE(measured.delay_s.is_known);

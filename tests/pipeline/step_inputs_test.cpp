@@ -142,8 +142,8 @@ class StepInputsTest : public ::testing::Test {
   /// the bindings; add its case, too.
   std::vector<Case> cases() {
     const StepInputs inputs;
-    const auto& [now, action_delay, lateness, commands, teams, situation, halt, observing, picture_check, events] =
-        inputs;
+    const auto& [now, action_delay, radio_delay, lateness, commands, teams, situation, halt, observing, picture_check,
+                 events] = inputs;
     const auto& [colors, sides, heights] = teams;
     const auto& [phase, restart, ours, lines_up] = situation;
     const auto& [oldest, unusable_frames] = picture_check;
@@ -172,6 +172,7 @@ class StepInputsTest : public ::testing::Test {
     return {
         {"now", always([](StepInputs& in) { in.now += 1s; })},
         {"action_delay", always([](StepInputs& in) { in.action_delay = 60ms; })},
+        {"radio_delay", always([](StepInputs& in) { in.radio_delay = 12ms; })},
         {"lateness", always([](StepInputs& in) { in.lateness[0] = 25ms; })},
         {"commands", always([](StepInputs& in) { in.commands[0].target.position.y_m = -0.2f; })},
         {"teams.colors_exchanged", always([](StepInputs& in) { in.teams.colors_exchanged = true; })},

@@ -43,6 +43,9 @@ class TraceDigest {
       const WheelSpeeds wheels = robot.last.wheels.value_or(WheelSpeeds{});
       add_all(wheels.left_mps, wheels.right_mps);
     }
+    const DriveReports& drives = trace.drives;
+    add_all(drives.delay_s.stated, drives.delay_s.used, drives.lag_s.used, drives.robots.size());
+    for (const RobotDrive& robot : drives.robots) add_all(robot.id, robot.gain[0].used, robot.gain[1].used);
     add_all(trace.status.code(), trace.inputs_status.code(), trace.overload, trace.revoked);
   }
   void add(const OutgoingPackets& packets) {

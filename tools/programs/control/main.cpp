@@ -11,6 +11,7 @@
 #include "tools/programs/command_line/command_line.h"
 #include "tools/programs/control/ball_drill.h"
 #include "tools/programs/control/crowd_drill.h"
+#include "tools/programs/control/drive_drill.h"
 #include "tools/programs/control/pose_drill.h"
 #include "tools/programs/control/tracking_drill.h"
 
@@ -96,8 +97,12 @@ Result<void> evaluate_eights(const config::Configuration& configuration, const O
   TOUCHLINE_TRY(
       evaluate_eight(configuration, options, report, "figure eight, 100 ms radio delay", {1.0, 60.0, 0.1, {}}));
   TOUCHLINE_TRY(evaluate_eight(configuration, options, report, "figure eight, 0.5 m/s, 30 Hz", {0.5, 30.0, {}, {}}));
+  // The delay is measured before the rounds that count.
+  constexpr double kMeasured_s = 15.0;
+  TOUCHLINE_TRY(
+      evaluate_eight(configuration, options, report, "figure eight, 60 ms delay", {1.0, 60.0, 0.06, {}, kMeasured_s}));
   return evaluate_eight(configuration, options, report, "figure eight, 60 ms delay, file: 18",
-                        {1.0, 60.0, 0.06, 0.018});
+                        {1.0, 60.0, 0.06, 0.018, kMeasured_s});
 }
 
 Result<void> evaluate_ball(const config::Configuration& configuration, const Options& options, Report& report) {
@@ -125,6 +130,49 @@ Result<void> evaluate_crowds(const config::Configuration& configuration, const O
   return {};
 }
 
+// Squares of errors over games.
+struct ErrorSums {
+  double delay2 = 0.0, lag2 = 0.0, gain2 = 0.0, sigmas2 = 0.0;
+  int games = 0, wheels = 0, known = 0;
+
+  void add(const DriveErrors& one) {
+    ++games;
+    known += one.is_delay_known && one.is_lag_known ? 1 : 0;
+    delay2 += one.delay_s * one.delay_s;
+    lag2 += one.lag_s * one.lag_s;
+    wheels += one.known_robots;
+    gain2 += one.known_robots * one.gain * one.gain;
+    sigmas2 += (one.delay_sigmas * one.delay_sigmas + one.lag_sigmas * one.lag_sigmas) / 2.0;
+  }
+};
+
+Result<void> evaluate_drives(const config::Configuration& configuration, const Options& options, Report& report) {
+  struct Case {
+    const char* name;
+    DriveTruth truth;
+  };
+  for (const Case& one :
+       {Case{"drives: 20 ms, lag 40 ms", {0.020, 0.04}}, Case{"drives: 60 ms, lag 80 ms", {0.06, 0.08}},
+        Case{"drives: 120 ms, lag 160 ms", {0.12, 0.16}},
+        Case{"drives: 60 ms, lag 80 ms, 30 Hz", {0.06, 0.08, 0.02, 30.0}},
+        Case{"drives: 60 ms, lag 80 ms, 90 Hz", {0.06, 0.08, 0.02, 90.0}},
+        Case{"drives: 60 ms, jitter 10 ms, loss 10 %", {0.06, 0.08, 0.02, 60.0, 0.01, 0.1}},
+        Case{"drives: 60 ms, slip 10 %", {0.06, 0.08, 0.02, 60.0, 0.003, 0.03, 0.1}}}) {
+    ErrorSums sums;
+    for (std::uint64_t i = 0; i < (options.quick ? 2 : 10); ++i) {
+      TOUCHLINE_TRY_ASSIGN(const DriveErrors errors, drive_drill(configuration, one.truth, options.seed + i));
+      sums.add(errors);
+    }
+    const auto rms = [](double square, int count) { return std::sqrt(square / std::max(count, 1)); };
+    report.least(one.name, "games with known delay and lag, %", 100.0 * sums.known / sums.games, 100.0);
+    report.most(one.name, "delay after 10 s, RMS of errors, ms", 1e3 * rms(sums.delay2, sums.games), 3.0);
+    report.most(one.name, "lag after 30 s, RMS of errors, ms", 1e3 * rms(sums.lag2, sums.games), 10.0);
+    report.most(one.name, "known gains after 30 s, RMS of errors, %", 100.0 * rms(sums.gain2, sums.wheels), 0.5);
+    report.most(one.name, "errors in stated standard deviations, RMS", rms(sums.sigmas2, sums.games), 2.0);
+  }
+  return {};
+}
+
 Result<void> run(const Options& options) {
   config::Configuration configuration;
   TOUCHLINE_TRY(config::load({options.board, "", "", options.overrides}, configuration));
@@ -135,6 +183,7 @@ Result<void> run(const Options& options) {
   if (wanted("poses")) TOUCHLINE_TRY(evaluate_poses(configuration, options, report));
   if (wanted("eights")) TOUCHLINE_TRY(evaluate_eights(configuration, options, report));
   if (wanted("ball")) TOUCHLINE_TRY(evaluate_ball(configuration, options, report));
+  if (wanted("drives")) TOUCHLINE_TRY(evaluate_drives(configuration, options, report));
   if (wanted("crowds")) TOUCHLINE_TRY(evaluate_crowds(configuration, options, report));
   if (options.json.empty()) return {};
   return hal::write_file(options.json, report.json());
@@ -149,11 +198,12 @@ int main(int argc, char** argv) {
   CLI::App app(
       "Measures how robots drive in the arena without pictures: to poses, on trajectories, to a rolling ball, and "
       "among\n"
-      "other robots. Prints a table with goals; (!) marks a goal that is not reached",
+      "other robots; and how well their delay, lag and wheel gains are measured during games. Prints a table with "
+      "goals; (!) marks a goal that is not reached",
       "touchline-control");
   app.add_option("--board", options.board, "Board file of the arena")->type_name("FILE")->capture_default_str();
-  app.add_option("--only", options.only, "Only these drills: poses, eights, ball, crowds")
-      ->check(CLI::IsMember({"poses", "eights", "ball", "crowds"}));
+  app.add_option("--only", options.only, "Only these drills: poses, eights, ball, crowds, drives")
+      ->check(CLI::IsMember({"poses", "eights", "ball", "crowds", "drives"}));
   app.add_option("--seed", options.seed, "Seed of the random numbers")->capture_default_str();
   app.add_flag("--quick", options.quick, "Fewer runs");
   app.add_option("--json", options.json, "Write all figures to this file")->type_name("FILE");

@@ -93,10 +93,10 @@ Result<TrackingResult> tracking_drill(const config::Configuration& configuration
   drill->world().place(0, {0.0, 0.0, follower.eight.heading(0.0)});
   TrackingResult result;
   int count = 0;
-  const double round = follower.eight.round_s();
-  while (drill->time_s() < round + 20.0) {
+  const double begin = settings.settle_s + follower.eight.round_s();
+  while (drill->time_s() < begin + 20.0) {
     drill->step();
-    if (drill->time_s() < round) continue;
+    if (drill->time_s() < begin) continue;
     const hal::mock::Placement robot = drill->world().snapshot().robots[0];
     const double off = distance({robot.x_m, robot.y_m}, follower.eight.place(drill->time_s()));
     result.rms_mm += off * off;

@@ -10,6 +10,7 @@ struct TrackingSettings {
   double speed_mps = 1.0;
   double rate_hz = 60.0;
   std::optional<double> true_delay_s, believed_delay_s;  // of the radio
+  double settle_s = 0.0;                                 // before the round that does not count
 };
 
 struct TrackingResult {

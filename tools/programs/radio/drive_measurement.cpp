@@ -99,7 +99,8 @@ WheelSpeeds DriveMeasurement::step(const DriveStep& step) {
   end_ = check(step);
   if (end_ != End::kNone || !drives_) return {};
   record(step);
-  const bool has_new_values = estimator_.work(kIntervalsPerFrame);
+  std::size_t intervals = kIntervalsPerFrame;
+  const bool has_new_values = estimator_.work(intervals);
   const DriveEstimate& estimate = estimator_.estimate();
   if (has_new_values && driven_s_ > DriveExcitation::kProbe_s && estimate.is_wiring_known &&
       !excitation_.knows_wiring()) {

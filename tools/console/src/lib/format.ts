@@ -6,6 +6,11 @@ export function wheels(robot: { left_mps?: number; right_mps?: number } | undefi
   return `${fixed(robot.left_mps, 2)}, ${fixed(robot.right_mps, 2)} m/s`;
 }
 
+/** A measured value and its standard deviation times `factor`, or a dash: "62.1 ± 0.4". */
+export function measured(value: { value: number; sigma: number } | null | undefined, factor: number): string {
+  return value ? `${fixed(factor * value.value, 1)} ± ${fixed(factor * value.sigma, 1)}` : missing;
+}
+
 /** A number with fixed decimals, or a dash. */
 export function fixed(value: number | null | undefined, decimals: number): string {
   return value === null || value === undefined || !Number.isFinite(value) ? missing : value.toFixed(decimals);

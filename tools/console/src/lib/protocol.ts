@@ -212,6 +212,34 @@ export interface RobotRadio {
   age_s: number;
 }
 
+/** A value that was measured while robots drove. */
+export interface Measured {
+  value: number;
+  sigma: number;
+  is_known: boolean;
+}
+
+/** The value in the files, the one in force, and the measured one. */
+export interface Compared {
+  stated: number;
+  used: number;
+  measured: Measured | null;
+}
+
+export interface RobotDrive {
+  id: number;
+  delay_s: Measured | null;
+  lag_s: Measured | null;
+  gain_left: Compared;
+  gain_right: Compared;
+}
+
+export interface Drives {
+  delay_s: Compared;
+  lag_s: Compared;
+  robots: RobotDrive[];
+}
+
 /** A device that cannot be opened: the program goes on trying. */
 export interface LostDevice {
   device: 'camera' | 'radio' | 'gpio';
@@ -239,6 +267,7 @@ export interface Status {
   memory_mb?: number | null;
   radio: { packets: number; dropped: number; refused?: number; stop_packets?: number };
   telemetry?: RobotRadio[];
+  drives?: Drives;
   adaptation?: 'follow' | 'frozen' | 'off';
   clients: number;
 }

@@ -156,7 +156,6 @@ void write_side(JsonWriter& json, const RefereeState& referee, const report::Tra
   json.key("team");
   json.string(names.teams[static_cast<std::size_t>(Team::kOwn)]);
   json.key("half");
-  // Until a referee says otherwise, the own team attacks towards positive x.
   json.string(referee.own_on_positive_half.value_or(false) ? "positive" : "negative");
   json.end_object();
 }

@@ -92,7 +92,8 @@ TEST(JsonLine, TellsWhichRestartFollowsAndWhoTakesIt) {
   EXPECT_EQ(told()["quadrant"], 3);
   referee = {};
   referee.phase = GamePhase::kStop;
-  for (const char* member : {"restart", "taken_by", "quadrant", "half"}) EXPECT_TRUE(told()[member].is_null()) << member;
+  for (const char* member : {"restart", "taken_by", "quadrant", "half"})
+    EXPECT_TRUE(told()[member].is_null()) << member;
 }
 
 TEST(JsonLine, ContainsTheReplaysLine) {

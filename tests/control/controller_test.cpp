@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "core/control/motion/drive_limits.h"
-#include "tests/control/small_world.h"
+#include "tests/control/arena_world.h"
 
 namespace touchline {
 namespace {
@@ -48,7 +48,7 @@ class ControllerTest : public ::testing::Test {
     return std::abs(static_cast<double>(t.v_mps)) + 0.035 * std::abs(static_cast<double>(t.w_radps));
   }
 
-  SmallWorld world_;
+  ArenaWorld world_;
   Controller controller_;
   Commands commands_;
   std::array<Twist, kMaxRobotsPerTeam> wheels_{};

@@ -7,7 +7,7 @@
 
 #include "core/control/obstacle_avoidance.h"
 #include "core/control/play_table.h"
-#include "tests/control/small_world.h"
+#include "tests/control/arena_world.h"
 
 namespace touchline {
 namespace {
@@ -65,7 +65,7 @@ class PlayTest : public ::testing::Test {
  protected:
   void SetUp() override { play_.configure({}, kField); }
   void add(RobotId id, Vector2 place, double heading = 0.0, Team team = Team::kOwn) {
-    SmallWorld::Robot robot;
+    ArenaWorld::Robot robot;
     robot.team = team;
     robot.id = id;
     robot.position = place;
@@ -82,7 +82,7 @@ class PlayTest : public ::testing::Test {
     play_.decide(tracks, players, wanted_);
   }
 
-  SmallWorld world_;
+  ArenaWorld world_;
   Play play_;
   Strategy::Twists wanted_{};
 };
@@ -121,7 +121,7 @@ TEST_F(PlayTest, TheGoalkeeperReturnsAfterItsTrackWasLostForAMoment) {
   world_.ball = {0.3, 0.1};
   decide();
   ASSERT_EQ(play_.goalkeeper(), 0);
-  const SmallWorld::Robot keeper = world_.robots[0];
+  const ArenaWorld::Robot keeper = world_.robots[0];
   world_.robots.erase(world_.robots.begin());
   world_.time_s += 0.3;
   decide();

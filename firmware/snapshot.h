@@ -28,6 +28,7 @@ struct Snapshot {
   FixedVector<RobotSighting, kMaxRobots> robots;
   Tracks tracks;
   Commands commands;
+  PlayDecisions play;
   LightTrace light;
   PictureTrace picture;
   RobotReports reports;

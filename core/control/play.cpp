@@ -9,6 +9,8 @@
 namespace touchline {
 namespace {
 
+FieldPoint to_point(Vector2 p) { return {static_cast<float>(p.x), static_cast<float>(p.y)}; }
+
 bool known(const BallTrack& ball) { return ball.state == TrackState::kSeen || ball.state == TrackState::kCoasting; }
 
 }  // namespace
@@ -25,6 +27,7 @@ void Play::reset() {
   goalkeeper_ = attacker_ = kUnknownId;
   ball_stayed_since_ = Instant{};
   scene_.ball_known = false;
+  decisions_.clear();
 }
 
 PlayRole Play::role_of(RobotId id) const {
@@ -129,6 +132,7 @@ void Play::assign_jobs() {
     if (!line.situation(scene_)) continue;
     Opening opening;
     opening.job = line.job;
+    opening.line = static_cast<std::uint8_t>(&line - job_table().data());
     opening.weight = line.weight;
     if (line.place != nullptr) opening.place = line.place(scene_);
     for (std::size_t k = 0; k < others.size(); ++k) {
@@ -169,7 +173,7 @@ void Play::watch_ball() {
 }
 
 // The goal of a robot by the table of skills; one that stays where it is if it has no job.
-SkillGoal Play::goal_of(const Player& player) const {
+SkillGoal Play::goal_of(const Player& player, PlayDecision& decision) const {
   const int opening = roles_.opening_of(player.id);
   const bool keeps = player.id == goalkeeper_ && scene_.goalkeeper_plays;
   Strike strike = strike_;
@@ -181,11 +185,27 @@ SkillGoal Play::goal_of(const Player& player) const {
   if (opening >= 0) {
     job = openings_[static_cast<std::size_t>(opening)].job;
     task.place = openings_[static_cast<std::size_t>(opening)].place;
+    decision.job_line = openings_[static_cast<std::size_t>(opening)].line;
   }
   for (const SkillLine& line : skill_table()) {
-    if (line.job == job && line.condition(task)) return line.skill(task);
+    if (line.job != job || !line.condition(task)) continue;
+    decision.skill_line = static_cast<std::uint8_t>(&line - skill_table().data());
+    return line.skill(task);
   }
   return {.place = task.place, .twist = Twist{}};
+}
+
+float Play::time_of(RobotId id) const {
+  const int opening = roles_.opening_of(id);
+  if (opening < 0) return -1.0f;
+  // As assign_jobs() lists the players.
+  std::size_t k = 0;
+  for (const Player& player : scene_.players) {
+    if (is_in_goal(player.id)) continue;
+    if (player.id == id) return static_cast<float>(openings_[static_cast<std::size_t>(opening)].time_s[k]);
+    ++k;
+  }
+  return -1.0f;
 }
 
 // Own robots with a lower rank have the right of way.
@@ -223,8 +243,15 @@ void Play::decide(const Tracks& tracks, const Players& players, Twists& wanted) 
   assign_jobs();
   watch_ball();
   RoundObstacles obstacles;
+  decisions_.clear();
   for (std::size_t i = 0; i < players.size(); ++i) {
-    const SkillGoal goal = goal_of(players[i]);
+    PlayDecision decision;
+    decision.id = players[i].id;
+    decision.time_s = time_of(players[i].id);
+    const SkillGoal goal = goal_of(players[i], decision);
+    if (!goal.twist) decision.target = to_point(goal.place);
+    if (goal.direction_rad) decision.direction_rad = static_cast<float>(*goal.direction_rad);
+    decisions_.push_back(decision);
     list_obstacles(players[i], goal, tracks, obstacles);
     wanted[i] = drive(players[i], goal, obstacles, scene_.pitch, scene_.parameters.drive);
   }

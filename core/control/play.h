@@ -16,6 +16,7 @@ class Play final : public Strategy {  // NOLINT(cppcoreguidelines-virtual-class-
   void reset() override;
   void decide(const Tracks& tracks, const Players& players, Twists& wanted) override;
   [[nodiscard]] PlayRole role_of(RobotId id) const override;
+  [[nodiscard]] const PlayDecisions* decisions() const override { return &decisions_; }
 
   [[nodiscard]] RobotId goalkeeper() const { return goalkeeper_; }
   [[nodiscard]] RobotId attacker() const { return attacker_; }
@@ -28,7 +29,10 @@ class Play final : public Strategy {  // NOLINT(cppcoreguidelines-virtual-class-
   void find_goalkeeper();
   void assign_jobs();
   [[nodiscard]] double blocked_time(const Player& player, Vector2 place) const;
-  [[nodiscard]] SkillGoal goal_of(const Player& player) const;
+  // Sets the lines of the tables in `decision`.
+  [[nodiscard]] SkillGoal goal_of(const Player& player, PlayDecision& decision) const;
+  // Returns the time of a robot's opening as it was estimated; negative: it has none.
+  [[nodiscard]] float time_of(RobotId id) const;
   // Whether this robot keeps the goal now: a single robot plays in the field.
   [[nodiscard]] bool is_in_goal(RobotId id) const { return id == goalkeeper_ && scene_.goalkeeper_plays; }
   [[nodiscard]] int rank_of(RobotId id) const;
@@ -44,6 +48,7 @@ class Play final : public Strategy {  // NOLINT(cppcoreguidelines-virtual-class-
   Strike strike_;  // of the attacker
   Vector2 ball_stayed_at_;
   Instant ball_stayed_since_{};
+  PlayDecisions decisions_;
 };
 
 }  // namespace touchline

@@ -23,6 +23,7 @@ struct JobLine {
   bool (*situation)(const Scene& scene);
   Vector2 (*place)(const Scene& scene);  // null: where the ball is
   double weight;                         // how much a second of its time counts in the assignment
+  const char* name = "";                 // as the console's page shows it
 };
 
 /// What a robot does in its job: the first line of its job whose condition holds.
@@ -30,6 +31,7 @@ struct SkillLine {
   Job job;
   bool (*condition)(const Task& task);
   SkillGoal (*skill)(const Task& task);
+  const char *name = "", *reason = "";  // as the console's page shows them; the reason says why this line holds
 };
 
 std::span<const JobLine> job_table();

@@ -27,6 +27,8 @@ class Strategy {
   virtual void decide(const Tracks& tracks, const Players& players, Twists& wanted) = 0;
   /// Returns the robot's role in the last decision.
   [[nodiscard]] virtual PlayRole role_of(RobotId id) const = 0;
+  /// Returns the last decision, in the strategy's coordinates; null: the strategy does not tell it.
+  [[nodiscard]] virtual const PlayDecisions* decisions() const { return nullptr; }
 
  protected:
   // Nobody destroys a strategy through this interface, so the core needs no operator delete.

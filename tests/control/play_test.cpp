@@ -210,6 +210,40 @@ TEST(PlayTable, HasASkillForEachJobAndNoLineThatIsNeverReached) {
   }
 }
 
+TEST(PlayTable, HasWordsForEachLine) {
+  for (const JobLine& line : job_table()) EXPECT_STRNE(line.name, "");
+  for (const SkillLine& line : skill_table()) {
+    EXPECT_STRNE(line.name, "");
+    EXPECT_STRNE(line.reason, "");
+  }
+}
+
+TEST_F(PlayTest, TellsJobSkillTargetAndTimeOfEachRobot) {
+  add(0, {-1.0, 0.0});
+  add(1, {-0.3, 0.1});
+  add(2, {-0.6, -0.4});
+  world_.ball = {0.0, 0.0};
+  decide();
+  ASSERT_EQ(play_.attacker(), 1);
+  const PlayDecisions& told = *play_.decisions();
+  ASSERT_EQ(told.size(), 3U);
+  EXPECT_EQ(told[0].id, 0);
+  EXPECT_EQ(told[0].job_line, PlayDecision::kNoLine) << "the goalkeeper has no job of the table";
+  EXPECT_STREQ(skill_table()[told[0].skill_line].name, "keep");
+  EXPECT_LT(told[0].time_s, 0.0f);
+  EXPECT_STREQ(job_table()[told[1].job_line].name, "attack");
+  EXPECT_STREQ(skill_table()[told[1].skill_line].name, "strike");
+  ASSERT_TRUE(told[1].target.has_value());
+  EXPECT_LT(distance(to_vector(*told[1].target), world_.ball), 0.15);
+  EXPECT_GT(told[1].time_s, 0.2f);
+  EXPECT_LT(told[1].time_s, 5.0f);
+  EXPECT_STREQ(job_table()[told[2].job_line].name, "cover");
+  ASSERT_TRUE(told[2].target.has_value());
+  EXPECT_LT(told[2].target->x_m, 0.0f);
+  play_.reset();
+  EXPECT_TRUE(play_.decisions()->empty());
+}
+
 TEST(PlayTable, KeepsPlacesOfAllJobsInTheFieldAndOutOfTheOwnArea) {
   Scene scene;
   scene.pitch = Pitch(kField, {});

@@ -211,6 +211,7 @@ const StepTrace& Pipeline::step(const Frame& frame, const StepInputs& inputs) {
     const StageTimer t = timer(Stage::kControl);
     const bool is_halted = inputs_.halt != 0 || !trace_.inputs_status.ok();
     controller_.decide(trace_.tracks, is_halted, trace_.commands);
+    controller_.explain(trace_.play);
     if (!inputs_.observing) tracker_.add_commands(trace_.commands, acts_at);
   }
   {

@@ -305,6 +305,18 @@ struct Commands {
   FixedVector<RobotCommand, kMaxRobotsPerTeam> robots;
 };
 
+/// What the built-in play decided for a robot, in the venue's coordinates.
+struct PlayDecision {
+  static constexpr std::uint8_t kNoLine = 255;
+  RobotId id = kUnknownId;
+  // Indices in job_table() and skill_table() (core/control/play_table.h). kNoLine: the robot has no job in the table.
+  std::uint8_t job_line = kNoLine, skill_line = kNoLine;
+  std::optional<FieldPoint> target{};    // where it drives; nullopt: it turns or stands where it is
+  std::optional<float> direction_rad{};  // of the motion at the target; nullopt: any
+  float time_s = -1.0f;  // until it is there, as estimated when the jobs were given; negative: not estimated
+};
+using PlayDecisions = FixedVector<PlayDecision, kMaxRobotsPerTeam>;
+
 // Touchline's own packet of 11 robots has 65 bytes (docs/radio.md); a list of 11 ids and speeds in ASCII has up to 200.
 constexpr std::size_t kMaxPacketBytes = 256;
 using Packet = FixedVector<std::byte, kMaxPacketBytes>;
@@ -426,6 +438,7 @@ struct StepTrace {
   Sightings sightings;
   Tracks tracks;
   Commands commands;
+  PlayDecisions play;  // empty while robots stand or line up, and if the built-in play drives nobody
   OutgoingPackets packets;
   LightTrace light;
   PictureTrace picture;

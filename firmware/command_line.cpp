@@ -66,7 +66,8 @@ void add_network(CLI::App& app, network::NetworkOptions& network) {
         ->take_all();
   };
   add("--publish", network.publish, config::kOutputProtocols, "[=ADDRESS]",
-      "Send what is seen to other programs: ssl-vision, ssl-tracked, firasim or json, several times if needed.\n"
+      "Send what is seen to other programs: ssl-vision, ssl-tracked, firasim or json, and the robots' places to the\n"
+      "VSSS referee: vsss-placement; several times if needed.\n"
       "ADDRESS: udp://ADDRESS:PORT[%INTERFACE]; for json also unix:///PATH. Default: the protocol's usual address");
   add("--accept", network.accept, network::kCommandWords, "[=ADDRESS][,from=SENDER...]",
       "Let programs drive robots: firasim or json. Those of this computer may; SENDER permits others: an address or a\n"

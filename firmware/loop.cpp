@@ -195,6 +195,7 @@ void Loop::write_snapshot(const StepTrace& trace, const StepTiming& timing, Inst
   snapshot_.is_held = rules_.is_held();
   snapshot_.referee = external_.referee();
   snapshot_.referee.score = score();
+  snapshot_.referee.own_on_positive_half = external_.is_on_positive_half();
   settings_.snapshots->write(snapshot_);
 }
 

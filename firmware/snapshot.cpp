@@ -12,6 +12,7 @@ void copy_trace(const StepTrace& trace, Snapshot& out) {
   out.robots = trace.sightings.robots;
   out.tracks = trace.tracks;
   out.commands = trace.commands;
+  out.play = trace.play;
   out.light = trace.light;
   out.picture = trace.picture;
   out.reports = trace.reports;

@@ -28,6 +28,7 @@ struct Snapshot {
   FixedVector<RobotSighting, kMaxRobots> robots;
   Tracks tracks;
   Commands commands;
+  PlayDecisions play;
   LightTrace light;
   PictureTrace picture;
   RobotReports reports;
@@ -36,7 +37,7 @@ struct Snapshot {
   std::uint32_t halt = kHaltNone;  // bits of Halt after the frame
   std::uint32_t stop_number = 0;   // ExternalInput::stop_number()
   bool is_held = false;            // StopRules::is_held()
-  RefereeState referee;            // referee state in effect
+  RefereeState referee;            // referee state in effect; own_on_positive_half is always set
   std::uint32_t packet_bytes = 0;  // of all packets of the frame
   // While a robot is tested (ConsoleInput::tested): its packet of this frame, and all telemetry since the last one.
   FixedVector<std::byte, kMaxPacketBytes> sent_bytes;

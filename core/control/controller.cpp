@@ -177,4 +177,16 @@ void Controller::decide(const Tracks& measured, bool is_halted, Commands& out) {
   }
 }
 
+void Controller::explain(PlayDecisions& out) const {
+  out.clear();
+  const PlayDecisions* const decided = strategy().decisions();
+  if (decided == nullptr) return;
+  for (PlayDecision decision : *decided) {
+    const Pose at = turned({decision.target.value_or(FieldPoint{}), decision.direction_rad.value_or(0.0f)});
+    if (turned_ && decision.target) decision.target = at.position;
+    if (turned_ && decision.direction_rad) decision.direction_rad = at.theta_rad;
+    out.push_back(decision);
+  }
+}
+
 }  // namespace touchline

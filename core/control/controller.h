@@ -36,6 +36,9 @@ class Controller {
   /// nothing, all commands are zero, and the robots start from rest afterwards. The same input gives the same bits.
   void decide(const Tracks& measured, bool is_halted, Commands& out);
 
+  /// Writes what the strategy decided in the last decide(), in the venue's coordinates. Empty if it decided nothing.
+  void explain(PlayDecisions& out) const;
+
   [[nodiscard]] const Play& play() const { return play_; }
 
  private:
@@ -46,6 +49,9 @@ class Controller {
     Twist wheels;   // predicted velocities of the wheels when the next command begins to act
   };
   [[nodiscard]] Strategy& strategy() { return other_ != nullptr ? *other_ : play_; }
+  [[nodiscard]] const Strategy& strategy() const {
+    return other_ != nullptr ? *other_ : static_cast<const Strategy&>(play_);
+  }
   Status apply(const ControlParameters& parameters, const FieldParameters& field);
   RobotState* state_of(RobotId id);
   void remove_absent();

@@ -3,10 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/control/play_table.h"
 #include "core/control/skills.h"
 
 namespace touchline {
 namespace {
+
+FieldPoint to_point(Vector2 p) { return {static_cast<float>(p.x), static_cast<float>(p.y)}; }
 
 bool known(const BallTrack& ball) { return ball.state == TrackState::kSeen || ball.state == TrackState::kCoasting; }
 
@@ -21,26 +24,16 @@ void Play::configure(const ControlParameters& parameters, const FieldParameters&
 void Play::reset() {
   roles_.reset();
   openings_.clear();
-  plans_.clear();
   goalkeeper_ = attacker_ = kUnknownId;
   ball_stayed_since_ = Instant{};
   scene_.ball_known = false;
+  decisions_.clear();
 }
 
 PlayRole Play::role_of(RobotId id) const {
   if (is_in_goal(id)) return PlayRole::kGoalkeeper;
   if (id == attacker_) return PlayRole::kAttacker;
   return roles_.opening_of(id) >= 0 ? PlayRole::kSupporter : PlayRole::kNone;
-}
-
-Intention Play::intention_of(RobotId id) const {
-  for (const Plan& plan : plans_) {
-    if (plan.id != id) continue;
-    Intention intention{name_of(plan.job), name_of(plan.skill)};
-    if (!plan.goal.twist) intention.target = to_field_point(plan.goal.place);
-    return intention;
-  }
-  return {};
 }
 
 void Play::look(const Tracks& tracks, const Players& players) {
@@ -139,6 +132,7 @@ void Play::assign_jobs() {
     if (!line.situation(scene_)) continue;
     Opening opening;
     opening.job = line.job;
+    opening.line = static_cast<std::uint8_t>(&line - job_table().data());
     opening.weight = line.weight;
     if (line.place != nullptr) opening.place = line.place(scene_);
     for (std::size_t k = 0; k < others.size(); ++k) {
@@ -178,8 +172,8 @@ void Play::watch_ball() {
   scene_.ball_stays_s = seconds(scene_.now - ball_stayed_since_);
 }
 
-// The plan of a robot by the table of skills; it stays where it is if it has no job.
-Play::Plan Play::plan_of(const Player& player) const {
+// The goal of a robot by the table of skills; one that stays where it is if it has no job.
+SkillGoal Play::goal_of(const Player& player, PlayDecision& decision) const {
   const int opening = roles_.opening_of(player.id);
   const bool keeps = player.id == goalkeeper_ && scene_.goalkeeper_plays;
   Strike strike = strike_;
@@ -191,11 +185,27 @@ Play::Plan Play::plan_of(const Player& player) const {
   if (opening >= 0) {
     job = openings_[static_cast<std::size_t>(opening)].job;
     task.place = openings_[static_cast<std::size_t>(opening)].place;
+    decision.job_line = openings_[static_cast<std::size_t>(opening)].line;
   }
   for (const SkillLine& line : skill_table()) {
-    if (line.job == job && line.condition(task)) return {player.id, job, line.skill, line.skill(task)};
+    if (line.job != job || !line.condition(task)) continue;
+    decision.skill_line = static_cast<std::uint8_t>(&line - skill_table().data());
+    return line.skill(task);
   }
-  return {player.id, job, nullptr, {.place = task.place, .twist = Twist{}}};
+  return {.place = task.place, .twist = Twist{}};
+}
+
+float Play::time_of(RobotId id) const {
+  const int opening = roles_.opening_of(id);
+  if (opening < 0) return -1.0f;
+  // As assign_jobs() lists the players.
+  std::size_t k = 0;
+  for (const Player& player : scene_.players) {
+    if (is_in_goal(player.id)) continue;
+    if (player.id == id) return static_cast<float>(openings_[static_cast<std::size_t>(opening)].time_s[k]);
+    ++k;
+  }
+  return -1.0f;
 }
 
 // Own robots with a lower rank have the right of way.
@@ -233,10 +243,15 @@ void Play::decide(const Tracks& tracks, const Players& players, Twists& wanted) 
   assign_jobs();
   watch_ball();
   RoundObstacles obstacles;
-  plans_.clear();
+  decisions_.clear();
   for (std::size_t i = 0; i < players.size(); ++i) {
-    plans_.push_back(plan_of(players[i]));
-    const SkillGoal& goal = plans_.back().goal;
+    PlayDecision decision;
+    decision.id = players[i].id;
+    decision.time_s = time_of(players[i].id);
+    const SkillGoal goal = goal_of(players[i], decision);
+    if (!goal.twist) decision.target = to_point(goal.place);
+    if (goal.direction_rad) decision.direction_rad = static_cast<float>(*goal.direction_rad);
+    decisions_.push_back(decision);
     list_obstacles(players[i], goal, tracks, obstacles);
     wanted[i] = drive(players[i], goal, obstacles, scene_.pitch, scene_.parameters.drive);
   }

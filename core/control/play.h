@@ -1,6 +1,5 @@
 #pragma once
 
-#include "core/control/play_table.h"
 #include "core/control/roles.h"
 #include "core/control/scene.h"
 #include "core/control/strategy.h"
@@ -17,28 +16,23 @@ class Play final : public Strategy {  // NOLINT(cppcoreguidelines-virtual-class-
   void reset() override;
   void decide(const Tracks& tracks, const Players& players, Twists& wanted) override;
   [[nodiscard]] PlayRole role_of(RobotId id) const override;
-  [[nodiscard]] Intention intention_of(RobotId id) const override;
+  [[nodiscard]] const PlayDecisions* decisions() const override { return &decisions_; }
 
   [[nodiscard]] RobotId goalkeeper() const { return goalkeeper_; }
   [[nodiscard]] RobotId attacker() const { return attacker_; }
   [[nodiscard]] const FieldParameters& field() const { return field_; }
 
  private:
-  // What a robot was told in the last decision.
-  struct Plan {
-    RobotId id = kUnknownId;
-    Job job = Job::kNone;
-    Skill skill = nullptr;  // null: none fits, and the robot stands
-    SkillGoal goal;
-  };
-
   void look(const Tracks& tracks, const Players& players);
   void watch_ball();
   void choose_goalkeeper();
   void find_goalkeeper();
   void assign_jobs();
   [[nodiscard]] double blocked_time(const Player& player, Vector2 place) const;
-  [[nodiscard]] Plan plan_of(const Player& player) const;
+  // Sets the lines of the tables in `decision`.
+  [[nodiscard]] SkillGoal goal_of(const Player& player, PlayDecision& decision) const;
+  // Returns the time of a robot's opening as it was estimated; negative: it has none.
+  [[nodiscard]] float time_of(RobotId id) const;
   // Whether this robot keeps the goal now: a single robot plays in the field.
   [[nodiscard]] bool is_in_goal(RobotId id) const { return id == goalkeeper_ && scene_.goalkeeper_plays; }
   [[nodiscard]] int rank_of(RobotId id) const;
@@ -52,9 +46,9 @@ class Play final : public Strategy {  // NOLINT(cppcoreguidelines-virtual-class-
   RobotId goalkeeper_ = kUnknownId, attacker_ = kUnknownId;
   Instant goalkeeper_seen_{};
   Strike strike_;  // of the attacker
-  FixedVector<Plan, kMaxRobotsPerTeam> plans_;
   Vector2 ball_stayed_at_;
   Instant ball_stayed_since_{};
+  PlayDecisions decisions_;
 };
 
 }  // namespace touchline

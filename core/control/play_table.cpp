@@ -43,73 +43,40 @@ bool jammed_long(const Task& task) { return task.scene.ball_stays_s > kSpinS; }
 // --- the play --------------------------------------------------------------------------------------------------------
 
 constexpr std::array kJobs{
-    JobLine{Job::kAttack, always, nullptr, 4.0},
-    JobLine{Job::kCover, always, cover, 2.0},
-    JobLine{Job::kSupport, ball_in_far_half, support, 1.0},
-    JobLine{Job::kBackUp, always, back_up, 1.0},
-    JobLine{Job::kSupport, ball_in_own_half, support, 1.0},
-    JobLine{Job::kMark, always, mark<0>, 1.0},
-    JobLine{Job::kMark, always, mark<1>, 1.0},
-    JobLine{Job::kMark, always, mark<2>, 1.0},
-    JobLine{Job::kMark, always, mark<3>, 1.0},
-    JobLine{Job::kMark, always, mark<4>, 1.0},
-    JobLine{Job::kMark, always, mark<5>, 1.0},
+    JobLine{Job::kAttack, always, nullptr, 4.0, "attack"},
+    JobLine{Job::kCover, always, cover, 2.0, "cover"},
+    JobLine{Job::kSupport, ball_in_far_half, support, 1.0, "support"},
+    JobLine{Job::kBackUp, always, back_up, 1.0, "back up"},
+    JobLine{Job::kSupport, ball_in_own_half, support, 1.0, "support"},
+    JobLine{Job::kMark, always, mark<0>, 1.0, "mark"},
+    JobLine{Job::kMark, always, mark<1>, 1.0, "mark"},
+    JobLine{Job::kMark, always, mark<2>, 1.0, "mark"},
+    JobLine{Job::kMark, always, mark<3>, 1.0, "mark"},
+    JobLine{Job::kMark, always, mark<4>, 1.0, "mark"},
+    JobLine{Job::kMark, always, mark<5>, 1.0, "mark"},
 };
 
 constexpr std::array kSkills{
-    SkillLine{Job::kKeep, ball_unknown, keep_middle},
-    SkillLine{Job::kKeep, touches_ball_in_own_area, clear_by_spin},
-    SkillLine{Job::kKeep, sooner_at_a_resting_ball, strike},
-    SkillLine{Job::kKeep, otherwise, keep},
+    SkillLine{Job::kKeep, ball_unknown, keep_middle, "keep the middle", "the ball was not seen yet"},
+    SkillLine{Job::kKeep, touches_ball_in_own_area, clear_by_spin, "clear by a spin",
+              "touches the ball in the own area"},
+    SkillLine{Job::kKeep, sooner_at_a_resting_ball, strike, "strike", "sooner at the resting ball than the opponents"},
+    SkillLine{Job::kKeep, otherwise, keep, "keep", "between ball and goal, on the line"},
 
-    SkillLine{Job::kAttack, jammed_long, back_off},
-    SkillLine{Job::kAttack, jammed, spin},
-    SkillLine{Job::kAttack, ball_in_own_area, wait_outside},
-    SkillLine{Job::kAttack, otherwise, strike},
+    SkillLine{Job::kAttack, jammed_long, back_off, "back off", "the ball is jammed, spinning did not help"},
+    SkillLine{Job::kAttack, jammed, spin, "spin", "the ball is jammed"},
+    SkillLine{Job::kAttack, ball_in_own_area, wait_outside, "wait outside", "the goalkeeper plays the ball"},
+    SkillLine{Job::kAttack, otherwise, strike, "strike", "first at a usable contact"},
 
-    SkillLine{Job::kCover, otherwise, go_to_place},
-    SkillLine{Job::kBackUp, otherwise, go_to_place},
-    SkillLine{Job::kSupport, otherwise, go_to_place},
-    SkillLine{Job::kMark, otherwise, go_to_place},
+    SkillLine{Job::kCover, otherwise, go_to_place, "cover", "between ball and own goal"},
+    SkillLine{Job::kBackUp, otherwise, go_to_place, "back up", "behind the attacker"},
+    SkillLine{Job::kSupport, otherwise, go_to_place, "support", "for rebounds"},
+    SkillLine{Job::kMark, otherwise, go_to_place, "mark", "beside a dangerous opponent"},
 };
 
 }  // namespace
 
 std::span<const JobLine> job_table() { return kJobs; }
 std::span<const SkillLine> skill_table() { return kSkills; }
-
-const char* name_of(Job job) {
-  switch (job) {
-    case Job::kNone:
-      break;
-    case Job::kKeep:
-      return "keep";
-    case Job::kAttack:
-      return "attack";
-    case Job::kCover:
-      return "cover";
-    case Job::kBackUp:
-      return "back up";
-    case Job::kSupport:
-      return "support";
-    case Job::kMark:
-      return "mark";
-  }
-  return "";
-}
-
-const char* name_of(Skill skill) {
-  struct Named {
-    Skill skill;
-    const char* name;
-  };
-  constexpr std::array kNames{Named{strike, "strike"},      Named{spin, "spin"},
-                              Named{back_off, "back off"},  Named{wait_outside, "wait outside"},
-                              Named{keep_middle, "middle"}, Named{clear_by_spin, "clear by spin"}};
-  for (const Named& named : kNames) {
-    if (named.skill == skill) return named.name;
-  }
-  return "";
-}
 
 }  // namespace touchline

@@ -23,22 +23,18 @@ struct JobLine {
   bool (*situation)(const Scene& scene);
   Vector2 (*place)(const Scene& scene);  // null: where the ball is
   double weight;                         // how much a second of its time counts in the assignment
+  const char* name = "";                 // as the console's page shows it
 };
-
-using Skill = SkillGoal (*)(const Task& task);
 
 /// What a robot does in its job: the first line of its job whose condition holds.
 struct SkillLine {
   Job job;
   bool (*condition)(const Task& task);
-  Skill skill;
+  SkillGoal (*skill)(const Task& task);
+  const char *name = "", *reason = "";  // as the console's page shows them; the reason says why this line holds
 };
 
 std::span<const JobLine> job_table();
 std::span<const SkillLine> skill_table();
-
-/// Names for people who watch a game. "": no job, or a skill that does what its job says.
-const char* name_of(Job job);
-const char* name_of(Skill skill);
 
 }  // namespace touchline

@@ -10,6 +10,7 @@ enum class Job : std::uint8_t { kNone, kKeep, kAttack, kCover, kBackUp, kSupport
 /// A job that somebody must do, and what it costs each player, in seconds.
 struct Opening {
   Job job = Job::kNone;
+  std::uint8_t line = 0;  // index in job_table()
   Vector2 place;
   double weight = 1.0;                             // of its time against that of the other jobs
   std::array<double, kMaxRobotsPerTeam> time_s{};  // by the index of the player

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <array>
-#include <optional>
 
 #include "core/control/control_parameters.h"
 #include "core/control/player.h"
@@ -10,13 +9,6 @@
 #include "core/types.h"
 
 namespace touchline {
-
-/// What a robot is about to do, for people who watch a game.
-struct Intention {
-  const char* job = "";    // for the team; "": the strategy does not say
-  const char* skill = "";  // how it does the job; "": the job says it
-  std::optional<FieldPoint> target{};
-};
 
 /// Decides how the own robots move. The built-in Play is one; the arena's reference opponents are others. A strategy
 /// sees its own team as Team::kOwn and attacks towards positive x. Nothing is allocated after configure().
@@ -35,8 +27,8 @@ class Strategy {
   virtual void decide(const Tracks& tracks, const Players& players, Twists& wanted) = 0;
   /// Returns the robot's role in the last decision.
   [[nodiscard]] virtual PlayRole role_of(RobotId id) const = 0;
-  /// Returns the robot's intention in the last decision.
-  [[nodiscard]] virtual Intention intention_of(RobotId /*id*/) const { return {}; }
+  /// Returns the last decision, in the strategy's coordinates; null: the strategy does not tell it.
+  [[nodiscard]] virtual const PlayDecisions* decisions() const { return nullptr; }
 
  protected:
   // Nobody destroys a strategy through this interface, so the core needs no operator delete.

@@ -11,7 +11,7 @@
 // Section [network] of the board file: messages that Touchline sends to other programs and receives from them.
 namespace touchline::config {
 
-enum class OutputProtocol : std::uint8_t { kSslVision, kSslTracked, kFirasim, kJson };
+enum class OutputProtocol : std::uint8_t { kSslVision, kSslTracked, kFirasim, kJson, kVsssPlacement };
 enum class InputProtocol : std::uint8_t { kFirasim, kJson, kSslReferee, kVsssReferee };
 
 /// Word for a protocol in the board file and on the command line, and the usual address of the protocol in its league.
@@ -22,11 +22,12 @@ struct ProtocolInfo {
 };
 
 // The usual address of JSON is PlotJuggler's UDP port.
-inline constexpr std::array<ProtocolInfo<OutputProtocol>, 4> kOutputProtocolTable{
+inline constexpr std::array<ProtocolInfo<OutputProtocol>, 5> kOutputProtocolTable{
     {{OutputProtocol::kSslVision, "ssl-vision", "udp://224.5.23.2:10006"},
      {OutputProtocol::kSslTracked, "ssl-tracked", "udp://224.5.23.2:10010"},
      {OutputProtocol::kFirasim, "firasim", "udp://224.0.0.1:10002"},
-     {OutputProtocol::kJson, "json", "udp://127.0.0.1:9870"}}};
+     {OutputProtocol::kJson, "json", "udp://127.0.0.1:9870"},
+     {OutputProtocol::kVsssPlacement, "vsss-placement", "udp://224.5.23.2:10004"}}};
 // Commands are received on all addresses of this computer; `senders` decides whose commands are obeyed.
 inline constexpr std::array<ProtocolInfo<InputProtocol>, 4> kInputProtocolTable{
     {{InputProtocol::kFirasim, "firasim", "udp://0.0.0.0:20011"},

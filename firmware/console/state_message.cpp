@@ -3,6 +3,7 @@
 #include <cmath>
 #include <utility>
 
+#include "core/control/play_table.h"
 #include "firmware/console/messages.h"
 #include "firmware/console/protocol.h"
 #include "firmware/report/trace_json.h"
@@ -158,6 +159,31 @@ void write_role(JsonWriter& json, const RobotCommand& command) {
   json.end_object();
 }
 
+// Words of a decision's lines in the tables of the play.
+void write_decision(JsonWriter& json, const PlayDecision& decision) {
+  const auto write_text = [&](const char* key, std::string_view text) {
+    json.key(key);
+    json.string(text);
+  };
+  json.begin_object();
+  json.key("id");
+  json.integer(decision.id);
+  if (decision.job_line < job_table().size()) write_text("job", job_table()[decision.job_line].name);
+  if (decision.skill_line < skill_table().size()) {
+    write_text("skill", skill_table()[decision.skill_line].name);
+    write_text("why", skill_table()[decision.skill_line].reason);
+  }
+  if (decision.target) {
+    json.key("target");
+    json.begin_object();
+    write_place(json, *decision.target);
+    if (decision.direction_rad) write_number(json, "heading_rad", *decision.direction_rad, kRadianStep);
+    json.end_object();
+  }
+  if (decision.time_s >= 0.0f) write_number(json, "time_s", decision.time_s, kMillisecondStep);
+  json.end_object();
+}
+
 void write_score(JsonWriter& json, const std::optional<Score>& of_referee, const std::optional<Score>& told) {
   const std::optional<Score>& score = of_referee ? of_referee : told;
   if (!score) return json.null();
@@ -248,6 +274,7 @@ void write_state(JsonWriter& json, const Scene& scene, const Snapshot& snapshot,
   json.key("score");
   write_score(json, snapshot.referee.score, told);
   write_list(json, "roles", snapshot.commands.robots, [&](const RobotCommand& command) { write_role(json, command); });
+  write_list(json, "play", snapshot.play, [&](const PlayDecision& decision) { write_decision(json, decision); });
   write_number(json, "brightness", snapshot.light.brightness, 1e-3);
   write_list(json, "stages_ms", snapshot.stage_time,
              [&](Duration time) { json.number(report::rounded(seconds(time) * 1e3, kMillisecondStep)); });

@@ -20,8 +20,6 @@ using hal::mock::Placement;
 
 // As for commands: a heading may have made some turns.
 constexpr double kMaxHeading_rad = 1000.0;
-// Seeds that a double holds exactly, because some languages have no other numbers.
-constexpr std::int64_t kMaxSeed = std::int64_t{1} << 53;
 // A minute at 60 frames per second.
 constexpr std::int64_t kMaxRequestFrames = 3600;
 // Slower, a person would wait for the next picture; no machine is faster.
@@ -75,6 +73,12 @@ void read_robots(JsonMembers& teams, ArenaPlaces& out) {
 }
 
 }  // namespace
+
+std::uint64_t read_seed(JsonMembers& members) {
+  // Seeds that a double holds exactly, because some languages have no other numbers.
+  constexpr std::int64_t kMaxSeed = std::int64_t{1} << 53;
+  return static_cast<std::uint64_t>(members.integer("seed", 0, kMaxSeed));
+}
 
 ArenaPlaces read_places(JsonMembers& places) {
   ArenaPlaces out;
@@ -132,7 +136,7 @@ ArenaRequest read_arena_request(JsonMembers& members) {
   if (word == "reset") {
     out.kind = Kind::kReset;
     request.allow({"seed"});
-    if (request.has("seed")) out.seed = static_cast<std::uint64_t>(request.integer("seed", 0, kMaxSeed));
+    if (request.has("seed")) out.seed = read_seed(request);
   } else if (word == "place") {
     out.kind = Kind::kPlace;
     out.places = read_places(request);

@@ -9,6 +9,9 @@
 // The parts of messages that control a simulation (docs/arena.md), for `touchline run` and `touchline-simulate serve`.
 namespace touchline::network {
 
+/// Reads the member `seed`: 0 to 2^53.
+std::uint64_t read_seed(JsonMembers& members);
+
 /// Reads {"ball": {"x": 0, "y": 0, "vx": 1, "vy": 0}, "robots": {"blue": {"3": {"x": 0, "y": 0, "theta": 0}}}}: the
 /// members of a frame, whose other members are ignored where a frame has them.
 ArenaPlaces read_places(JsonMembers& places);

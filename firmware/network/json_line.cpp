@@ -28,6 +28,44 @@ const char* word_of(GamePhase phase) {
   return "";
 }
 
+// nullptr: the referee does not say.
+const char* word_of(Restart restart) {
+  switch (restart) {
+    case Restart::kNone:
+      return nullptr;
+    case Restart::kKickOff:
+      return "kick-off";
+    case Restart::kFreeBall:
+      return "free ball";
+    case Restart::kPenalty:
+      return "penalty";
+    case Restart::kGoalKick:
+      return "goal kick";
+    case Restart::kFreeKick:
+      return "free kick";
+  }
+  return nullptr;
+}
+
+// Returns who takes the restart. nullptr: nobody does, or the referee does not say.
+const char* taker_of(const RefereeState& referee) {
+  if (referee.restart == Restart::kNone || referee.restart == Restart::kFreeBall) return nullptr;
+  return referee.restart_is_ours ? "own" : "opponent";
+}
+
+void write_text(JsonWriter& json, std::string_view key, const char* text) {
+  json.key(key);
+  if (text == nullptr) return json.null();
+  json.string(text);
+}
+
+// Writes null for 0, by which a referee says nothing.
+void write_count(JsonWriter& json, std::string_view key, std::uint8_t count) {
+  json.key(key);
+  if (count == 0) return json.null();
+  json.integer(count);
+}
+
 void write_id_key(JsonWriter& json, RobotId id) {
   std::array<char, 4> text{};
   const auto [end, error] = std::to_chars(text.data(), text.data() + text.size(), int{id});
@@ -118,7 +156,6 @@ void write_side(JsonWriter& json, const RefereeState& referee, const report::Tra
   json.key("team");
   json.string(names.teams[static_cast<std::size_t>(Team::kOwn)]);
   json.key("half");
-  // Until a referee says otherwise, the own team attacks towards positive x.
   json.string(referee.own_on_positive_half.value_or(false) ? "positive" : "negative");
   json.end_object();
 }
@@ -130,6 +167,10 @@ void write_referee(JsonWriter& json, const Snapshot& snapshot) {
   json.key("phase");
   json.string(word_of(referee.phase));
   write_number(json, "age", seconds(snapshot.sent - referee.received), report::kSecondStep);
+  write_text(json, "restart", word_of(referee.restart));
+  write_text(json, "taken_by", taker_of(referee));
+  write_count(json, "quadrant", referee.quadrant);
+  write_count(json, "half", referee.half);
   json.end_object();
 }
 

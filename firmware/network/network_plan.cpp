@@ -90,6 +90,16 @@ class Planner {
     });
     if (is_listed) return refuse(entry, "address", address->text() + " is listed twice");
     plan_.outputs.push_back({protocol, *address, rate_hz});
+    if (protocol == OutputProtocol::kVsssPlacement) placement_ = entry;
+  }
+
+  /// Reports an output that has nothing to answer.
+  void check_placement() {
+    if (!placement_) return;
+    const bool is_asked = std::any_of(plan_.inputs.begin(), plan_.inputs.end(), [](const PlannedInput& input) {
+      return input.protocol == InputProtocol::kVsssReferee;
+    });
+    if (!is_asked) refuse(*placement_, "protocol", "vsss-placement answers a VSSS referee; add --referee vsss");
   }
 
   void add_senders(const Entry& entry, PlannedInput& input) {
@@ -129,6 +139,7 @@ class Planner {
   const config::Locations& where_;
   config::ErrorList& errors_;
   NetworkPlan plan_;
+  std::optional<Entry> placement_;  // of a vsss-placement output
 };
 
 // Splits NAME=ADDRESS,from=SENDER of an option and looks up the name; reports an unknown one and returns nullopt.
@@ -238,6 +249,7 @@ Result<NetworkPlan> plan_network(const config::NetworkSettings& board, const con
     planner.add(entry, input.protocol, input.rate_hz);
   }
   add_options(options, planner, errors);
+  planner.check_placement();
   TOUCHLINE_TRY(errors.result());
   return std::move(planner.plan());
 }

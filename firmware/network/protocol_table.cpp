@@ -1,6 +1,7 @@
 // The encoder of each output protocol and the decoder of each input protocol. A protocol's word and usual address are
 // in firmware/config/network_settings.h.
 #include <array>
+#include <numbers>
 #include <string>
 #include <utility>
 
@@ -14,6 +15,7 @@
 #include "firmware/network/referee.h"
 #include "firmware/network/ssl_tracked.h"
 #include "firmware/network/ssl_vision.h"
+#include "firmware/network/vss_placement.h"
 
 namespace touchline::network {
 namespace {
@@ -126,6 +128,28 @@ VenueGeometry geometry_of(const config::Configuration& configuration) {
   return geometry;
 }
 
+Result<std::unique_ptr<Encoder>> make_vss_placement(const config::Configuration& configuration) {
+  const FieldParameters& field = configuration.pipeline.marker.field;
+  const PlayParameters& play = configuration.pipeline.control.play;
+  PlacementSettings settings;
+  settings.sizes.length_m = static_cast<double>(field.length_m);
+  settings.sizes.width_m = static_cast<double>(field.width_m);
+  settings.sizes.circle_radius_m = static_cast<double>(field.center_circle_m);
+  settings.sizes.robot_radius_m = std::numbers::sqrt2 * play.robot_radius_m;
+  settings.sizes.ball_radius_m = static_cast<double>(configuration.pipeline.marker.ball.radius_m);
+  // Venue files without penalty areas keep the goal areas of the rules.
+  if (field.penalty_area_depth_m > 0.0f && field.penalty_area_width_m > 0.0f) {
+    settings.sizes.goal_area_depth_m = static_cast<double>(field.penalty_area_depth_m);
+    settings.sizes.goal_area_width_m = static_cast<double>(field.penalty_area_width_m);
+  }
+  if (play.goalkeeper_id >= 0) settings.goalkeeper = static_cast<RobotId>(play.goalkeeper_id);
+  settings.keeper_line_m = play.keeper_line_m;
+  return encoder_of(
+      [encoder = VssPlacementEncoder(settings)](const OutputFrame& frame, std::span<std::byte> out) mutable {
+        return encoder.encode(frame, out);
+      });
+}
+
 RefereeSettings referee_settings(const config::Configuration& configuration) {
   RefereeSettings settings;
   settings.own_team = configuration.board.network.own_team;
@@ -157,6 +181,8 @@ Result<std::unique_ptr<Encoder>> make_encoder(config::OutputProtocol protocol,
            device = device_of(configuration.board.camera)](const OutputFrame& frame, std::span<std::byte> out) {
             return write_json_line(frame, names[static_cast<std::size_t>(frame.own)], field, device, out);
           });
+    case config::OutputProtocol::kVsssPlacement:
+      return make_vss_placement(configuration);
   }
   return failure(ErrorCode::kUnsupported, "no such protocol");
 }

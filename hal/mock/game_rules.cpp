@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "hal/mock/fnv1a.h"
+#include "hal/fnv1a.h"
 #include "hal/mock/turned_placement.h"
 
 namespace touchline::hal::mock {

@@ -4,10 +4,10 @@
 #include <cstdint>
 #include <optional>
 
-#include "core/control/referee_state.h"
+#include "core/control/restart_rules.h"
 #include "core/geometry/vector2.h"
+#include "hal/fnv1a.h"
 #include "hal/mock/arena_parameters.h"
-#include "hal/mock/fnv1a.h"
 #include "hal/mock/world.h"
 
 namespace touchline::hal::mock {
@@ -63,24 +63,13 @@ class LeagueRules {
   };
   class Placing;
 
-  [[nodiscard]] bool in_goal_area(Vector2 in_own_coordinates) const;
   std::optional<RestartOrder> judge_area(const World& world, Side defender);
   [[nodiscard]] RestartOrder free_ball(Vector2 ball) const;
   [[nodiscard]] RestartOrder penalty(Side foul_of) const;
   [[nodiscard]] RestartOrder goal_kick(Side foul_of, Vector2 ball) const;
   [[nodiscard]] Players players_of(Side side, const World& world, const Snapshot& from,
                                    const RestartOrder& order) const;
-  // Both in the coordinates of the robot's side, which attacks towards positive x.
-  [[nodiscard]] std::optional<Placement> fixed_place(const RestartOrder& order, Side side, bool is_goalkeeper,
-                                                     bool is_taker) const;
-  [[nodiscard]] bool is_legal(const RestartOrder& order, Side side, bool is_goalkeeper, bool is_taker,
-                              Vector2 place) const;
-  [[nodiscard]] bool is_on_field(Vector2 place) const;
-
-  const ArenaField field_;
-  const RulesParameters rules_;
-  const double radius_m_;  // of the circle around a robot
-  const double reach_m_;   // distance of the centers of robot and ball that do not touch, whatever the heading
+  const RestartRules rules_;
   const double limit_s_;
   bool exchanged_ = false;
   std::array<Area, 2> areas_{};  // by Side

@@ -7,7 +7,9 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <string_view>
 
+#include "hal/fnv1a.h"
 #include "hal/poses/protobuf.h"
 
 namespace touchline::hal {
@@ -131,10 +133,10 @@ Result<bool> decode_detection(std::span<const std::byte> bytes, SentPoses& out) 
   return reader.result();
 }
 
-std::uint64_t hash_of(const char* text) {
-  std::uint64_t hash = 0xcbf29ce484222325u;  // FNV-1a
-  for (; *text != 0; ++text) hash = (hash ^ static_cast<unsigned char>(*text)) * 0x100000001b3u;
-  return hash;
+std::uint64_t hash_of(std::string_view text) {
+  Fnv1a hash;
+  hash.add(std::as_bytes(std::span(text)));
+  return hash.value();
 }
 
 Result<bool> decode_tracked(std::span<const std::byte> bytes, SentPoses& out) {

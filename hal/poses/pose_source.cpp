@@ -1,13 +1,14 @@
 #include "hal/poses/pose_source.h"
 
+#include "hal/fnv1a.h"
+
 namespace touchline::hal {
 namespace {
 
-// FNV-1a.
 std::uint64_t content_hash(std::span<const std::byte> bytes) {
-  std::uint64_t hash = 0xcbf29ce484222325u;
-  for (const std::byte byte : bytes) hash = (hash ^ std::to_integer<std::uint64_t>(byte)) * 0x100000001b3u;
-  return hash;
+  Fnv1a hash;
+  hash.add(bytes);
+  return hash.value();
 }
 
 }  // namespace

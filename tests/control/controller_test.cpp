@@ -7,7 +7,8 @@
 #include <cmath>
 
 #include "core/control/motion/drive_limits.h"
-#include "tests/control/small_world.h"
+#include "core/control/turned_field.h"
+#include "tests/control/arena_world.h"
 
 namespace touchline {
 namespace {
@@ -48,7 +49,7 @@ class ControllerTest : public ::testing::Test {
     return std::abs(static_cast<double>(t.v_mps)) + 0.035 * std::abs(static_cast<double>(t.w_radps));
   }
 
-  SmallWorld world_;
+  ArenaWorld world_;
   Controller controller_;
   Commands commands_;
   std::array<Twist, kMaxRobotsPerTeam> wheels_{};
@@ -158,6 +159,40 @@ TEST_F(ControllerTest, KeepsEveryLimitInEveryFrame) {
   }
   EXPECT_GT(largest, 0.9 * drive.max_wheel_acceleration_mps2 * 0.016) << "the drive is used";
   EXPECT_GT(fastest, 0.6);
+}
+
+TEST_F(ControllerTest, TellsTargetsInTheVenuesCoordinates) {
+  PlayDecisions told, of_turned;
+  decide(world_.tracks());
+  controller_.explain(told);
+  ASSERT_EQ(told.size(), 3u);
+  // The same scene on the turned field.
+  Controller other;
+  ASSERT_TRUE(other.configure({}, world_.field).ok());
+  other.set_turned(true);
+  Tracks tracks;
+  turn(world_.tracks(), tracks);
+  Commands commands;
+  other.decide(tracks, false, commands);
+  other.explain(of_turned);
+  ASSERT_EQ(of_turned.size(), 3u);
+  int directions = 0;
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_EQ(of_turned[i].id, told[i].id);
+    EXPECT_EQ(of_turned[i].skill_line, told[i].skill_line);
+    ASSERT_EQ(of_turned[i].target.has_value(), told[i].target.has_value());
+    if (!told[i].target) continue;
+    EXPECT_NEAR(of_turned[i].target->x_m, -told[i].target->x_m, 1e-4);
+    EXPECT_NEAR(of_turned[i].target->y_m, -told[i].target->y_m, 1e-4);
+    if (!told[i].direction_rad) continue;
+    ++directions;
+    EXPECT_NEAR(std::abs(std::remainder(*of_turned[i].direction_rad - *told[i].direction_rad, 6.2831853f)), 3.1415927f,
+                1e-3);
+  }
+  EXPECT_GT(directions, 0);
+  decide(world_.tracks(), true);
+  controller_.explain(told);
+  EXPECT_TRUE(told.empty()) << "halted";
 }
 
 TEST_F(ControllerTest, WithoutABallOnlyTheGoalkeeperMoves) {

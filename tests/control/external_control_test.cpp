@@ -11,7 +11,7 @@
 #include "core/control/motion/drive_limits.h"
 #include "core/control/turned_field.h"
 #include "core/geometry/angle.h"
-#include "tests/control/small_world.h"
+#include "tests/control/arena_world.h"
 
 namespace touchline {
 namespace {
@@ -75,9 +75,9 @@ class ExternalControlTest : public ::testing::Test {
     return kNone;
   }
   [[nodiscard]] bool stands(RobotId id) const { return of(id).twist.v_mps == 0.0f && of(id).twist.w_radps == 0.0f; }
-  SmallWorld::Robot& robot(RobotId id) { return world_.robots[static_cast<std::size_t>(id / 2)]; }
+  ArenaWorld::Robot& robot(RobotId id) { return world_.robots[static_cast<std::size_t>(id / 2)]; }
 
-  SmallWorld world_;
+  ArenaWorld world_;
   Controller controller_;
   Commands commands_;
   ExternalCommands table_;
@@ -292,7 +292,7 @@ TEST_F(ExternalControlTest, AReleasedTableChangesNoBitOfTheGame) {
     release.kind = Kind::kRelease;
     table_.push_back(release);
   }
-  SmallWorld other_world = world_;
+  ArenaWorld other_world = world_;
   Controller other;
   ASSERT_TRUE(other.configure({}, world_.field).ok());
   Commands expected;

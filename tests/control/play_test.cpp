@@ -7,7 +7,7 @@
 
 #include "core/control/obstacle_avoidance.h"
 #include "core/control/play_table.h"
-#include "tests/control/small_world.h"
+#include "tests/control/arena_world.h"
 
 namespace touchline {
 namespace {
@@ -65,7 +65,7 @@ class PlayTest : public ::testing::Test {
  protected:
   void SetUp() override { play_.configure({}, kField); }
   void add(RobotId id, Vector2 place, double heading = 0.0, Team team = Team::kOwn) {
-    SmallWorld::Robot robot;
+    ArenaWorld::Robot robot;
     robot.team = team;
     robot.id = id;
     robot.position = place;
@@ -82,7 +82,7 @@ class PlayTest : public ::testing::Test {
     play_.decide(tracks, players, wanted_);
   }
 
-  SmallWorld world_;
+  ArenaWorld world_;
   Play play_;
   Strategy::Twists wanted_{};
 };
@@ -121,7 +121,7 @@ TEST_F(PlayTest, TheGoalkeeperReturnsAfterItsTrackWasLostForAMoment) {
   world_.ball = {0.3, 0.1};
   decide();
   ASSERT_EQ(play_.goalkeeper(), 0);
-  const SmallWorld::Robot keeper = world_.robots[0];
+  const ArenaWorld::Robot keeper = world_.robots[0];
   world_.robots.erase(world_.robots.begin());
   world_.time_s += 0.3;
   decide();
@@ -195,33 +195,6 @@ TEST_F(PlayTest, AJammedAttackerSpinsAndThenLeavesTheBall) {
   EXPECT_NEAR(leaves, 0.9, 0.05);
 }
 
-TEST_F(PlayTest, TellsWhatEachRobotIsAboutToDo) {
-  add(0, {-1.0, 0.0});
-  add(1, {-0.2, 0.0});
-  world_.ball = {0.1, 0.0};
-  decide();
-  EXPECT_STREQ(play_.intention_of(0).job, "keep");
-  const Intention attack = play_.intention_of(1);
-  EXPECT_STREQ(attack.job, "attack");
-  EXPECT_STREQ(attack.skill, "strike");
-  ASSERT_TRUE(attack.target.has_value());
-  EXPECT_LT(distance(to_vector(*attack.target), world_.ball), 0.15);
-  EXPECT_STREQ(play_.intention_of(7).job, "") << "there is no such robot";
-  play_.reset();
-  EXPECT_STREQ(play_.intention_of(1).job, "");
-}
-
-// A skill without a name does what its job says, so each job has at most one.
-TEST(PlayTable, NamesJobsAndSkills) {
-  for (const SkillLine& line : skill_table()) {
-    EXPECT_STRNE(name_of(line.job), "");
-    for (const SkillLine& other : skill_table()) {
-      if (other.job != line.job || other.skill == line.skill) continue;
-      EXPECT_STRNE(name_of(line.skill), name_of(other.skill)) << name_of(line.job);
-    }
-  }
-}
-
 TEST(PlayTable, HasASkillForEachJobAndNoLineThatIsNeverReached) {
   for (const JobLine& job : job_table()) {
     bool found = false;
@@ -235,6 +208,40 @@ TEST(PlayTable, HasASkillForEachJobAndNoLineThatIsNeverReached) {
     const bool last = i + 1 == table.size() || table[i + 1].job != table[i].job;
     EXPECT_EQ(table[i].condition == otherwise, last) << i;
   }
+}
+
+TEST(PlayTable, HasWordsForEachLine) {
+  for (const JobLine& line : job_table()) EXPECT_STRNE(line.name, "");
+  for (const SkillLine& line : skill_table()) {
+    EXPECT_STRNE(line.name, "");
+    EXPECT_STRNE(line.reason, "");
+  }
+}
+
+TEST_F(PlayTest, TellsJobSkillTargetAndTimeOfEachRobot) {
+  add(0, {-1.0, 0.0});
+  add(1, {-0.3, 0.1});
+  add(2, {-0.6, -0.4});
+  world_.ball = {0.0, 0.0};
+  decide();
+  ASSERT_EQ(play_.attacker(), 1);
+  const PlayDecisions& told = *play_.decisions();
+  ASSERT_EQ(told.size(), 3U);
+  EXPECT_EQ(told[0].id, 0);
+  EXPECT_EQ(told[0].job_line, PlayDecision::kNoLine) << "the goalkeeper has no job of the table";
+  EXPECT_STREQ(skill_table()[told[0].skill_line].name, "keep");
+  EXPECT_LT(told[0].time_s, 0.0f);
+  EXPECT_STREQ(job_table()[told[1].job_line].name, "attack");
+  EXPECT_STREQ(skill_table()[told[1].skill_line].name, "strike");
+  ASSERT_TRUE(told[1].target.has_value());
+  EXPECT_LT(distance(to_vector(*told[1].target), world_.ball), 0.15);
+  EXPECT_GT(told[1].time_s, 0.2f);
+  EXPECT_LT(told[1].time_s, 5.0f);
+  EXPECT_STREQ(job_table()[told[2].job_line].name, "cover");
+  ASSERT_TRUE(told[2].target.has_value());
+  EXPECT_LT(told[2].target->x_m, 0.0f);
+  play_.reset();
+  EXPECT_TRUE(play_.decisions()->empty());
 }
 
 TEST(PlayTable, KeepsPlacesOfAllJobsInTheFieldAndOutOfTheOwnArea) {

@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "core/control/motion/drive_limits.h"
-#include "tests/control/small_world.h"
+#include "tests/control/arena_world.h"
 
 namespace touchline {
 namespace {
@@ -88,8 +88,8 @@ TEST(Drive, StrikesARestingBallFromAnywhere) {
   double time = 0.0, speed = 0.0;
   constexpr int kRuns = 100;
   for (int run = 0; run < kRuns; ++run) {
-    SmallWorld world;
-    SmallWorld::Robot robot;
+    ArenaWorld world;
+    ArenaWorld::Robot robot;
     robot.id = 0;
     robot.position = {any(random), 0.8 * any(random)};
     robot.heading = 3.1 * any(random);

@@ -58,6 +58,8 @@ Snapshot example_snapshot() {
   snapshot.referee.phase = GamePhase::kRunning;
   snapshot.referee.received = Instant(from_seconds(12.2));
   snapshot.referee.score = Score{2, 1};
+  snapshot.referee.restart = Restart::kFreeKick;
+  snapshot.referee.half = 2;
   snapshot.commands.robots.push_back({3, {0.4f, 1.0f}, {0.365f, 0.435f}});
   RobotReport report;
   report.last = {3, 17, 7.412f, 98};

@@ -43,7 +43,8 @@ TEST(JsonLine, HasTheDocumentedFormat) {
       R"("stop":false,"halt":0,"phase":"running","commands":{"3":{"v":0.4,"w":1.0,"left":0.365,"right":0.435}},)"
       R"("telemetry":{"3":{"battery":7.412,"link":98,"age":0.25},"1":{"battery":null,"link":null,"age":0.25}},)"
       R"("score":{"own":2,"opponent":1},"side":{"team":"blue","half":"negative"},)"
-      R"("field":{"length":2.2,"width":1.8,"goal_width":0.4,"goal_depth":0.15},"referee":{"phase":"running","age":0.063}})"
+      R"("field":{"length":2.2,"width":1.8,"goal_width":0.4,"goal_depth":0.15},"referee":{"phase":"running","age":0.063,)"
+      R"("restart":"free kick","taken_by":"opponent","quadrant":null,"half":2}})"
       "\n");
 }
 
@@ -64,6 +65,35 @@ TEST(JsonLine, WhatNobodyTellsIsNull) {
   EXPECT_EQ(unknown["side"]["half"], "negative");
   snapshot.referee.own_on_positive_half = true;
   EXPECT_EQ(ordered_json::parse(line_of(snapshot))["side"]["half"], "positive");
+}
+
+TEST(JsonLine, TellsWhichRestartFollowsAndWhoTakesIt) {
+  Snapshot snapshot = example_snapshot();
+  RefereeState& referee = snapshot.referee;
+  referee.phase = GamePhase::kPrepare;
+  const auto told = [&] { return ordered_json::parse(line_of(snapshot))["referee"]; };
+  const std::vector<std::pair<Restart, std::string>> words = {{Restart::kKickOff, "kick-off"},
+                                                              {Restart::kPenalty, "penalty"},
+                                                              {Restart::kGoalKick, "goal kick"},
+                                                              {Restart::kFreeKick, "free kick"}};
+  for (const auto& [restart, word] : words) {
+    referee.restart = restart;
+    referee.restart_is_ours = true;
+    EXPECT_EQ(told()["restart"], word);
+    EXPECT_EQ(told()["taken_by"], "own");
+    referee.restart_is_ours = false;
+    EXPECT_EQ(told()["taken_by"], "opponent");
+  }
+  // A free ball is nobody's; the referee names its quadrant.
+  referee.restart = Restart::kFreeBall;
+  referee.quadrant = 3;
+  EXPECT_EQ(told()["restart"], "free ball");
+  EXPECT_TRUE(told()["taken_by"].is_null());
+  EXPECT_EQ(told()["quadrant"], 3);
+  referee = {};
+  referee.phase = GamePhase::kStop;
+  for (const char* member : {"restart", "taken_by", "quadrant", "half"})
+    EXPECT_TRUE(told()[member].is_null()) << member;
 }
 
 TEST(JsonLine, ContainsTheReplaysLine) {

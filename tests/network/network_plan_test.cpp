@@ -88,7 +88,8 @@ TEST_F(NetworkPlanTest, ErrorsNameOptionOrKey) {
       "board.toml: network.output[1].interface: the address names an interface already",
       "board.toml: network.input[0].senders: \"field-pc\": expected an IPv4 address or a network such as "
       "192.168.1.0/24",
-      "--publish sslvision: \"sslvision\" is none of ssl-vision, ssl-tracked, firasim, json",
+      "--publish sslvision: \"sslvision\" is none of ssl-vision, ssl-tracked, firasim, json, "
+      "vsss-placement",
       "--publish json=127.0.0.1:5: \"127.0.0.1:5\": expected udp://ADDRESS:PORT, udp://ADDRESS:PORT%INTERFACE or "
       "unix:///PATH",
       "--publish json=udp://0.0.0.0:5: 0.0.0.0 is no destination; name a computer or a multicast group",
@@ -98,6 +99,23 @@ TEST_F(NetworkPlanTest, ErrorsNameOptionOrKey) {
   std::vector<std::string> found;
   for (std::string line; std::getline(lines, line);) found.push_back(line);
   EXPECT_EQ(found, expected);
+}
+
+TEST_F(NetworkPlanTest, PlacementNeedsAVsssReferee) {
+  options_.publish = {"vsss-placement"};
+  EXPECT_EQ(error(), "--publish vsss-placement: vsss-placement answers a VSSS referee; add --referee vsss");
+  options_.referee = {"ssl"};
+  EXPECT_EQ(error(), "--publish vsss-placement: vsss-placement answers a VSSS referee; add --referee vsss");
+  options_.referee = {"vsss"};
+  EXPECT_EQ(name_of(plan().outputs[0]), "vsss-placement to udp://224.5.23.2:10004");
+  options_.publish.clear();
+  options_.referee.clear();
+  config::OutputSettings output;
+  output.protocol = OutputProtocol::kVsssPlacement;
+  board_.output = {output};
+  where_.note("network.output[0].protocol", "board.toml:7");
+  EXPECT_EQ(error(),
+            "board.toml:7: network.output[0].protocol: vsss-placement answers a VSSS referee; add --referee vsss");
 }
 
 TEST_F(NetworkPlanTest, OptionsNameSenders) {

@@ -184,6 +184,12 @@ test('score and roles of the arena are shown', async () => {
   assert.equal(await page.locator('text=Goal for us').count(), 0, 'the arena counts');
   await page.waitForSelector('tr[data-own] >> text=goalkeeper');
   await page.click('button:text-is("Give up control")');
+  await show(page, 'live');
+  await page.waitForSelector('[data-decision]:has-text("goalkeeper"):has-text("keep")');
+  await page.waitForSelector('[data-decision]:has-text("attacker"):has-text("attack: ")');
+  assert.equal(await page.locator('[data-decision]').count(), 5);
+  await page.click('[data-layer="play"]');
+  assert.deepEqual(await axe(page), []);
   await show(page, 'timing');
   await page.waitForSelector('dt:text-is("of these stop packets")');
   await page.waitForSelector('dt:text-is("Refused")');

@@ -46,6 +46,12 @@ class Frame(unittest.TestCase):
         read = frame(robots={"blue": {"1": {**ROBOT, "new": 1}}}, weather="fine", score={"blue": 1})
         self.assertEqual((read.robots["blue"][1].x, read.score, read.raw["weather"]), (0.1, {"blue": 1}, "fine"))
 
+    def test_the_referee_tells_restart_and_taker(self):
+        told = frame(referee={"phase": "prepare", "age": 0.1, "restart": "penalty", "taken_by": "opponent"})
+        self.assertEqual((told.restart, told.taken_by), ("penalty", "opponent"))
+        for referee in (None, {"phase": "running", "age": 0.1}, {"restart": None, "taken_by": None}):
+            self.assertEqual((frame(referee=referee).restart, frame(referee=referee).taken_by), (None, None))
+
     def test_robots_without_an_id_are_listed(self):
         unknown = {**ROBOT, "team": "yellow", "id": None, "theta": None}
         read = frame(tracks={"robots": [{**ROBOT, "team": "blue", "id": 2}, unknown]})

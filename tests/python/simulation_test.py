@@ -67,6 +67,9 @@ class Games(unittest.TestCase):
         with Simulation(PROGRAM) as game:
             game.reset(robots=1, robots_return=False)
             game.place({"robots": {"blue": {0: {"x": 0.2, "y": 0.3, "theta": 1.0}}}})
+            for place in ({"x": -0.5}, {"y": -0.5}):
+                with self.assertRaisesRegex(ValueError, "is missing; give both coordinates"):
+                    game.throw(0.5, 0.0, **place)
             game.throw(0.5, 0.0, x=-0.5, y=-0.5)
             frame = game.step(frames=12)
             self.assertAlmostEqual(frame.robots["blue"][0].x, 0.2, places=2)

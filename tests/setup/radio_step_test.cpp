@@ -43,8 +43,10 @@ class RadioStep : public ScriptedFirmware {
     }
     EXPECT_TRUE(tests_.back()["robot"].is_null()) << "the robot must stand at the end";
   }
-  void answer_test(const std::string& error) {
-    send_bytes(framed({{"type", "tested"}, {"to", 1}, {"ok", error.empty()}, {"error", error}}));
+  void answer_test(const std::string& error) { answer_test(tests_.back()["request"], error); }
+  /// `to`: number of the request; 0: the firmware ends the test by itself.
+  void answer_test(int to, const std::string& error) {
+    send_bytes(framed({{"type", "tested"}, {"to", to}, {"ok", error.empty()}, {"error", error}}));
   }
 
   std::array<float, 2> last_{};
@@ -93,6 +95,35 @@ TEST_F(RadioStep, SaysWhyARobotStands) {
     step["halt"] = {"emergency", "button"};
   });
   EXPECT_EQ(answer_to(request)["error"], "robots stand: emergency, button");
+}
+
+TEST_F(RadioStep, AnswersToEarlierRequestsDoNotEndALaterOne) {
+  begin();
+  int request = send("radio.pattern", {{"robot", 1}, {"pattern", "forward"}, {"duration_s", 9}});
+  serve_until([&] { return !tests_.empty(); });
+  const int earlier = tests_[0]["request"];
+  const int cancel = send("cancel");
+  EXPECT_TRUE(answer_to(cancel)["ok"]);
+  EXPECT_FALSE(answer_to(request)["ok"]);
+  serve_until([&] { return tests_.size() == 2; });  // the order to end the test
+  tests_.clear();
+  request = send("radio.pattern", {{"robot", 1}, {"pattern", "forward"}, {"duration_s", 0.2}});
+  serve_until([&] { return !tests_.empty(); });
+  // The refusal and the end of the first test arrive late.
+  answer_test(earlier, "the firmware was busy");
+  answer_test(0, "the robots were stopped");
+  serve_robot([](nlohmann::json&) {});
+  const nlohmann::json answer = answer_to(request);
+  EXPECT_TRUE(answer["ok"]) << answer.dump();
+}
+
+TEST_F(RadioStep, AnEndByTheFirmwareEndsTheTest) {
+  begin();
+  const int request = send("radio.pattern", {{"robot", 1}, {"pattern", "forward"}, {"duration_s", 9}});
+  serve_robot([&](nlohmann::json&) {
+    if (number_ == 20) answer_test(0, "the robots were stopped");
+  });
+  EXPECT_EQ(answer_to(request)["error"], "robot 1 stands: the robots were stopped");
 }
 
 TEST_F(RadioStep, CancelLetsTheRobotStand) {

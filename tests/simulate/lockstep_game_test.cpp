@@ -208,6 +208,12 @@ TEST(LockstepGame, FaultsStallTheCameraAndSilenceTheRadio) {
   for (int i = 0; i < 30; ++i)
     answer = step(*game, {{"truth", true}, {"commands", {{{"id", 1}, {"v", 0.3}, {"w", 0}}}}});
   EXPECT_NEAR(answer["frames"][0]["truth"]["robots"]["blue"]["1"]["x"].get<double>(), -0.55, 1e-3);
+  EXPECT_EQ(inject({{"kind", "camera_stall"}, {"for_s", 59}}), "");
+  // A step would block the server for minutes.
+  EXPECT_EQ(inject({{"kind", "camera_lost"}, {"for_s", 36000}}),
+            "fault.for_s: the camera would stall for 36059 s in all; at most 60 s, because steps wait for its frames");
+  EXPECT_EQ(reset_error(*game, {{"faults", {{{"kind", "camera_stall"}, {"at_s", 5}, {"for_s", 61}}}}}),
+            "fault.for_s: the camera would stall for 61 s in all; at most 60 s, because steps wait for its frames");
   EXPECT_EQ(inject({{"kind", "dark"}}),
             "fault.kind: a game without pictures has camera_stall, camera_lost, radio_lost and radio_busy");
 }

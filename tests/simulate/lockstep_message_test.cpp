@@ -100,6 +100,7 @@ TEST(LockstepMessage, ErrorsNameMemberAndValue) {
       {R"({"place": {"robots": {"blue": {"x": {}}}}})", "place.robots.blue.\"x\" is not the id of a robot"},
       {R"({"place": {"robots": {"blue": {"1": {"x": 1e9, "y": 0}}}}})",
        "place.robots.blue.1.x = 1e+09 is not within -20 to 20"},
+      {R"({"throw": {"vx": 1, "x": 0.3}})", "throw.y is missing"},
       {R"({"throw": {"vx": "fast"}})", R"(throw.vx = "fast" is not a number)"}};
   for (const auto& [text, message] : cases) EXPECT_EQ(parse_lockstep_message(text).text(), message) << text;
   EXPECT_NE(parse_lockstep_message(R"({"fault": {"kind": "rain"}})")

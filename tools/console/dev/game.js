@@ -121,6 +121,13 @@ export class Game {
       commands: this.robots.filter((robot) => robot.team === 'own').map((robot) => ({ id: robot.id, left_mps: robot.v - robot.w * 0.0375, right_mps: robot.v + robot.w * 0.0375, source: this.driven?.id === robot.id ? 'console' : 'play' })),
       stop: this.halt.size > 0, halt: [...this.halt], stop_number: this.stops, waits_for_start: this.halt.has('console'), referee: { phase: 'no referee' }, score: this.score, brightness: 1.02, stages_ms: [0.31, 0.12, 0.08, 0.05, 0.01],
       roles: [{ id: 0, role: 'goalkeeper' }, { id: 2, role: 'attacker' }, { id: 1, role: 'supporter' }, { id: 3, role: 'supporter' }, { id: 4, role: 'supporter' }],
+      play: [
+        { id: 0, skill: 'keep', why: 'between ball and goal, on the line', target: { x_m: -1.05, y_m: 0.3 * this.ball.y } },
+        { id: 2, job: 'attack', skill: 'strike', why: 'first at a usable contact', target: { x_m: this.ball.x - 0.06, y_m: this.ball.y, heading_rad: 0 }, time_s: 0.62 },
+        { id: 1, job: 'cover', skill: 'cover', why: 'between ball and own goal', target: { x_m: -0.5, y_m: 0.5 * this.ball.y }, time_s: 0.9 },
+        { id: 3, job: 'support', skill: 'support', why: 'for rebounds', target: { x_m: 0.4, y_m: -0.4 }, time_s: 1.4 },
+        { id: 4, job: 'back up', skill: 'back up', why: 'behind the attacker', target: { x_m: -0.2, y_m: 0.4 }, time_s: 1.1 },
+      ],
     };
   }
 

@@ -54,13 +54,26 @@ void SetupProgram::begin_driving() {
 // While the firmware loads the draft's newest files, it drives no robot.
 void SetupProgram::ask_to_drive() {
   if (!running_ || !running_->drives || use_runs_) return;
-  send({{"type", "test"}, {"request", ++use_request_}, {"robot", running_->job.robot}});
+  running_->test_request = ++use_request_;
+  running_->is_tested = false;
+  send({{"type", "test"}, {"request", use_request_}, {"robot", running_->job.robot}});
 }
 
 // The firmware stops the robot by itself, too, when no speeds arrive any more.
 void SetupProgram::end_driving() {
   if (!running_ || !std::exchange(running_->drives, false)) return;
   send({{"type", "test"}, {"request", ++use_request_}, {"robot", nullptr}});
+}
+
+// 0 answers no request: the firmware itself has ended the test that runs.
+void SetupProgram::handle_tested(const nlohmann::json& answer) {
+  if (!running_ || !running_->drives) return;
+  const std::int64_t to = answer.value("to", std::int64_t{-1});
+  const bool is_ok = answer.value("ok", false);
+  if (to == running_->test_request) running_->is_tested = is_ok;
+  if (is_ok || (to != running_->test_request && (to != 0 || !running_->is_tested))) return;
+  end_job("robot " + std::to_string(int{running_->job.robot}) +
+          " stands: " + answer.value("error", std::string("the firmware refuses to drive it")));
 }
 
 void SetupProgram::drive_robot(const nlohmann::json& message) {

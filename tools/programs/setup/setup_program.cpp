@@ -124,10 +124,7 @@ void SetupProgram::handle(const Message& message) {
   if (type == "setup") handle_command(message.content);
   if (type == "frame") handle_frame(message);
   if (type == "step") drive_robot(message.content);
-  if (type == "tested" && running_ && running_->drives && message.content.value("ok", false) == false) {
-    end_job("robot " + std::to_string(int{running_->job.robot}) +
-            " stands: " + message.content.value("error", std::string("the firmware refuses to drive it")));
-  }
+  if (type == "tested") handle_tested(message.content);
   if (type == "tried") {
     // This arrives without a request, too, if a stop or changed files have ended the try.
     trying_ = message.content.contains("ok") && message.content.at("ok") == true && trying_;

@@ -39,6 +39,9 @@ struct RunningJob {
   std::chrono::steady_clock::time_point next_frame, give_up;
   bool waits_for_frame = false;
   bool drives = false;  // a robot, until Job::drive is done
+  // The last request to drive, and whether the firmware has answered it: other answers are those to earlier jobs.
+  std::int64_t test_request = 0;
+  bool is_tested = false;
   std::string text;
   nlohmann::json progress = nullptr, result = nullptr;
   nlohmann::json exchange = nullptr;  // TestOrder::exchange
@@ -87,6 +90,7 @@ class SetupProgram {
   void begin_driving();
   void ask_to_drive();
   void end_driving();
+  void handle_tested(const nlohmann::json& answer);
   void drive_robot(const nlohmann::json& message);
   void begin_work();
   void handle_work(Message message);

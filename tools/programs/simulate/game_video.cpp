@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/control/play_table.h"
 #include "tools/programs/command_line/formatted.h"
 #include "tools/programs/replay/picture_output.h"
 #include "tools/programs/simulate/game_picture.h"
@@ -33,10 +34,21 @@ const char* name_of(PlayRole role) {
   return "";
 }
 
-std::string label_of(const Intention& intention, PlayRole role) {
-  std::string label = *intention.job != '\0' ? intention.job : name_of(role);
-  if (*intention.skill != '\0') label += std::string(": ") + intention.skill;
-  return label;
+const PlayDecision* decision_of(const Strategy& strategy, RobotId id) {
+  const PlayDecisions* const decided = strategy.decisions();
+  if (decided == nullptr) return nullptr;
+  const auto* const found =
+      std::find_if(decided->begin(), decided->end(), [id](const PlayDecision& decision) { return decision.id == id; });
+  return found != decided->end() ? found : nullptr;
+}
+
+// Strategies that do not tell their decisions show the role.
+std::string label_of(const PlayDecision* decision, PlayRole role) {
+  if (decision == nullptr || decision->skill_line >= skill_table().size()) return name_of(role);
+  const std::string skill = skill_table()[decision->skill_line].name;
+  if (decision->job_line >= job_table().size()) return skill;
+  const std::string job = job_table()[decision->job_line].name;
+  return job == skill ? job : job + ": " + skill;
 }
 
 // Follows a game from picture to picture.
@@ -90,12 +102,12 @@ class Viewer {
       const Side side = world.side(i);
       const auto id = static_cast<RobotId>(world.id(i));
       const Strategy& strategy = game_.strategy(side);
-      const Intention intention = strategy.intention_of(id);
-      ShownRobot robot{side, world.id(i), all.robots[i], label_of(intention, strategy.role_of(id))};
-      if (intention.target) {
+      const PlayDecision* const decision = decision_of(strategy, id);
+      ShownRobot robot{side, world.id(i), all.robots[i], label_of(decision, strategy.role_of(id))};
+      if (decision != nullptr && decision->target) {
         // Strategies play towards positive x.
         const bool turned = (side == Side::kOpponent) != game_.game().rules().sides_exchanged();
-        robot.target = (turned ? -1.0 : 1.0) * to_vector(*intention.target);
+        robot.target = (turned ? -1.0 : 1.0) * to_vector(*decision->target);
       }
       shown_.robots.push_back(std::move(robot));
     }

@@ -40,6 +40,21 @@ Result<void> check_fault(const ArenaFault& fault) {
                  "fault.kind: a game without pictures has camera_stall, camera_lost, radio_lost and radio_busy");
 }
 
+// A step waits for its frames, and the server answers nothing meanwhile: a minute takes it less than a second.
+constexpr double kMaxStall_s = 60.0;
+
+// Refuses faults by which our camera would be silent for too long from `now_s` on.
+Result<void> check_stalls(const std::vector<ArenaFault>& faults, double now_s) {
+  double stall_s = 0.0;
+  for (const ArenaFault& fault : faults) {
+    if (stalls_camera(fault.kind)) stall_s += std::max(0.0, fault.at_s + fault.for_s - std::max(now_s, fault.at_s));
+  }
+  if (stall_s <= kMaxStall_s) return {};
+  return failure(ErrorCode::kOutOfRange,
+                 "fault.for_s: the camera would stall for %g s in all; at most %g s, because steps wait for its frames",
+                 stall_s, kMaxStall_s);
+}
+
 report::TraceNames names_of(const config::Configuration& configuration, Side side) {
   report::TraceNames names{{"background"}, {}};
   for (const auto& color : configuration.venue.color) names.colors.push_back(color.name);
@@ -91,6 +106,7 @@ Result<ArenaParameters> LockstepGame::arena_of(const Team& own, const ResetMessa
   ArenaParameters arena = fair_arena(*own.configuration, message.robots);
   arena.robots_return = message.robots_return;
   for (const ArenaFault& fault : message.faults) TOUCHLINE_TRY(check_fault(fault));
+  TOUCHLINE_TRY(check_stalls(message.faults, 0.0));
   if (const auto violation = find_violation(arena)) {
     return failure(ErrorCode::kInconsistent, "arena.%s: %s", violation->key.c_str(), violation->message.c_str());
   }
@@ -382,10 +398,14 @@ Result<std::string> LockstepGame::place(const PlaceMessage& message) {
 
 Result<std::string> LockstepGame::inject(const FaultMessage& message) {
   TOUCHLINE_TRY(check_fault(message.fault));
+  const double now_s = time_s();
   // Faults that are over leave the list, so that it does not grow.
-  std::erase_if(faults_, [now = time_s()](const ArenaFault& fault) { return now >= fault.at_s + fault.for_s; });
-  faults_.push_back(message.fault);
-  faults_.back().at_s += time_s();
+  std::erase_if(faults_, [now_s](const ArenaFault& fault) { return now_s >= fault.at_s + fault.for_s; });
+  std::vector<ArenaFault> faults = faults_;
+  faults.push_back(message.fault);
+  faults.back().at_s += now_s;
+  TOUCHLINE_TRY(check_stalls(faults, now_s));
+  faults_ = std::move(faults);
   return in_object("done", "\"fault\"");
 }
 

@@ -11,9 +11,6 @@ namespace {
 
 using network::JsonMembers;
 
-// Seeds that a double holds exactly, because some languages have no other numbers.
-constexpr std::int64_t kMaxSeed = std::int64_t{1} << 53;
-
 std::string value_of_setting(const nlohmann::json& value) {
   return value.is_string() ? value.get<std::string>() : value.dump();
 }
@@ -21,7 +18,7 @@ std::string value_of_setting(const nlohmann::json& value) {
 ResetMessage read_reset(JsonMembers& members) {
   members.allow({"seed", "own", "opponent", "robots", "robots_return", "settings", "place", "faults"});
   ResetMessage out;
-  if (members.has("seed")) out.seed = static_cast<std::uint64_t>(members.integer("seed", 0, kMaxSeed));
+  if (members.has("seed")) out.seed = network::read_seed(members);
   out.own = members.text_or("own", out.own);
   out.opponent = members.text_or("opponent", out.opponent);
   if (members.has("robots")) {

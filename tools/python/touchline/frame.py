@@ -102,6 +102,23 @@ class Frame:
     truth: Any = None
 
     @property
+    def restart(self) -> Optional[str]:
+        """The restart that follows, or that is being taken: "kick-off", "free ball", "penalty", "goal kick" or "free kick".
+
+        None: the referee does not say, or there is none.
+        """
+        return self._of_referee("restart")
+
+    @property
+    def taken_by(self) -> Optional[str]:
+        """Who takes the restart: "own" or "opponent". None: nobody does, as at a free ball, or the referee does not say."""
+        return self._of_referee("taken_by")
+
+    def _of_referee(self, name: str) -> Optional[str]:
+        value = self.referee.get(name) if isinstance(self.referee, dict) else None
+        return value if isinstance(value, str) else None
+
+    @property
     def halt_reasons(self) -> tuple[str, ...]:
         """Why robots are stopped, in words; empty if they may move."""
         bits = self.halt or 0

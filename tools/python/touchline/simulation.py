@@ -204,8 +204,10 @@ class Simulation:
         self._ask("place", places)
 
     def throw(self, vx: float, vy: float, x: Optional[float] = None, y: Optional[float] = None) -> None:
-        """Gives the ball a velocity in m/s, where it is or at a place."""
-        self._ask("throw", {"vx": vx, "vy": vy, **({} if x is None or y is None else {"x": x, "y": y})})
+        """Gives the ball a velocity in m/s, where it is or at a place. Raises ValueError for one coordinate without the other."""
+        if (x is None) != (y is None):
+            raise ValueError(f"throw: {'y' if y is None else 'x'} is missing; give both coordinates of the place, or none")
+        self._ask("throw", {"vx": vx, "vy": vy, **({} if x is None else {"x": x, "y": y})})
 
     def fault(self, kind: str, duration: float = 1.0) -> None:
         """Injects a fault of our camera or radio, beginning now: camera_stall, camera_lost, radio_lost or radio_busy."""

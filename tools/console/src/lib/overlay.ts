@@ -31,6 +31,7 @@ export function drawOverlay(context: CanvasRenderingContext2D, input: OverlayInp
   if (on('trails')) drawTrails(pen, input);
   if (on('tracks')) drawTracks(pen, input);
   if (on('action')) drawAction(pen, input);
+  if (on('play')) drawPlay(pen, input);
   if (on('ball')) drawBall(pen, input);
   if (on('robots')) drawRobots(pen, input);
   if (on('refusals')) drawRefusals(pen, input);
@@ -141,6 +142,32 @@ function drawTracks(pen: Pen, input: OverlayInput): void {
 
 function drawAction(pen: Pen, input: OverlayInput): void {
   for (const track of input.state.tracks) drawPose(pen, input, track.action, track.team, LAYER_COLORS.action);
+}
+
+// Length of the arrow that shows the direction of the motion at a target.
+const ARROW_M = 0.08;
+
+/** A straight line from each robot to its target, and there a cross with the direction of the motion. */
+function drawPlay(pen: Pen, input: OverlayInput): void {
+  const color = LAYER_COLORS.play;
+  for (const { id, skill, target } of input.state.play ?? []) {
+    const robot = input.state.tracks.find((track) => track.team === 'own' && track.id === id);
+    if (!robot || !target) continue;
+    const height = heightOf(input.hello, 'own');
+    const at: Point = [target.x_m, target.y_m];
+    for (const part of project(input, [[robot.x_m, robot.y_m], at], height)) pen.line(part, color, { dash: [2, 4] });
+    if (target.heading_rad !== undefined) {
+      const [c, s] = [Math.cos(target.heading_rad), Math.sin(target.heading_rad)];
+      const tip: Point = [at[0] + ARROW_M * c, at[1] + ARROW_M * s];
+      const barb = (side: number): Point => [tip[0] - 0.3 * ARROW_M * (c - side * s), tip[1] - 0.3 * ARROW_M * (s + side * c)];
+      for (const line of [[at, tip], [barb(1), tip, barb(-1)]]) for (const part of project(input, line, height)) pen.line(part, color);
+    }
+    const center = project(input, [at], height)[0]?.[0];
+    if (!center) continue;
+    const arm = 5 * pen.unit;
+    for (const side of [1, -1]) pen.line([[center[0] - arm, center[1] - side * arm], [center[0] + arm, center[1] + side * arm]], color);
+    if (input.detailed) pen.text(`${id} ${skill ?? ''}`, [center[0], center[1] - 14 * pen.unit], color, 12);
+  }
 }
 
 function ring(center: Point, radius: number): Point[] {

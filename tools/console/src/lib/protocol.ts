@@ -144,6 +144,16 @@ export interface PictureFigures {
   contradicting: number;
 }
 
+/** What the built-in play decided for a robot. */
+export interface PlayDecision {
+  id: number;
+  job?: string; // absent: the goalkeeper, and a robot that is left over
+  skill?: string;
+  why?: string;
+  target?: { x_m: number; y_m: number; heading_rad?: number }; // absent: it turns or stands where it is
+  time_s?: number; // until it is there, as estimated when the jobs were given
+}
+
 export interface State {
   type: 'state';
   number: number; // of processed frames; the picture with the same number belongs to this state
@@ -162,6 +172,7 @@ export interface State {
   waits_for_start?: boolean; // a start ends one of the reasons
   referee?: { phase: string };
   roles?: { id: number; role: 'goalkeeper' | 'attacker' | 'supporter' }[];
+  play?: PlayDecision[];
   score?: { own: number; opponent: number; source?: 'referee' | 'console' } | null;
   picture?: PictureFigures;
   brightness?: number; // of the light, relative to the calibration
@@ -301,7 +312,9 @@ export type ArenaRequest =
   | { resume: Record<string, never> }
   | { step: { frames: number } }
   | { speed: { factor: number } }
-  | { reset: { seed: number } };
+  | { reset: { seed: number } }
+  | { throw: { vx: number; vy: number } }
+  | { fault: { kind: string; for_s: number } };
 
 export type ClientMessage =
   | { type: 'watch'; picture: { rate_hz: number; max_width_px: number } | null; state_hz: number; setup?: boolean; findings?: FindingsName[] }

@@ -13,15 +13,16 @@ inline constexpr double kFrame = 0.016;  // time between two frames in s
 
 inline Instant at(double time_s) { return Instant{} + from_seconds(time_s); }
 
-/// A minimal simulation for closed-loop tests of the controller. Robots follow their commands with a lag, do not pass
-/// through each other or the walls, and push the ball with their square bodies. Forces are not modeled.
-class SmallWorld {
+/// The arena's physics (hal/mock/world.h) for closed-loop tests of the controller: without noise, errors and delay.
+/// Tests may change every member between two calls of advance(). It can be copied.
+class ArenaWorld {
  public:
   struct Robot {
     Team team = Team::kOwn;
     RobotId id = kUnknownId;
     Vector2 position;
-    double heading = 0.0, v = 0.0, w = 0.0;
+    double heading = 0.0, w = 0.0;
+    Vector2 velocity;
     Twist command;
     bool jammed = false;  // the robot does not move, whatever the command
   };
@@ -41,10 +42,8 @@ class SmallWorld {
   Tracks tracks(std::mt19937* noise = nullptr, double noise_m = 0.0) const;
 
  private:
-  void move(Robot& robot, double dt_s) const;
-  void separate(double dt_s);
-  void push_ball(const Robot& robot);
-  void keep_ball_inside();
+  // Counts a goal, and puts the ball into the center.
+  void watch_goals();
 };
 
 }  // namespace touchline

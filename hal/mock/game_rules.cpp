@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "core/geometry/angle.h"
-#include "hal/mock/fnv1a.h"
+#include "hal/fnv1a.h"
 
 namespace touchline::hal::mock {
 namespace {

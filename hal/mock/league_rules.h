@@ -6,8 +6,8 @@
 
 #include "core/control/referee_state.h"
 #include "core/geometry/vector2.h"
+#include "hal/fnv1a.h"
 #include "hal/mock/arena_parameters.h"
-#include "hal/mock/fnv1a.h"
 #include "hal/mock/world.h"
 
 namespace touchline::hal::mock {

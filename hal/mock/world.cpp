@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "core/geometry/angle.h"
-#include "hal/mock/fnv1a.h"
+#include "hal/fnv1a.h"
 
 namespace touchline::hal::mock {
 namespace {

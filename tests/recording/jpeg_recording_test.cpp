@@ -72,7 +72,9 @@ class JpegRecording : public ::testing::Test {
       snapshot->number = static_cast<std::uint64_t>(i);
       tap.add(trace, *snapshot, lease);
       pipeline_->adapt();
-      if (i != lost) ASSERT_TRUE(writer_.add_step(ring.front()).ok());
+      if (i != lost) {
+        ASSERT_TRUE(writer_.add_step(ring.front()).ok());
+      }
       ring.pop();
     }
     ASSERT_TRUE(writer_.close().ok());

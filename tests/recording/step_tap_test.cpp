@@ -26,15 +26,15 @@ class StepTapTest : public LoopTest {
 };
 
 TEST_F(StepTapTest, RecordsFramesAndStopsInTheirOrder) {
-  ByteRing ring(std::size_t{8} << 20);
-  StepTap tap(ring, 2);
+  ByteRing memory(std::size_t{8} << 20);
+  StepTap tap(memory, 2);
   tap.begin_session(false);
   settings.recording = &tap;
   camera.add({0.5, 0.9, ErrorCode::kTimeout});
   start();
   run_until(1.2);
   loop->close();
-  const std::vector<StepHeader> headers = take_headers(ring);
+  const std::vector<StepHeader> headers = take_headers(memory);
   ASSERT_GT(headers.size(), 40U);
   std::uint64_t frames = 0, stops = 0, pictures = 0;
   for (std::size_t i = 0; i < headers.size(); ++i) {
@@ -56,8 +56,8 @@ TEST_F(StepTapTest, RecordsFramesAndStopsInTheirOrder) {
 }
 
 TEST_F(StepTapTest, AllocatesNothing) {
-  ByteRing ring(std::size_t{16} << 20);
-  StepTap tap(ring, 1);
+  ByteRing memory(std::size_t{16} << 20);
+  StepTap tap(memory, 1);
   tap.begin_session(false);
   settings.recording = &tap;
   start();
@@ -65,15 +65,16 @@ TEST_F(StepTapTest, AllocatesNothing) {
   const std::uint64_t before = latency::allocations_of_this_thread();
   run_until(2.0);
   const std::uint64_t allocations = latency::allocations_of_this_thread() - before;
-  EXPECT_GT(take_headers(ring).size(), 90U);
+  EXPECT_GT(take_headers(memory).size(), 90U);
+  loop->close();
   if (!latency::allocations_are_counted()) GTEST_SKIP() << "a sanitizer has its own allocator";
   EXPECT_EQ(allocations, 0U);
 }
 
 TEST_F(StepTapTest, WithoutMemoryPicturesAreLeftOutFirstAndTheLoopGoesOn) {
   // A picture has 9 KB, the rest of a step 16 KB.
-  ByteRing ring(std::size_t{1} << 20);
-  StepTap tap(ring, 1);
+  ByteRing memory(std::size_t{1} << 20);
+  StepTap tap(memory, 1);
   tap.begin_session(false);
   settings.recording = &tap;
   start();
@@ -82,26 +83,28 @@ TEST_F(StepTapTest, WithoutMemoryPicturesAreLeftOutFirstAndTheLoopGoesOn) {
   EXPECT_GT(tap.lost_pictures(), 100U);
   EXPECT_GT(tap.lost_steps(), 50U);
   EXPECT_LT(tap.lost_steps(), tap.lost_pictures());
-  const std::vector<StepHeader> headers = take_headers(ring);
+  const std::vector<StepHeader> headers = take_headers(memory);
   EXPECT_EQ(headers.front().picture, PictureKind::kRaw);
   EXPECT_EQ(headers.back().picture, PictureKind::kNone) << "the last eighth of the memory is for steps";
   // After the gap the numbers tell how much is missing.
   run_until(4.1);
-  const std::vector<StepHeader> later = take_headers(ring);
+  const std::vector<StepHeader> later = take_headers(memory);
   ASSERT_FALSE(later.empty());
   EXPECT_GE(later.front().number, headers.size() + tap.lost_steps());
+  loop->close();
 }
 
 TEST_F(StepTapTest, RecordsNothingAfterItsEnd) {
-  ByteRing ring(std::size_t{1} << 20);
-  StepTap tap(ring, 1);
+  ByteRing memory(std::size_t{1} << 20);
+  StepTap tap(memory, 1);
   // As if simulated time waited for a recorder that has ended.
   tap.begin_session(true);
   settings.recording = &tap;
   start();
   tap.end();
   run_until(4.0);
-  EXPECT_TRUE(ring.front().empty());
+  loop->close();
+  EXPECT_TRUE(memory.front().empty());
   EXPECT_GT(loop->statistics().frames, 190U);
 }
 

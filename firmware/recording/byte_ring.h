@@ -15,6 +15,7 @@ class ByteRing {
  public:
   /// Takes `bytes` of memory, rounded up to a multiple of 8.
   explicit ByteRing(std::size_t bytes) : memory_((bytes + kAlignment - 1) / kAlignment * kAlignment) {}
+  ~ByteRing() = default;
   ByteRing(const ByteRing&) = delete;
   ByteRing& operator=(const ByteRing&) = delete;
 

@@ -24,26 +24,35 @@ class JpegRecording : public ::testing::Test {
         {folder + "/board.toml", folder + "/venue-mjpg.toml", folder + "/team.toml", {"camera.format=mjpg"}},
         *configuration_);
     EXPECT_TRUE(loaded.ok()) << loaded.text();
-    EXPECT_TRUE(pipeline_->configure(configuration_->pipeline).ok());
-    ConfigurationText text = text_of(*configuration_);
-    text.session = 1;
-    EXPECT_FALSE(text.light_reference.empty()) << "the example has pictures beside its venue file";
     EXPECT_TRUE(writer_.create(path_.string(), "test").ok());
-    EXPECT_TRUE(writer_.add(text).ok());
   }
   ~JpegRecording() override { std::filesystem::remove(path_); }
 
-  /// Records with every `every`-th picture. `lost`: number of a step that the recorder does not get.
-  void record(std::uint32_t every, int lost = -1) {
+  /// Records sessions with every `every`-th picture. `lost`: number of a step that the recorder does not get in the
+  /// first session.
+  void record(std::uint32_t every, int lost = -1, std::uint32_t sessions = 1) {
+    ByteRing ring(std::size_t{16} << 20);
+    StepTap tap(ring, every);
+    for (std::uint32_t session = 1; session <= sessions; ++session) {
+      ConfigurationText text = text_of(*configuration_);
+      text.session = session;
+      EXPECT_FALSE(text.light_reference.empty()) << "the example has pictures beside its venue file";
+      ASSERT_TRUE(writer_.add(text).ok());
+      ASSERT_TRUE(pipeline_->configure(configuration_->pipeline).ok());
+      tap.begin_session(false);
+      record_session(ring, tap, session == 1 ? lost : -1);
+    }
+    ASSERT_TRUE(writer_.close().ok());
+    EXPECT_GT(robots_, 50U) << "the pictures show robots";
+  }
+
+  void record_session(ByteRing& ring, StepTap& tap, int lost) {
     const config::BoardFile& board = configuration_->board;
     const auto arena = std::make_unique<hal::mock::Arena>(board.arena, board.camera, board.radio, 1);
     hal::mock::ArenaClock clock(*arena);
     hal::mock::MockCamera camera(*arena, clock);
     ASSERT_TRUE(camera.open().ok());
     ASSERT_TRUE(camera.start().ok());
-    ByteRing ring(std::size_t{16} << 20);
-    StepTap tap(ring, every);
-    tap.begin_session(false);
     hal::MjpgDecoder decoder;
     decoder.open(camera.info().width_px, camera.info().height_px);
     std::vector<std::uint8_t> decoded(decoder.layout().bytes);
@@ -77,8 +86,6 @@ class JpegRecording : public ::testing::Test {
       }
       ring.pop();
     }
-    ASSERT_TRUE(writer_.close().ok());
-    EXPECT_GT(robots_, 50U) << "the pictures show robots";
   }
 
   struct Replayed {
@@ -139,7 +146,19 @@ TEST_F(JpegRecording, ALostStepEndsTheHash) {
   EXPECT_EQ(replayed.different, 0);
   EXPECT_EQ(replayed.hash, writer_.hash().line());
   EXPECT_EQ(writer_.hash().steps(), 10U);
-  EXPECT_NE(replayed.notes.find("frame 11: 1 steps before it were not recorded"), std::string::npos) << replayed.notes;
+  EXPECT_NE(replayed.notes.find("frame 11: 1 step before it not recorded"), std::string::npos) << replayed.notes;
+}
+
+TEST_F(JpegRecording, ASessionBeginsAnewAndHasAWholeStretchAgain) {
+  record(1, 10, 2);
+  const Replayed replayed = replay_all();
+  EXPECT_EQ(replayed.frames, 2 * kFrames - 1);
+  EXPECT_EQ(replayed.from_pictures, 2 * kFrames - 1);
+  EXPECT_EQ(replayed.not_compared, kFrames - 11);
+  EXPECT_EQ(replayed.different, 0);
+  EXPECT_EQ(replayed.hash, writer_.hash().line());
+  EXPECT_EQ(writer_.hash().steps(), 10U + kFrames);
+  EXPECT_NE(replayed.notes.find("session 2"), std::string::npos) << replayed.notes;
 }
 
 }  // namespace

@@ -62,8 +62,10 @@ void RecordingSource::note_end() {
   if (reader_.is_damaged()) {
     notes_.push_back(path_ + ": a part of the file is damaged; the replay ends before it");
   } else if (!reader_.is_complete()) {
-    notes_.push_back(path_ + ": the file was cut off; " + std::to_string(reader_.rest()) +
-                     " bytes after its last whole chunk are left out");
+    const std::string rest = reader_.rest() == 0 ? ""
+                                                 : "; its last " + std::to_string(reader_.rest()) +
+                                                       " bytes are no whole chunk and are left out";
+    notes_.push_back(path_ + ": the recording was cut off" + rest);
   }
 }
 
@@ -138,9 +140,9 @@ void RecordingSource::note_gap() {
   if (header.number != next_number_) {
     had_gap_ = true;
     message_->inputs.events.reset = true;
-    notes_.push_back(frame_text(header) + ": " + std::to_string(header.number - next_number_) +
-                     " steps before it were not recorded: tracks begin anew, and the hash leaves out the rest of the "
-                     "session");
+    const std::uint64_t lost = header.number - next_number_;
+    notes_.push_back(frame_text(header) + ": " + std::to_string(lost) + (lost == 1 ? " step" : " steps") +
+                     " before it not recorded: tracks begin anew, and the hash leaves out the rest of the session");
   }
   next_number_ = header.number + 1;
 }

@@ -1,6 +1,7 @@
 #include "tools/programs/replay/recording_replay.h"
 
 #include <algorithm>
+#include <filesystem>
 #include <optional>
 #include <string_view>
 
@@ -50,6 +51,7 @@ Result<RecordingSummary> replay_recording(const ReplayOptions& options, const Pr
   ReplayOutputs outputs(options);
   std::uint32_t session = 0;
   RecordingSummary summary;
+  const std::string name = std::filesystem::path(options.input).filename().string();
   for (;;) {
     const Result<std::optional<RecordingSource::Step>> step = source.next();
     for (const std::string& line : source.take_notes()) note(line);
@@ -62,7 +64,7 @@ Result<RecordingSummary> replay_recording(const ReplayOptions& options, const Pr
     session = source.session();
     if (step.value()->trace == nullptr) continue;
     const recording::StepHeader& header = step.value()->header;
-    TOUCHLINE_TRY(outputs.add(*step.value()->trace, header.frame_number, options.input, step.value()->has_picture));
+    TOUCHLINE_TRY(outputs.add(*step.value()->trace, header.frame_number, name, step.value()->has_picture));
     progress(summary.frames, 0);
   }
   if (session == 0) return failure(ErrorCode::kNotFound, "%s: there are no steps in it", options.input.c_str());

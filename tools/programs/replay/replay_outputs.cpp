@@ -9,6 +9,9 @@
 namespace touchline::replay {
 namespace {
 
+// A video goes on this long after the last frame of a session; its clock may begin anew.
+constexpr Duration kSessionPause = std::chrono::milliseconds(20);
+
 AnnotationStyle annotation_style(const config::Configuration& configuration) {
   AnnotationStyle style;
   style.names.colors = {"background"};
@@ -66,6 +69,7 @@ Result<void> ReplayOutputs::open(const config::Configuration& configuration, dou
 
 void ReplayOutputs::use(const config::Configuration& configuration) {
   style_ = annotation_style(configuration);
+  begin_.reset();
   if (!options_.annotate.empty()) annotator_ = std::make_unique<Annotator>(configuration.pipeline, style_);
 }
 
@@ -74,7 +78,9 @@ Result<void> ReplayOutputs::add(const StepTrace& trace, std::uint64_t frame, con
   if (!options_.out.empty()) TOUCHLINE_TRY(lines_.write(report::trace_line(trace, style_.names, frame, file) + "\n"));
   if (annotator_ != nullptr && has_picture) {
     const SurfacePtr surface = annotator_->draw(trace, frame, file);
-    const Duration stamp = trace.frame.capture_time.time_since_epoch();
+    if (!begin_) begin_ = trace.frame.capture_time - next_stamp_;
+    const Duration stamp = trace.frame.capture_time - *begin_;
+    next_stamp_ = stamp + kSessionPause;
     TOUCHLINE_TRY(pictures_.write(*surface, frame, file, stamp));
   }
   if (!options_.plot.empty()) plot_.add(trace);

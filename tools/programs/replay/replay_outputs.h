@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "firmware/config/configuration.h"
@@ -39,6 +40,8 @@ class ReplayOutputs {
   hal::OutputFile lines_, plot_file_;
   AnnotationOutput pictures_;
   std::unique_ptr<Annotator> annotator_;
+  std::optional<Instant> begin_;  // time of the video's beginning on the session's clock
+  Duration next_stamp_{};         // of the next session's first frame
   MotionPlot plot_;
 };
 

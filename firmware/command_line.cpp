@@ -114,6 +114,10 @@ std::optional<int> parse_command_line(int argc, char** argv, CommandLine& out) {
          "Serve the console to other computers and phones too, at port 8642 or the next free one, and print login\n"
          "links. It is the same as --console 0.0.0.0:8642")
       ->excludes(console);
+  run->add_option("--record", out.recordings,
+                  "Record the run into a new file in this folder, for touchline-replay and Foxglove. Default:\n"
+                  "recording.folder of the board file")
+      ->type_name("FOLDER");
   std::string pace;
   run->add_option(
          "--pace", pace,
@@ -128,6 +132,7 @@ std::optional<int> parse_command_line(int argc, char** argv, CommandLine& out) {
       {{"touchline run --board boards/mock/board.toml", "play in the built-in arena"},
        {"touchline run --board board.toml --set camera.exposure_us=4000", "with another exposure for this time"},
        {"touchline run --board board.toml --publish ssl-vision --referee ssl", "with programs of a league"},
+       {"touchline run --board board.toml --record games", "record the game into a file in the folder games"},
        {"touchline run --board boards/mock/board.toml --headless --duration 30 --seed 1",
         "30 s of the arena as fast as possible; the same seed gives the same game"}},
       kNotes);

@@ -24,6 +24,7 @@ struct CommandLine {
   network::NetworkOptions network;
   console::ConsoleOptions console;
   Pace pace = Pace::kDefault;
+  std::string recordings;  // folder of run --record; empty: the board file decides
   bool headless = false;
   bool dump = false;
   bool prints_login_link = false;      // console --link was given

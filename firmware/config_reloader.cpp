@@ -47,17 +47,19 @@ std::vector<std::string> ConfigReloader::reload(const std::atomic<bool>& cancell
   if (!applied.ok()) return refused(applied.text());
   config::ReloadChanges& changes = applied.value();
   if (changes.empty()) return {"reload: nothing has changed"};
-  if (const Result<void> prepared = prepare(*next, changes); !prepared.ok()) return refused(prepared.text());
+  if (const Result<void> prepared = live_settings_.build(*next, changes); !prepared.ok())
+    return refused(prepared.text());
   if (changes.concern(Reload::kCamera)) adjust_camera(*next, changes, messages);
-  live_update_.offer(*live_settings_);
+  if (on_offer_) on_offer_(*files);
+  live_update_.offer(live_settings_.settings());
   while (live_update_.is_pending()) {
     if (cancelled.load(std::memory_order_acquire)) return messages;
     std::this_thread::sleep_for(kTakenPollPeriod);
   }
-  if (live_settings_->tables != nullptr) unused_ = live_settings_->tables;
+  live_settings_.on_taken();
   running_ = std::move(next);
   if (!changes.applied.empty()) {
-    messages.push_back("reload: from frame " + std::to_string(live_settings_->taken_after + 1) +
+    messages.push_back("reload: from frame " + std::to_string(live_settings_.settings().taken_after + 1) +
                        " on: " + listed(changes.applied, config::text_of));
   }
   if (!changes.need_restart.empty()) {
@@ -74,32 +76,6 @@ bool ConfigReloader::adjust_camera_only(const config::Configuration& next) {
   if (!is_possible || !camera_.adjust(next.board.camera).ok()) return false;
   running_->board.camera = next.board.camera;
   return true;
-}
-
-Result<void> ConfigReloader::prepare(const config::Configuration& next, const config::ReloadChanges& changes) {
-  live_settings_->tables = nullptr;
-  live_settings_->control = next.pipeline.control;
-  live_settings_->faults = next.board.faults;
-  live_settings_->radio_delay = from_seconds(next.board.radio.delay_s);
-  if (!changes.concern(Reload::kThresholds)) return {};
-  if (unused_ == nullptr) {
-    second_ = std::make_unique<ScanTables>();
-    unused_ = second_.get();
-  }
-  const PipelineParameters& parameters = next.pipeline;
-  const auto unusable = [&next](Status status) {
-    return failure(status.code(), "%s: the new values cannot be used: %s", next.venue_where.file().c_str(),
-                   describe(status.code()));
-  };
-  if (const Status s = unused_->configure(parameters.scan); !s.ok()) return unusable(s);
-  live_settings_->tables = unused_;
-  live_settings_->keep_adaptation_mode = std::none_of(
-      changes.applied.begin(), changes.applied.end(),
-      [](const auto& change) { return change.file == config::FileKind::kVenue && change.key == "adaptation.mode"; });
-  const Status configured =
-      live_settings_->adaptation.configure(parameters.adaptation, parameters.scan, parameters.marker.ball.color);
-  if (!configured.ok()) return unusable(configured);
-  return {};
 }
 
 void ConfigReloader::adjust_camera(config::Configuration& next, config::ReloadChanges& changes,

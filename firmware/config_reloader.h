@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "firmware/config/configuration.h"
+#include "firmware/live_settings_builder.h"
 #include "firmware/live_update.h"
 #include "hal/camera.h"
 
@@ -40,6 +41,8 @@ class ConfigReloader {
   /// errors in the files. After an error nothing changes. Returns when the loop has taken the settings or `cancelled`
   /// is set.
   std::vector<std::string> reload(const std::atomic<bool>& cancelled);
+  /// Calls `on_offer` with the new files before the loop gets their settings, each time. Call it before reload().
+  void set_on_offer(std::function<void(const config::Configuration&)> on_offer) { on_offer_ = std::move(on_offer); }
   /// Sets the controls of the camera if `next` differs from the configuration in use only in them. Returns false if
   /// `next` needs a restart, because it differs in other keys or not at all, or because the camera refuses the
   /// controls.
@@ -49,16 +52,14 @@ class ConfigReloader {
 
  private:
   void adjust_camera(config::Configuration& next, config::ReloadChanges& changes, std::vector<std::string>& messages);
-  Result<void> prepare(const config::Configuration& next, const config::ReloadChanges& changes);
 
   const config::FilePaths paths_;
   hal::Camera& camera_;
   LiveUpdate& live_update_;
+  std::function<void(const config::Configuration&)> on_offer_;
   // On the heap, because a configuration takes megabytes.
   std::unique_ptr<config::Configuration> running_;
-  std::unique_ptr<ScanTables> second_;  // made at the first reload that needs them
-  ScanTables* unused_ = nullptr;        // `second_` or the scanner's own tables
-  std::unique_ptr<LiveSettings> live_settings_ = std::make_unique<LiveSettings>();
+  LiveSettingsBuilder live_settings_;
 };
 
 /// Gives several threads access to the reloader of the current session.

@@ -177,12 +177,14 @@ void Loop::process_frame(const hal::FrameLease& lease) {
   } else {
     on_fault(Device::kCamera, {trace.status.code(), "the pipeline rejected the frame"}, timing.sent);
   }
-  if (settings_.snapshots != nullptr) write_snapshot(trace, timing, machine_sent);
+  if (settings_.snapshots != nullptr || settings_.recording != nullptr) fill_snapshot(trace, timing, machine_sent);
+  if (settings_.snapshots != nullptr) settings_.snapshots->write(snapshot_);
   // The picture follows the snapshot, so that whoever gets the picture also finds the results.
   if (is_picture_wanted) settings_.pictures->put(frame, settings_.first_number + statistics_.frames - 1);
+  if (settings_.recording != nullptr) settings_.recording->add(trace, snapshot_, lease);
 }
 
-void Loop::write_snapshot(const StepTrace& trace, const StepTiming& timing, Instant machine_sent) {
+void Loop::fill_snapshot(const StepTrace& trace, const StepTiming& timing, Instant machine_sent) {
   copy_trace(trace, snapshot_);
   copy_bytes(trace, pipeline_.radio(), external_.console().tested, snapshot_);
   snapshot_.number = settings_.first_number + statistics_.frames - 1;
@@ -196,7 +198,6 @@ void Loop::write_snapshot(const StepTrace& trace, const StepTiming& timing, Inst
   snapshot_.referee = external_.referee();
   snapshot_.referee.score = score();
   snapshot_.referee.own_on_positive_half = external_.is_on_positive_half();
-  settings_.snapshots->write(snapshot_);
 }
 
 std::optional<Score> Loop::score() const {
@@ -287,6 +288,7 @@ void Loop::send_stop(Instant now) {
   fill_inputs(now, inputs_.action_delay);
   const OutgoingPackets& packets = pipeline_.stop(inputs_);
   if (observer_.on_stop != nullptr) observer_.on_stop(observer_.context, inputs_);
+  if (settings_.recording != nullptr) settings_.recording->add_stop(inputs_, packets);
   on_inputs_used(now);
   send(packets, true, now);
 }

@@ -20,6 +20,7 @@
 #include "firmware/loop_report.h"
 #include "firmware/loop_statistics.h"
 #include "firmware/picture_exchange.h"
+#include "firmware/recording/step_tap.h"
 #include "firmware/report_writer.h"
 #include "firmware/snapshot_ring.h"
 #include "firmware/stop_rules.h"
@@ -62,10 +63,11 @@ struct LoopSettings {
   std::uint64_t first_number = 0;     // number of the first frame's snapshot
   LiveUpdate* live_update = nullptr;  // new settings while the loop runs; null: none
   ExternalInputSettings external;
-  SnapshotRing* snapshots = nullptr;    // gets a snapshot of every frame; null: no snapshots are made
-  PictureExchange* pictures = nullptr;  // requests single pictures; null: no pictures are requested
-  ScoreSource score;                    // used if no referee tells the score
-  JumpSource jumps;                     // of a simulation
+  SnapshotRing* snapshots = nullptr;        // gets a snapshot of every frame; null: no snapshots are made
+  PictureExchange* pictures = nullptr;      // requests single pictures; null: no pictures are requested
+  recording::StepTap* recording = nullptr;  // gets every step with its inputs; null: nothing is recorded
+  ScoreSource score;                        // used if no referee tells the score
+  JumpSource jumps;                         // of a simulation
 };
 
 /// Times of one frame.
@@ -167,7 +169,7 @@ class Loop {
   void fill_inputs(Instant now, Duration action_delay);
   /// Clears the events after a step or a stop has used them.
   void on_inputs_used(Instant now);
-  void write_snapshot(const StepTrace& trace, const StepTiming& timing, Instant machine_sent);
+  void fill_snapshot(const StepTrace& trace, const StepTiming& timing, Instant machine_sent);
   // Begins tracks anew with the first frame that shows robots of a simulation elsewhere.
   void note_jump(const Frame& frame);
   /// Returns the score of the referee, or of a simulation that counts goals.

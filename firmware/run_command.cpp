@@ -15,6 +15,7 @@
 #include "firmware/network/connections.h"
 #include "firmware/radio_plan.h"
 #include "firmware/realtime.h"
+#include "firmware/recording/recorder.h"
 #include "firmware/report_printer.h"
 #include "firmware/run_marker.h"
 #include "firmware/service_notifier.h"
@@ -117,6 +118,7 @@ struct RunContext {
   std::vector<std::string> device_lines{};  // of the former session
   std::optional<ServiceNotifier> service{};
   std::optional<console::ConsoleThread> console_thread{};
+  std::unique_ptr<recording::Recorder> recorder{};  // null: nothing is recorded. Last, because its thread prints
 };
 
 /// Loads a draft, or the saved files if `draft` names none. With `may_lack_calibration` a session without recognition
@@ -172,7 +174,12 @@ Result<void> open_session(Session& session, RunContext& run) {
   session.set_restart(&run.next->is_waiting());
   if (run.serves_console) run.console.attach(session, run.connections.snapshots());
   run.connections.attach(session);
-  return session.open(LoopObserver{});
+  if (run.recorder != nullptr) session.set_recording(&run.recorder->tap());
+  TOUCHLINE_TRY(session.open(LoopObserver{}));
+  if (run.recorder != nullptr) {
+    run.recorder->begin_session(session, session.devices().hal_devices().simulated_time);
+  }
+  return {};
 }
 
 ReportPrinterSettings reporting_of(const Session& session, RunContext& run) {
@@ -188,8 +195,11 @@ ReportPrinterSettings reporting_of(const Session& session, RunContext& run) {
   if (run.serves_console) {
     reporting.on_status = [&run](const StatusReport& status) { run.console.reports().set(status); };
     reporting.on_halt = [&run](const HaltReport& halt) { run.console.reports().set_halt(halt); };
+  }
+  if (run.serves_console || run.recorder != nullptr) {
     reporting.on_event = [&run](const char* level, const std::string& line) {
-      run.console.reports().events.add(level, line);
+      if (run.serves_console) run.console.reports().events.add(level, line);
+      if (run.recorder != nullptr) run.recorder->add_line(level, line);
     };
   }
   return reporting;
@@ -206,6 +216,9 @@ LoopEnd run_session(Session& session, RunContext& run, const std::string& error)
   }
   ConfigReloader reloader(session.files(), session.configuration(), session.devices().hal_devices().camera,
                           session.live_update());
+  if (run.recorder != nullptr) {
+    reloader.set_on_offer([&run](const config::Configuration& files) { run.recorder->add_reload(files); });
+  }
   run.reloader->attach(reloader);
   LoopEnd end = LoopEnd::kRequested;
   {
@@ -215,6 +228,7 @@ LoopEnd run_session(Session& session, RunContext& run, const std::string& error)
     const auto print_line = [&run](const std::string& line) { run.lines.print(line); };
     const ReloadThread reload([&](const std::atomic<bool>& cancelled) { return run.reloader->reload(cancelled); },
                               run.reload_requests, print_line);
+    if (run.recorder != nullptr) run.recorder->start(print_line);
     const network::ConnectionThreads threads(run.connections, session.configuration(), print_line);
     if (run.serves_console && is_first) {
       run.console_thread.emplace(run.console, session, &run.adaptation, TOUCHLINE_VERSION, print_line);
@@ -340,6 +354,16 @@ int run_command(const CommandLine& command_line) {
         "the board is not calibrated, and only the console can set it up: run with --pace real, or with --console\n");
     return kExitBadFile;
   }
+  std::unique_ptr<recording::Recorder> recorder;
+  if (const recording::RecordingPlan recording = recording::plan_recording(*configuration, command_line.recordings);
+      !recording.folder.empty()) {
+    Result<std::unique_ptr<recording::Recorder>> opened = recording::Recorder::open(recording, TOUCHLINE_VERSION);
+    if (!opened.ok()) {
+      output.print_error(opened.text() + "\n");
+      return kExitBadFile;
+    }
+    recorder = std::move(opened).value();
+  }
   std::vector<std::string> refused = lock_memory(board.realtime);
   crash_stop::install_handlers();
   const std::atomic<bool>& stop = handle_stop_signals();
@@ -350,6 +374,7 @@ int run_command(const CommandLine& command_line) {
   if (marker.exists()) session->hold({kHaltCrash});
   RunContext run{command_line, connections,     *console, serves_console, paced,
                  adaptation,   reload_requests, stop,     refused,        shared_output};
+  run.recorder = std::move(recorder);
   console->set_use_files(use_files(command_line.session, run));
   session->await(awaited_devices(*session, run));
   if (const Result<void> opened = open_session(*session, run); !opened.ok()) {
@@ -374,8 +399,13 @@ int run_command(const CommandLine& command_line) {
     end = run_session(*session, run, error);
   }
   if (!is_failure(end)) marker.remove();
+  std::string recorded;
+  if (run.recorder) {
+    run.recorder->finish();
+    recorded = run.recorder->summary();
+  }
   output.print("\n" + summary(session->loop().statistics(), end) + connections.summary() +
-               session->devices().summary());
+               session->devices().summary() + recorded);
   if (!is_failure(end)) return kExitOk;
   output.print_error(fault_line(session->loop().last_fault()) + "\n");
   return kExitDeviceFailure;

@@ -71,6 +71,7 @@ Result<void> Session::open(LoopObserver observer) {
   settings.first_number = first_number_;
   settings.snapshots = snapshots_;
   settings.pictures = pictures_;
+  settings.recording = recording_;
   settings.score = devices_.score();
   settings.jumps = devices_.jumps();
   settings.external.simulated_referee = devices_.referee();

@@ -85,6 +85,8 @@ class Session {
   void set_arena_led(const hal::mock::ArenaLed& led) { configuration_->board.arena.led = led; }
   /// Sets the ring that gets a snapshot of every frame; null: none. Call it before open().
   void set_snapshots(SnapshotRing* snapshots) { snapshots_ = snapshots; }
+  /// Sets the recording that gets every step; null: none. Call it before open().
+  void set_recording(recording::StepTap* recording) { recording_ = recording; }
   /// Sets the input of the console, and the exchange for the pictures that it requests; call it before open().
   void set_console(ConsoleLink* link, PictureExchange* pictures) {
     console_ = link;
@@ -124,6 +126,7 @@ class Session {
   ExternalInputSettings external_;
   Pipeline::StageClock stage_clock_ = hal::MonotonicClock::read;
   SnapshotRing* snapshots_ = nullptr;
+  recording::StepTap* recording_ = nullptr;
   GpioProxy* gpio_proxy_ = nullptr;
   ConsoleLink* console_ = nullptr;
   PictureExchange* pictures_ = nullptr;

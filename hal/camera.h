@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <utility>
 
@@ -43,6 +44,10 @@ class FrameLease {
   /// The camera owns them; they stay open until its close(). To keep the descriptors longer, duplicate them. They are
   /// for reading only. The picture does not change during the lifetime of the lease.
   [[nodiscard]] const DmaBufs& dma_bufs() const { return dma_bufs_; }
+  /// The JPEG file from which the frame was decoded, as the camera sent it; empty: the camera sends this picture. Valid
+  /// during the lifetime of the lease.
+  [[nodiscard]] std::span<const std::uint8_t> jpeg() const { return jpeg_; }
+  void set_jpeg(std::span<const std::uint8_t> jpeg) { jpeg_ = jpeg; }
 
  private:
   void swap(FrameLease& other) noexcept {
@@ -50,11 +55,13 @@ class FrameLease {
     std::swap(frame_, other.frame_);
     std::swap(buffer_, other.buffer_);
     std::swap(dma_bufs_, other.dma_bufs_);
+    std::swap(jpeg_, other.jpeg_);
   }
   Camera* owner_ = nullptr;
   Frame frame_;
   std::uint32_t buffer_ = 0;
   DmaBufs dma_bufs_ = kNoDmaBufs;
+  std::span<const std::uint8_t> jpeg_;
 };
 
 /// Format and settings of an open camera.

@@ -9,6 +9,7 @@
 #include "core/parameter.h"
 #include "firmware/config/console_settings.h"
 #include "firmware/config/network_settings.h"
+#include "firmware/config/recording_settings.h"
 #include "hal/device_parameters.h"
 #include "hal/mock/arena_parameters.h"
 
@@ -122,6 +123,7 @@ struct BoardFile {
   FaultSettings faults;
   NetworkSettings network;
   ConsoleSettings console;
+  RecordingSettings recording;
   hal::mock::ArenaParameters arena;
 
   static constexpr std::array<std::string_view, 7> kRequired{"camera",
@@ -152,6 +154,7 @@ struct BoardFile {
     visit.section(self.faults, {.name = "faults", .reload = Reload::kLoop, .help = "Time limits after a fault"});
     visit.section(self.network, {.name = "network", .help = "Connections to other programs (docs/network.md)"});
     visit.section(self.console, {.name = "console", .help = "The page in a browser (docs/console-protocol.md)"});
+    visit.section(self.recording, {.name = "recording", .help = "Recordings of games (docs/recordings.md)"});
     visit.section(self.arena, {.name = "arena", .help = "Simulation of the backend \"mock\" (docs/arena.md)"});
   }
 };

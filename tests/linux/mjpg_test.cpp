@@ -271,15 +271,13 @@ class MjpgCameraTest : public V4l2RunningTest {
   }
 };
 
-TEST_F(MjpgCameraTest, FramesArePlanarYuvAndTheBufferIsRequeuedAtOnce) {
+TEST_F(MjpgCameraTest, FramesArePlanarYuvAndComeWithTheirJpeg) {
   for (const unsigned interface : {V4L2_CAP_VIDEO_CAPTURE + 0u, V4L2_CAP_VIDEO_CAPTURE_MPLANE + 0u}) {
     device_.capabilities = interface | V4L2_CAP_STREAMING;
     begin(requested());
     EXPECT_EQ(camera_->info().format, PixelFormat::kYuvj422p);
-    const Result<FrameLease> result = camera_->wait(soon());
+    Result<FrameLease> result = camera_->wait(soon());
     ASSERT_TRUE(result.ok()) << result.text();
-    EXPECT_EQ(device_.queued(), 4u);
-    EXPECT_EQ(device_.readable(), 0u);
     const Frame& frame = result.value().frame();
     EXPECT_EQ(frame.format, PixelFormat::kYuvj422p);
     const Channels red = pixel_at(frame, 100, 100);
@@ -287,6 +285,12 @@ TEST_F(MjpgCameraTest, FramesArePlanarYuvAndTheBufferIsRequeuedAtOnce) {
     EXPECT_NEAR(red[1], 85, 2);
     EXPECT_NEAR(red[2], 255, 2);
     EXPECT_EQ(result.value().dma_bufs(), hal::kNoDmaBufs) << "memory of the camera object";
+    const std::span<const std::uint8_t> jpeg = result.value().jpeg();
+    EXPECT_TRUE(std::equal(jpeg.begin(), jpeg.end(), device_.jpeg.begin(), device_.jpeg.end()));
+    EXPECT_EQ(device_.queued(), 3u) << "the lease keeps the buffer with the JPEG";
+    result = FrameLease();
+    EXPECT_EQ(device_.queued(), 4u);
+    EXPECT_EQ(device_.readable(), 0u);
   }
 }
 

@@ -292,19 +292,16 @@ Result<FrameLease> V4l2Camera::deliver(const V4l2Buffers::Filled& filled) {
   return FrameLease(*this, frame, static_cast<std::uint32_t>(filled.index), buffers_.dma_bufs(filled.index));
 }
 
-/// Decodes a JPEG frame. The driver gets its buffer back before the picture is returned.
+/// Decodes a JPEG frame. The lease keeps the driver's buffer, because a recording copies the JPEG after the packet.
 Result<FrameLease> V4l2Camera::decode(const V4l2Buffers::Filled& filled, Frame& frame) {
-  const std::size_t slot = decoded_.take().value_or(0);  // wait() has checked that a slot is free
+  const std::size_t slot = decoded_.take(filled.index).value_or(0);  // wait() has checked that a slot is free
   frame.stride_bytes = decoder_.layout().stride_bytes;
   for (std::size_t i = 0; i < info_of(frame.format).planes; ++i) {
     frame.plane[i] = decoded_.bytes(slot) + decoder_.layout().offset_bytes[i];
   }
   FrameLease lease(*this, frame, static_cast<std::uint32_t>(slot));
-  const Result<void> decoded = decoder_.decode({filled.begin[0], filled.bytes[0]}, decoded_.bytes(slot));
-  int error = buffers_.end_read(filled.index);
-  if (error == 0) error = buffers_.queue(device_, filled.index);
-  if (error != 0) return fail("queuing a buffer", error);
-  if (!decoded.ok()) {
+  lease.set_jpeg({filled.begin[0], filled.bytes[0]});
+  if (const Result<void> decoded = decoder_.decode(lease.jpeg(), decoded_.bytes(slot)); !decoded.ok()) {
     ++counters_.corrupt;
     return failure(decoded.code(), "%s: frame %u cannot be decoded: %s", name(), frame.sequence,
                    decoded.error().text.c_str());
@@ -321,7 +318,7 @@ Result<FrameLease> V4l2Camera::give_back(std::size_t buffer, Error lost) {
 
 void V4l2Camera::do_release(std::uint32_t buffer) noexcept {
   if (!streaming_) return;
-  if (decodes()) return decoded_.give_back(buffer);
+  if (decodes()) buffer = static_cast<std::uint32_t>(decoded_.give_back(buffer));
   int error = buffers_.end_read(buffer);
   if (error == 0) error = buffers_.queue(device_, buffer);
   if (error != 0) static_cast<void>(fail("queuing a buffer", error));  // the next wait() reports it

@@ -8,6 +8,7 @@
 #include "hal/files/text_output.h"
 #include "tools/programs/command_line/command_line.h"
 #include "tools/programs/command_line/formatted.h"
+#include "tools/programs/replay/recording_replay.h"
 #include "tools/programs/replay/replay.h"
 
 namespace {
@@ -65,6 +66,42 @@ std::string text_of(const ReplaySummary& s, double elapsed_s) {
   return text + "\n";
 }
 
+// Returns what is wrong with the combination of options; empty: nothing.
+std::string wrong_use(const ReplayOptions& options) {
+  if (is_recording(options.input)) {
+    const bool has_files = !options.venue.empty() || !options.team.empty() || !options.overrides.empty();
+    return has_files ? "a recording has its own files; --what-if KEY=VALUE changes a key of them" : "";
+  }
+  if (!options.what_if.empty()) return "--what-if needs a recording (NAME.mcap); for pictures there is --set";
+  const char* const missing = options.venue.empty()  ? "--venue"
+                              : options.team.empty() ? "--team"
+                              : options.out.empty()  ? "--out"
+                                                     : nullptr;
+  return missing != nullptr ? std::string(missing) + " is required" : "";
+}
+
+int run_recording(ReplayOptions options, bool quiet, ProgressBar& bar, TextOutput& output) {
+  options.overrides = options.what_if;
+  // With --out -, standard output carries only the result.
+  const auto print = [&](const std::string& text) {
+    return options.out == "-" ? output.print_error(text) : output.print(text);
+  };
+  const auto note = [&](const std::string& line) {
+    bar.clear();
+    if (!quiet) print(line + "\n");
+  };
+  const touchline::Result<RecordingSummary> summary = replay_recording(
+      options, [&bar](std::uint64_t done, std::uint64_t total) { bar.show(done, total); }, note, stop_requested);
+  bar.clear();
+  if (!summary.ok()) {
+    output.print_error("touchline-replay: " + summary.text() + "\n");
+    return touchline::kExitBadFile;
+  }
+  print(text_of(summary.value(), !options.what_if.empty()));
+  const bool is_reproduced = summary.value().different == 0;
+  return is_reproduced || !options.what_if.empty() ? touchline::kExitOk : touchline::kExitBadFile;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -72,12 +109,16 @@ int main(int argc, char** argv) {
   bool quiet = false;
   CLI::App app{"Runs the vision pipeline on pictures or a video and writes the results, one JSON object per frame.",
                "touchline-replay"};
-  app.add_option("input", options.input, "A folder of pictures (png, ppm, jpg), one picture, or a video")
+  app.add_option(
+         "input", options.input,
+         "A recording NAME.mcap (touchline run --record), a folder of pictures (png, ppm, jpg), one picture, or "
+         "a video")
       ->required()
       ->type_name("PATH");
-  app.add_option("--venue", options.venue, "Venue file")->required()->type_name("FILE");
-  app.add_option("--team", options.team, "Team file")->required()->type_name("FILE");
-  app.add_option("--out", options.out, "Result file, JSON lines; -: standard output")->required()->type_name("FILE");
+  app.add_option("--venue", options.venue, "Venue file, for pictures; a recording has its own")->type_name("FILE");
+  app.add_option("--team", options.team, "Team file, for pictures; a recording has its own")->type_name("FILE");
+  app.add_option("--out", options.out, "Result file, JSON lines; -: standard output. Only a recording needs none")
+      ->type_name("FILE");
   app.add_option("--annotate", options.annotate,
                  "Draw the results into pictures in this folder, or into a video NAME.mp4")
       ->type_name("PATH");
@@ -92,10 +133,17 @@ int main(int argc, char** argv) {
   app.add_option("--rate", options.rate_hz, "Frames per second (default: a video's own time stamps, pictures 30)")
       ->check(touchline::number_range(0.001, 10000.0));
   touchline::add_overrides(app, options.overrides, "the venue or team file");
+  app.add_option("--what-if", options.what_if,
+                 "Replay a recording with another value of a key of its files, and list what differs")
+      ->type_name("KEY=VALUE")
+      ->expected(1)
+      ->take_all();
   app.add_flag("--skip-damaged", options.skip_damaged, "Skip pictures that cannot be decoded instead of stopping");
   app.add_flag("--quiet", quiet, "Print neither progress nor summary");
   touchline::add_examples(
-      app, {{"touchline-replay game.mp4 --venue venue.toml --team team.toml --out game.jsonl", "write the results"},
+      app, {{"touchline-replay touchline-0042.mcap", "repeat a recorded game, and compare all results"},
+            {"touchline-replay touchline-0042.mcap --what-if control.drive.max_speed_mps=0.5", "what would differ"},
+            {"touchline-replay game.mp4 --venue venue.toml --team team.toml --out game.jsonl", "write the results"},
             {"touchline-replay pictures --venue venue.toml --team team.toml --out - --annotate seen",
              "print the results, and draw them into copies of the pictures"}});
   if (const auto exit_code = touchline::parse_arguments(app, argc, argv)) return *exit_code;
@@ -105,7 +153,12 @@ int main(int argc, char** argv) {
   touchline::hal::set_interruption(&stop_requested);
 
   TextOutput output;
+  if (const std::string error = wrong_use(options); !error.empty()) {
+    output.print_error("touchline-replay: " + error + "\nRun with --help for more information.\n");
+    return touchline::kExitBadCommandLine;
+  }
   ProgressBar bar(!quiet && isatty(STDERR_FILENO) == 1, output);
+  if (is_recording(options.input)) return run_recording(options, quiet, bar, output);
   const WallClock::time_point begin = WallClock::now();
   const touchline::Result<ReplaySummary> summary = replay(
       options, [&bar](std::uint64_t done, std::uint64_t total) { bar.show(done, total); }, stop_requested);

@@ -11,9 +11,10 @@
 namespace touchline::replay {
 
 struct ReplayOptions {
-  std::string input;  // folder of pictures, one picture, or a video
+  std::string input;  // folder of pictures, one picture, a video, or a recording
   std::string venue, team;
   std::vector<std::string> overrides;  // "key=value" for keys of the two files
+  std::vector<std::string> what_if;    // the same for a recording
   std::string out;            // file of JSON lines, which appears when all frames are in it; "-": standard output
   std::string annotate;       // empty, a folder, or a file NAME.mp4
   std::string plot;           // empty, or an SVG file (MotionPlot)

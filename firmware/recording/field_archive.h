@@ -1,0 +1,146 @@
+#pragma once
+
+#include <array>
+#include <bit>
+#include <concepts>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <optional>
+#include <span>
+#include <string>
+#include <type_traits>
+
+#include "core/fixed_vector.h"
+#include "core/status.h"
+#include "core/time.h"
+
+// Bytes of values that pass between the stages. Numbers are little-endian; a list is preceded by its size in 16 bits,
+// an optional value by a byte that says whether it follows. Each struct has a function fields() that passes its members
+// to an archive (firmware/recording/step_fields.h), for writing and for reading.
+namespace touchline::recording {
+
+static_assert(std::endian::native == std::endian::little, "numbers are copied from memory");
+
+template <class T>
+concept Plain = (std::is_arithmetic_v<T> && !std::same_as<T, bool>) || std::is_enum_v<T>;
+
+/// Appends values to bytes.
+class ArchiveWriter {
+ public:
+  explicit ArchiveWriter(std::string& out) : out_(out) {}
+
+  template <class... Values>
+  void operator()(const Values&... values) {
+    (put(values), ...);
+  }
+
+ private:
+  void raw(const void* bytes, std::size_t count) { out_.append(static_cast<const char*>(bytes), count); }
+  template <Plain T>
+  void put(const T& value) {
+    raw(&value, sizeof(T));
+  }
+  void put(const bool& value) { put(static_cast<std::uint8_t>(value ? 1 : 0)); }
+  void put(const Duration& value) { put(static_cast<std::int64_t>(value.count())); }
+  void put(const Instant& value) { put(value.time_since_epoch()); }
+  void put(const Status& value) { put(value.code()); }
+  template <class T>
+  void put(const std::optional<T>& value) {
+    put(value.has_value());
+    if (value) put(*value);
+  }
+  template <class T, std::size_t N>
+  void put(const std::array<T, N>& values) {
+    for (const T& value : values) put(value);
+  }
+  template <class T, std::size_t N>
+  void put(const FixedVector<T, N>& values) {
+    static_assert(N <= 0xFFFF);
+    put(static_cast<std::uint16_t>(values.size()));
+    for (const T& value : values) put(value);
+  }
+  template <class T>
+  requires std::is_class_v<T>
+  void put(const T& value) { fields(*this, value); }
+
+  std::string& out_;
+};
+
+/// Reads what ArchiveWriter has written. After a read beyond the end, or of a list that is too long, ok() is false and
+/// further values keep what they have.
+class ArchiveReader {
+ public:
+  explicit ArchiveReader(std::span<const std::byte> bytes) : rest_(bytes) {}
+
+  template <class... Values>
+  void operator()(Values&... values) {
+    (get(values), ...);
+  }
+  [[nodiscard]] bool ok() const { return ok_; }
+  [[nodiscard]] std::span<const std::byte> rest() const { return rest_; }
+
+ private:
+  template <Plain T>
+  void get(T& value) {
+    if (rest_.size() < sizeof(T)) ok_ = false;
+    if (!ok_) return;
+    std::memcpy(&value, rest_.data(), sizeof(T));
+    rest_ = rest_.subspan(sizeof(T));
+  }
+  void get(bool& value) {
+    std::uint8_t byte = 0;
+    get(byte);
+    value = byte != 0;
+  }
+  void get(Duration& value) {
+    std::int64_t count = 0;
+    get(count);
+    value = Duration(count);
+  }
+  void get(Instant& value) {
+    Duration since{};
+    get(since);
+    value = Instant(since);
+  }
+  void get(Status& value) {
+    ErrorCode code = ErrorCode::kOk;
+    get(code);
+    value = code;
+  }
+  template <class T>
+  void get(std::optional<T>& value) {
+    bool has_value = false;
+    get(has_value);
+    value.reset();
+    if (has_value) get(value.emplace());
+  }
+  template <class T, std::size_t N>
+  void get(std::array<T, N>& values) {
+    for (T& value : values) get(value);
+  }
+  template <class T, std::size_t N>
+  void get(FixedVector<T, N>& values) {
+    std::uint16_t size = 0;
+    get(size);
+    ok_ = ok_ && size <= N;
+    values.clear();
+    for (std::size_t i = 0; ok_ && i < size; ++i) {
+      T value{};
+      get(value);
+      values.push_back(value);
+    }
+  }
+  template <class T>
+  requires std::is_class_v<T>
+  void get(T& value) { fields(*this, value); }
+
+  std::span<const std::byte> rest_;
+  bool ok_ = true;
+};
+
+/// A struct or a constant one: fields() serves both archives.
+template <class Value, class Struct>
+concept Of = std::same_as<std::remove_const_t<Value>, Struct>;
+
+}  // namespace touchline::recording

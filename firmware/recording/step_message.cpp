@@ -1,0 +1,94 @@
+#include "firmware/recording/step_message.h"
+
+#include <algorithm>
+
+#include "firmware/recording/step_fields.h"
+
+namespace touchline::recording {
+namespace {
+
+std::string& at(StepResults& results, ResultPart part) { return results[static_cast<std::size_t>(part)]; }
+
+template <class... Values>
+void write(std::string& out, const Values&... values) {
+  out.clear();
+  ArchiveWriter archive(out);
+  archive(values...);
+}
+
+Error unreadable() { return failure(ErrorCode::kCorruptFrame, "the message of a step cannot be read"); }
+
+}  // namespace
+
+template <class Archive, Of<StepHeader> Value>
+void fields(Archive& archive, Value& value) {
+  auto& [number, session, reload, kind, picture, format, width, height, sequence, captured, revoked, is_unusable,
+         was_cut_short, frame_number] = value;
+  archive(number, session, reload, kind, picture, format, width, height, sequence, captured, revoked, is_unusable,
+          was_cut_short, frame_number);
+}
+
+void write_results(const Sightings& sightings, const Tracks& tracks, const Commands& commands,
+                   const OutgoingPackets& packets, StepResults& out) {
+  write(at(out, ResultPart::kSightings), sightings);
+  write(at(out, ResultPart::kTracks), tracks);
+  write(at(out, ResultPart::kCommands), commands);
+  write(at(out, ResultPart::kPackets), packets);
+}
+
+void write_results(const OutgoingPackets& packets, StepResults& out) {
+  for (std::string& part : out) part.clear();
+  write(at(out, ResultPart::kPackets), packets);
+}
+
+void add_to(hal::Fnv1a& hash, const StepResults& results) {
+  for (const std::string& part : results) hash.add(std::as_bytes(std::span(part)));
+}
+
+std::string_view step_schema() {
+  return "Inputs and results of a step of Touchline, format 1, for touchline-replay: see "
+         "firmware/recording/step_fields.h";
+}
+
+void encode(const StepMessage& message, std::string& out) {
+  write(out, kStepFormat, message.header, message.inputs);
+  ArchiveWriter archive(out);
+  for (const std::string& part : message.results) {
+    archive(static_cast<std::uint32_t>(part.size()));
+    out += part;
+  }
+}
+
+Result<void> decode(std::span<const std::byte> bytes, StepMessage& out) {
+  ArchiveReader archive(bytes);
+  std::uint8_t format = 0;
+  archive(format);
+  if (archive.ok() && format != kStepFormat) {
+    return failure(ErrorCode::kUnsupported,
+                   "its steps have format %d, this program replays format %d: use the version that recorded it",
+                   int{format}, int{kStepFormat});
+  }
+  archive(out.header, out.inputs);
+  for (std::string& part : out.results) {
+    std::uint32_t size = 0;
+    archive(size);
+    const std::span<const std::byte> rest = archive.rest();
+    if (!archive.ok() || size > rest.size()) return unreadable();
+    part.assign(reinterpret_cast<const char*>(rest.data()), size);
+    archive = ArchiveReader(rest.subspan(size));
+  }
+  const bool has_kinds = out.header.kind <= StepKind::kStop && out.header.picture <= PictureKind::kRaw &&
+                         static_cast<std::size_t>(out.header.format) < kPixelFormatTable.size();
+  if (!archive.ok() || !archive.rest().empty() || !has_kinds) return unreadable();
+  return {};
+}
+
+Result<void> decode_sightings(const StepResults& results, Sightings& out) {
+  ArchiveReader archive(std::as_bytes(std::span(results[static_cast<std::size_t>(ResultPart::kSightings)])));
+  out.verdicts.clear();
+  archive(out);
+  if (!archive.ok() || !archive.rest().empty()) return unreadable();
+  return {};
+}
+
+}  // namespace touchline::recording

@@ -1,0 +1,120 @@
+#include "firmware/recording/step_tap.h"
+
+#include <algorithm>
+#include <cstring>
+
+#include "hal/linux/monotonic_clock.h"
+
+namespace touchline::recording {
+namespace {
+
+// Steps without pictures have 20 KB: an eighth of the smallest memory holds them for 6 s at 60 Hz.
+constexpr std::size_t kShareForSteps = 8;
+// Simulated time waits in sleeps that are short beside the writing of a picture.
+constexpr Duration kWaitPause = std::chrono::microseconds(200);
+
+/// Copies rows without their padding.
+void copy_rows(const Frame& frame, std::byte* to) {
+  for (std::size_t plane = 0; plane < info_of(frame.format).planes; ++plane) {
+    const std::size_t bytes = row_bytes(frame.format, plane, frame.width_px);
+    const std::uint8_t* row = frame.plane[plane];
+    for (std::size_t v = plane_rows(frame.format, plane, frame.height_px); v > 0; --v) {
+      std::memcpy(to, row, bytes);
+      to += bytes;
+      row += frame.stride_bytes[plane];
+    }
+  }
+}
+
+std::byte* append(std::byte* to, const void* from, std::size_t bytes) {
+  std::memcpy(to, from, bytes);
+  return to + bytes;
+}
+
+}  // namespace
+
+void StepTap::begin_session(bool waits) {
+  ++session_;
+  waits_ = waits;
+  reloads_ = 0;
+  next_ = 0;
+}
+
+StepHeader StepTap::next_header(const StepInputs& inputs, StepKind kind) {
+  StepHeader header;
+  header.number = next_++;
+  header.session = session_;
+  if (inputs.events.control) header.reload = ++reloads_;
+  header.kind = kind;
+  return header;
+}
+
+void StepTap::add(const StepTrace& trace, const Snapshot& snapshot, const hal::FrameLease& lease) {
+  if (has_ended()) return;
+  const Frame& frame = trace.frame;
+  StepHeader& header = parts_.header;
+  header = next_header(*trace.inputs, StepKind::kFrame);
+  header.format = frame.format;
+  header.width_px = frame.width_px;
+  header.height_px = frame.height_px;
+  header.sequence = frame.sequence;
+  header.captured = frame.capture_time;
+  header.revoked = trace.revoked;
+  header.is_unusable = trace.picture.is_unusable();
+  header.was_cut_short = trace.sightings.cut_short;
+  header.frame_number = snapshot.number;
+  parts_.inputs = *trace.inputs;
+  parts_.packets = trace.packets;
+  const bool is_wanted = every_ > 0 && snapshot.number % every_ == 0 && frame.sightings == nullptr;
+  if (is_wanted) header.picture = lease.jpeg().empty() ? PictureKind::kRaw : PictureKind::kJpeg;
+  put(&snapshot, &frame, lease.jpeg());
+}
+
+void StepTap::add_stop(const StepInputs& inputs, const OutgoingPackets& packets) {
+  if (has_ended()) return;
+  parts_.header = next_header(inputs, StepKind::kStop);
+  parts_.header.captured = inputs.now;
+  parts_.inputs = inputs;
+  parts_.packets = packets;
+  put(nullptr, nullptr, {});
+}
+
+void StepTap::wait_for(std::size_t bytes) const {
+  while (waits_ && !has_ended() && ring_.free() < bytes) {
+    hal::MonotonicClock::wait_for(hal::MonotonicClock::read() + kWaitPause);
+  }
+}
+
+void StepTap::put(const Snapshot* snapshot, const Frame* frame, std::span<const std::uint8_t> jpeg) {
+  PictureKind& kind = parts_.header.picture;
+  std::size_t picture = 0;
+  if (kind == PictureKind::kJpeg) picture = jpeg.size();
+  if (kind == PictureKind::kRaw) {
+    picture = picture_layout(frame->format, frame->width_px, frame->height_px).bytes;
+  }
+  const std::size_t bytes = sizeof(StepParts) + (snapshot != nullptr ? sizeof(Snapshot) : 0);
+  const std::size_t reserve = ring_.capacity() / kShareForSteps;
+  // A record that meets the memory's end needs at most twice its size.
+  if (picture > 0) wait_for(std::min(2 * (bytes + picture) + reserve, ring_.capacity()));
+  wait_for(std::min(4 * bytes, ring_.capacity()));
+  std::span<std::byte> room;
+  if (picture > 0 && ring_.free() >= bytes + picture + reserve) room = ring_.reserve(bytes + picture);
+  if (room.empty()) {
+    if (picture > 0) {
+      lost_pictures_.fetch_add(1, std::memory_order_relaxed);
+      kind = PictureKind::kNone;
+    }
+    room = ring_.reserve(bytes);
+  }
+  if (room.empty()) {
+    lost_steps_.fetch_add(1, std::memory_order_relaxed);
+    return;
+  }
+  std::byte* to = append(room.data(), &parts_, sizeof(StepParts));
+  if (snapshot != nullptr) to = append(to, snapshot, sizeof(Snapshot));
+  if (kind == PictureKind::kJpeg) to = append(to, jpeg.data(), jpeg.size());
+  if (kind == PictureKind::kRaw) copy_rows(*frame, to);
+  ring_.commit();
+}
+
+}  // namespace touchline::recording

@@ -22,13 +22,20 @@ class Play final : public Strategy {  // NOLINT(cppcoreguidelines-virtual-class-
   [[nodiscard]] const FieldParameters& field() const { return field_; }
 
  private:
+  // A robot that has attacked for so long without moving the ball.
+  struct Tried {
+    RobotId id = kUnknownId;
+    double time_s = 0.0;
+  };
+  [[nodiscard]] double tried_by(RobotId id) const;
+  double add_try(RobotId id, double time_s);
   void look(const Tracks& tracks, const Players& players);
   void watch_ball();
   void choose_goalkeeper();
   void find_goalkeeper();
   void assign_jobs();
   [[nodiscard]] double blocked_time(const Player& player, Vector2 place) const;
-  [[nodiscard]] SkillGoal goal_of(const Player& player) const;
+  [[nodiscard]] SkillGoal goal_of(const Player& player);
   // Whether this robot keeps the goal now: a single robot plays in the field.
   [[nodiscard]] bool is_in_goal(RobotId id) const { return id == goalkeeper_ && scene_.goalkeeper_plays; }
   [[nodiscard]] int rank_of(RobotId id) const;
@@ -43,7 +50,7 @@ class Play final : public Strategy {  // NOLINT(cppcoreguidelines-virtual-class-
   Instant goalkeeper_seen_{};
   Strike strike_;  // of the attacker
   Vector2 ball_stayed_at_;
-  Instant ball_stayed_since_{};
+  FixedVector<Tried, kMaxRobotsPerTeam> tried_;
 };
 
 }  // namespace touchline

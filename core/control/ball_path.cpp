@@ -4,39 +4,37 @@
 #include <cmath>
 
 namespace touchline {
-namespace {
 
-// Golf balls on carpet and wood roll with a deceleration of 0.1 to 0.3 m/s^2 and lose speed at walls. One rate of decay
-// describes both well enough for the second that a prediction is used.
-constexpr double kRollDecayPerS = 0.5;
-constexpr double kWallRestitution = 0.6;
-
-}  // namespace
-
-Rolling::Rolling(double step_s) : decay_(std::exp(-kRollDecayPerS * step_s)), way_s_((1.0 - decay_) / kRollDecayPerS) {}
-
-BallState Rolling::after(BallState ball, const Pitch& pitch) const {
-  ball.position = ball.position + way_s_ * ball.velocity;
-  ball.velocity = decay_ * ball.velocity;
+BallState rolled(BallState ball, double step_s, const Pitch& pitch) {
+  const BallMotionParameters& rolling = pitch.rolling;
+  const double speed = std::sqrt(dot(ball.velocity, ball.velocity));
+  if (speed <= 0.0) return ball;
+  // With the mean speed of the step: of the second order.
+  const double mean = std::max(0.0, speed - 0.5 * step_s * (rolling.deceleration_mps2 + rolling.damping_per_s * speed));
+  const double lost = step_s * (rolling.deceleration_mps2 + rolling.damping_per_s * mean);
+  // A ball that stops within the step rolls on for the rest of its time only.
+  const double part = lost < speed ? 1.0 - lost / speed : 0.0;
+  const double time_s = lost < speed ? step_s : step_s * speed / lost;
+  ball.position = ball.position + (0.5 * (1.0 + part) * time_s) * ball.velocity;
+  ball.velocity = part * ball.velocity;
   const double x = pitch.end_m - pitch.ball_m, y = pitch.side_m - pitch.ball_m;
   if (std::abs(ball.position.y) > y) {
     const double wall = std::copysign(y, ball.position.y);
-    ball.position.y = wall - kWallRestitution * (ball.position.y - wall);
-    ball.velocity.y = -kWallRestitution * ball.velocity.y;
+    ball.position.y = wall - rolling.wall_restitution * (ball.position.y - wall);
+    ball.velocity.y = -rolling.wall_restitution * ball.velocity.y;
   }
   if (std::abs(ball.position.x) > x && std::abs(ball.position.y) > pitch.mouth_m - pitch.ball_m) {
     const double wall = std::copysign(x, ball.position.x);
-    ball.position.x = wall - kWallRestitution * (ball.position.x - wall);
-    ball.velocity.x = -kWallRestitution * ball.velocity.x;
+    ball.position.x = wall - rolling.wall_restitution * (ball.position.x - wall);
+    ball.velocity.x = -rolling.wall_restitution * ball.velocity.x;
   }
   return ball;
 }
 
 BallPath::BallPath(BallState ball, const Pitch& pitch) {
-  const Rolling rolling(kStepS);
   for (BallState& state : states_) {
     state = ball;
-    ball = rolling.after(ball, pitch);
+    ball = rolled(ball, kStepS, pitch);
   }
 }
 

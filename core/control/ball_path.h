@@ -11,22 +11,15 @@ struct BallState {
   Vector2 position, velocity;
 };
 
-/// One step of a rolling ball. The step is so short that the ball meets each wall once at most.
-class Rolling {
- public:
-  explicit Rolling(double step_s);
-  [[nodiscard]] BallState after(BallState ball, const Pitch& pitch) const;
+/// One step of a rolling ball that loses dv/dt = deceleration + damping * v. The step is so short that the ball meets
+/// each wall once at most. Walls reflect it; in a goal's mouth it rolls on into the goal.
+BallState rolled(BallState ball, double step_s, const Pitch& pitch);
 
- private:
-  double decay_, way_s_;
-};
-
-/// How a ball rolls that nobody touches: its speed decays exponentially, and walls reflect it. In a goal's mouth it
-/// rolls on into the goal.
+/// How a ball rolls that nobody touches.
 class BallPath {
  public:
-  static constexpr double kStepS = 0.05, kHorizonS = 2.0;
-  static constexpr std::size_t kSteps = 41;
+  static constexpr double kStepS = 0.05;
+  static constexpr std::size_t kSteps = 41;  // 2 s
 
   BallPath() = default;
   BallPath(BallState ball, const Pitch& pitch);

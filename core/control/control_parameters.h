@@ -85,6 +85,36 @@ struct PlayParameters {
   }
 };
 
+/// How the ball rolls and bounces, for the play's prediction. Defaults: a golf ball and robots of 0.45 kg, as in the
+/// arena's parameter set "mirosot".
+struct BallMotionParameters {
+  double deceleration_mps2 = 0.12;
+  double damping_per_s = 0.35;
+  double wall_restitution = 0.6;
+  double robot_restitution = 0.6;
+  double mass_ratio = 0.1;
+
+  template <class Self, class Visitor>
+  static void describe(Self& self, Visitor& visit) {
+    visit.number(self.deceleration_mps2, {.name = "deceleration_mps2",
+                                          .range = {0.0, 10.0},
+                                          .unit = "m/s^2",
+                                          .help = "Deceleration of a rolling ball, whatever its speed"});
+    visit.number(self.damping_per_s, {.name = "damping_per_s",
+                                      .range = {0.0, 10.0},
+                                      .unit = "1/s",
+                                      .help = "Further deceleration, divided by the speed"});
+    visit.number(self.wall_restitution, {.name = "wall_restitution",
+                                         .range = {0.0, 1.0},
+                                         .help = "Part of the speed towards a wall that the ball keeps"});
+    visit.number(self.robot_restitution, {.name = "robot_restitution",
+                                          .range = {0.0, 1.0},
+                                          .help = "Part of the speed towards a robot that the ball keeps"});
+    visit.number(self.mass_ratio,
+                 {.name = "mass_ratio", .range = {0.0, 10.0}, .help = "Mass of the ball, divided by that of a robot"});
+  }
+};
+
 /// How the team takes its places while the game is stopped. Defaults: rules of the RoboCup Small Size League, sections
 /// "Stop" (speed of robots, distance to the ball), "Penalty Kick" and "Defense Area Distance".
 struct LineUpParameters {
@@ -141,6 +171,7 @@ struct ControlParameters {
   Avoidance avoid = Avoidance::kNormal;
   DriveParameters drive;
   PlayParameters play;
+  BallMotionParameters ball;
   LineUpParameters line_up;
   ExternalParameters external;
 
@@ -152,6 +183,7 @@ struct ControlParameters {
          .help = "How robots avoid each other; strict: a robot moves only if it can stop before each other one"});
     visit.section(self.drive, {.name = "drive", .help = "Wheels and limits of the drive"});
     visit.section(self.play, {.name = "play", .help = "Roles and rules of the built-in game"});
+    visit.section(self.ball, {.name = "ball", .help = "How the ball rolls and bounces, for predictions of the play"});
     visit.section(self.line_up, {.name = "line_up", .help = "Places and speed while the referee has stopped the game"});
     visit.section(self.external, {.name = "external", .help = "Robots that other programs drive"});
   }

@@ -120,6 +120,13 @@ Twist Controller::within_limits(const Twist& wanted, const Twist& wheels, double
   return within_acceleration_limit(within_speed_limits(wanted, drive), wheels, period_s, parameters_.drive);
 }
 
+Twist Controller::permitted(const Twist& wanted, const Player& robot, double period_s) {
+  const MotionState moves = motion_state(robot.pose, robot.twist, robot.wheels);
+  const Twist limited = within_limits(wanted, robot.wheels, period_s);
+  if (motion_.permits(robot.id, moves, limited)) return limited;
+  return within_limits(brake(moves, period_s, parameters_.drive), robot.wheels, period_s);
+}
+
 void Controller::decide(const Tracks& measured, bool is_halted, Commands& out) {
   const Permission permission = permission_in(situation_);
   const bool halted = is_halted || permission == Permission::kStand;
@@ -152,6 +159,7 @@ void Controller::decide(const Tracks& measured, bool is_halted, Commands& out) {
     if (robot.team != Team::kOwn || robot.id < 0 || out.robots.full()) continue;
     RobotState* state = state_of(robot.id);
     if (state == nullptr) continue;
+    const Player here{robot.id, robot.pose_at_action, robot.twist_at_action, state->wheels};
     RobotCommand command;
     command.id = robot.id;
     const ExternalCommand* external = external_.command_of(robot.id);
@@ -160,14 +168,11 @@ void Controller::decide(const Tracks& measured, bool is_halted, Commands& out) {
       const bool expired = external_.is_expired(*external, parameters_.external);
       command.source = expired ? CommandSource::kExpired : CommandSource::kExternal;
       if (!halted && !expired && is_usable(robot, now)) {
-        command.twist = within_limits(
-            external_twist(*external, {robot.id, robot.pose_at_action, robot.twist_at_action, state->wheels}),
-            state->wheels, period);
+        command.twist = permitted(external_twist(*external, here), here, period);
       }
     }
     if (plays && !halted && parameters_.play.enabled) {
-      const MotionState moves = motion_state(robot.pose_at_action, robot.twist_at_action, state->wheels);
-      command.twist = within_limits(motion_.restrained(robot.id, moves, wanted[player]), state->wheels, period);
+      command.twist = permitted(wanted[player], here, period);
       command.role = strategy().role_of(robot.id);
     }
     if (plays) ++player;

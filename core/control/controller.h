@@ -62,6 +62,8 @@ class Controller {
   void predict_wheels(const Tracks& tracks, double since_last_s);
   [[nodiscard]] Twist external_twist(const ExternalCommand& command, const Player& robot);
   [[nodiscard]] Twist within_limits(const Twist& wanted, const Twist& wheels, double period_s) const;
+  // The command within the limits; if control.avoid is strict and does not permit it, one that brakes.
+  [[nodiscard]] Twist permitted(const Twist& wanted, const Player& robot, double period_s);
 
   ControlParameters parameters_;
   Play play_;

@@ -29,16 +29,15 @@ bool ExternalControl::is_expired(const ExternalCommand& command, const ExternalP
 
 Twist twist_of(const ExternalCommand& command, const Player& robot, MotionPlanner& motion,
                const DriveParameters& drive) {
-  const MotionState state = motion_state(robot.pose, robot.twist, robot.wheels);
   switch (command.kind) {
     case ExternalCommand::Kind::kRelease:
       break;
     case ExternalCommand::Kind::kTwist:
-      return motion.restrained(robot.id, state, command.twist);
+      return command.twist;
     case ExternalCommand::Kind::kWheels:
-      return motion.restrained(robot.id, state, twist_of(command.wheels, drive.wheel_base_m));
+      return twist_of(command.wheels, drive.wheel_base_m);
     case ExternalCommand::Kind::kPose:
-      return motion.drive(robot.id, state, goal_of(command));
+      return motion.drive(robot.id, motion_state(robot.pose, robot.twist, robot.wheels), goal_of(command));
   }
   return {};
 }

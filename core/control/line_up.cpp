@@ -185,9 +185,12 @@ void LineUp::decide(const Tracks& tracks, const Players& players, const GameSitu
 Twist LineUp::drive(const Player& player, Vector2 place, Vector2 ball, const Tracks& tracks, double period_s) const {
   const PlayParameters& play = parameters_.play;
   const Vector2 here = position(player.pose);
-  Obstacles obstacles;
-  obstacles_for(player.id, tracks, obstacles);
-  Vector2 next = detour(here, place, obstacles, play.clearance_m, field_);
+  RoundObstacles obstacles;
+  for (const RobotTrack& robot : tracks.robots) {
+    if (robot.team == Team::kOwn && robot.id == player.id) continue;
+    obstacles.push_back({.position = position(robot.pose_at_action), .clearance_m = play.clearance_m});
+  }
+  Vector2 next = detour(here, {}, place, obstacles, Pitch(field_, play));
   // A place inside of the circle that robots must not enter makes it smaller.
   const double circle = parameters_.line_up.ball_distance_m + play.robot_radius_m;
   next = way_around(here, next, ball, std::min(circle, distance(place, ball)), FieldSize(field_));

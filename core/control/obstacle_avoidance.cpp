@@ -1,44 +1,72 @@
 #include "core/control/obstacle_avoidance.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace touchline {
 
-void obstacles_for(RobotId id, const Tracks& tracks, Obstacles& out) {
-  out.clear();
-  for (const RobotTrack& robot : tracks.robots) {
-    if (robot.team == Team::kOwn && robot.id == id) continue;
-    out.push_back(position(robot.pose_at_action));
-  }
-}
-
-Vector2 detour(Vector2 from, Vector2 target, const Obstacles& obstacles, double clearance_m,
-               const FieldParameters& field) {
+Vector2 detour(Vector2 from, Vector2 velocity, Vector2 target, const RoundObstacles& obstacles, const Pitch& pitch) {
   const Vector2 way = target - from;
   const double length = norm(way);
   if (length < 1e-6) return target;
   const Vector2 ahead = (1.0 / length) * way;
-  const Vector2* blocking = nullptr;
+  const double speed = std::max(0.4, norm(velocity));
+  const RoundObstacle* blocking = nullptr;
+  Vector2 there;
   double nearest = length;
-  for (const Vector2& obstacle : obstacles) {
-    const double along = dot(obstacle - from, ahead), beside = cross(ahead, obstacle - from);
-    if (along <= 0.0 || along >= nearest || std::abs(beside) >= clearance_m) continue;
-    if (distance(obstacle, target) < clearance_m) continue;
+  for (const RoundObstacle& obstacle : obstacles) {
+    // Where it is when the robot comes by, at most 0.4 s later.
+    const double meet = std::clamp(dot(obstacle.position - from, ahead) / speed, 0.0, 0.4);
+    const Vector2 p = obstacle.position + meet * obstacle.velocity;
+    const double along = dot(p - from, ahead), beside = cross(ahead, p - from);
+    if (along <= 0.0 || along >= nearest || std::abs(beside) >= obstacle.clearance_m) continue;
+    if (distance(p, target) < 0.8 * obstacle.clearance_m) continue;
     nearest = along;
     blocking = &obstacle;
+    there = p;
   }
   if (blocking == nullptr) return target;
-  // Pass on the side that is farther from the obstacle, unless it is outside the field.
-  const double side = cross(ahead, *blocking - from) > 0.0 ? -1.0 : 1.0;
   constexpr double kMargin = 1.1;  // slightly more than the clearance
-  const Vector2 offset = (kMargin * side * clearance_m) * perpendicular(ahead);
-  const Vector2 here = *blocking + offset, there = *blocking - offset;
-  const auto inside = [&field, clearance_m](Vector2 p) {
-    const double margin = 0.5 * clearance_m;
-    return std::abs(p.x) < 0.5 * static_cast<double>(field.length_m) - margin &&
-           std::abs(p.y) < 0.5 * static_cast<double>(field.width_m) - margin;
-  };
-  return inside(here) || !inside(there) ? here : there;
+  const double side = cross(ahead, there - from) > 0.0 ? -1.0 : 1.0;
+  const Vector2 offset = (kMargin * side * blocking->clearance_m) * perpendicular(ahead);
+  const auto fits = [&](Vector2 p) { return distance(p, pitch.inside(p, 1.2 * pitch.robot_m)) < 1e-9; };
+  return fits(there + offset) || !fits(there - offset) ? there + offset : there - offset;
+}
+
+Twist leave_contact(const Twist& wanted, const MotionState& robot, const RoundObstacles& obstacles, const Pitch& pitch,
+                    const DriveParameters& drive) {
+  constexpr double kMuchRad = 0.5, kAlong = 0.5, kLeaveMps = 0.4;
+  // The turn rate from which the wheels stop the turn within this angle.
+  const double much = std::sqrt(2.0 * drive.max_wheel_acceleration_mps2 / drive.wheel_base_m * kMuchRad);
+  if (std::abs(static_cast<double>(wanted.w_radps)) < std::min(much, drive.max_turn_radps)) return wanted;
+  Vector2 away = pitch.away_from_walls(robot.place);
+  for (const RoundObstacle& obstacle : obstacles) {
+    const Vector2 from = robot.place - obstacle.position;
+    const double d = norm(from);
+    if (d > 1e-6 && d < 2.5 * pitch.robot_m) away = away + (1.0 / d) * from;
+  }
+  const double length = norm(away), along = dot(away, unit_vector(robot.heading_rad));
+  if (length < 1e-6 || std::abs(along) < kAlong * length) return wanted;
+  return {static_cast<float>(std::copysign(kLeaveMps, along)), 0.3f * wanted.w_radps};
+}
+
+Twist slow_before(Twist wanted, const MotionState& robot, const RoundObstacles& obstacles,
+                  const DriveParameters& drive) {
+  constexpr double kBrakePerS = 4.0;
+  const double after_s = drive.wheel_lag_s;
+  const Vector2 here =
+      robot.place + (after_s * robot.v_mps) * unit_vector(robot.heading_rad + 0.5 * after_s * robot.w_radps);
+  const Vector2 facing = unit_vector(robot.heading_rad + after_s * robot.w_radps);
+  const Vector2 ahead = wanted.v_mps < 0.0f ? -facing : facing;
+  for (const RoundObstacle& obstacle : obstacles) {
+    if (obstacle.brake_m <= 0.0) continue;
+    const Vector2 to = obstacle.position + after_s * obstacle.velocity - here;
+    const double d = norm(to);
+    if (d > 2.0 * obstacle.clearance_m || dot(to, ahead) < 0.6 * d) continue;
+    const auto most = static_cast<float>(std::max(0.0, kBrakePerS * (d - obstacle.brake_m)));
+    wanted.v_mps = std::clamp(wanted.v_mps, -most, most);
+  }
+  return wanted;
 }
 
 }  // namespace touchline

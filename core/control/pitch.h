@@ -15,14 +15,16 @@ struct Pitch {
   double mouth_m = 0.2;                       // half width of the goals
   double area_depth_m = 0.2, area_m = 0.3;    // the own goal area: depth and half width
   double robot_m = 0.0375, ball_m = 0.02135;  // half side of a robot, radius of the ball
+  BallMotionParameters rolling;               // of the ball
 
   Pitch() = default;
-  Pitch(const FieldParameters& field, const PlayParameters& play)
+  Pitch(const FieldParameters& field, const PlayParameters& play, const BallMotionParameters& ball = {})
       : end_m(0.5 * static_cast<double>(field.length_m)),
         side_m(0.5 * static_cast<double>(field.width_m)),
         mouth_m(0.5 * static_cast<double>(field.goal_width_m)),
         robot_m(play.robot_radius_m),
-        ball_m(play.ball_radius_m) {
+        ball_m(play.ball_radius_m),
+        rolling(ball) {
     // A field without a painted area gets one in which the goalkeeper needs the space: half as deep as the goal is
     // wide.
     const bool painted = field.penalty_area_depth_m > 0.0f && field.penalty_area_width_m > 0.0f;

@@ -10,6 +10,23 @@ namespace touchline {
 namespace {
 
 FieldPoint to_point(Vector2 p) { return {static_cast<float>(p.x), static_cast<float>(p.y)}; }
+// A robot that needs so much longer to the ball than the soonest one will not attack: its contact is not planned.
+constexpr double kFarS = 0.8;
+
+// Lower bounds of the times in which robots meet the ball.
+std::array<double, kMaxRobotsPerTeam> times_to_reach(const Players& players, const Scene& scene) {
+  constexpr double kStepS = 0.15, kHorizonS = 1.35;
+  std::array<double, kMaxRobotsPerTeam> times{};
+  times.fill(1e9);
+  for (std::size_t k = 0; k < players.size(); ++k) {
+    const Vector2 here = position(players[k].pose);
+    for (double t = 0.0; t < kHorizonS; t += kStepS) {
+      const Vector2 to = scene.path.at(t).position - here;
+      times[k] = std::min(times[k], std::max(t, std::sqrt(dot(to, to)) / scene.parameters.drive.max_speed_mps));
+    }
+  }
+  return times;
+}
 
 bool known(const BallTrack& ball) { return ball.state == TrackState::kSeen || ball.state == TrackState::kCoasting; }
 
@@ -18,14 +35,14 @@ bool known(const BallTrack& ball) { return ball.state == TrackState::kSeen || ba
 void Play::configure(const ControlParameters& parameters, const FieldParameters& field) {
   field_ = field;
   scene_.parameters = parameters;
-  scene_.pitch = Pitch(field, parameters.play);
+  scene_.pitch = Pitch(field, parameters.play, parameters.ball);
 }
 
 void Play::reset() {
   roles_.reset();
   openings_.clear();
   goalkeeper_ = attacker_ = kUnknownId;
-  ball_stayed_since_ = Instant{};
+  tried_.clear();
   scene_.ball_known = false;
   decisions_.clear();
 }
@@ -37,6 +54,11 @@ PlayRole Play::role_of(RobotId id) const {
 }
 
 void Play::look(const Tracks& tracks, const Players& players) {
+  // As long as the last commands acted; a pause is no period.
+  constexpr double kShortestS = 0.004, kLongestS = 0.05;
+  if (scene_.now != Instant{}) {
+    scene_.period_s = std::clamp(seconds(tracks.capture_time - scene_.now), kShortestS, kLongestS);
+  }
   scene_.now = tracks.capture_time;
   scene_.players = players;
   // A ball that is not seen is where it was: a robot hides it, or holds it.
@@ -126,6 +148,12 @@ void Play::assign_jobs() {
     if (player.id != goalkeeper_ || !scene_.goalkeeper_plays) others.push_back(player);
   }
   options_.find(scene_);
+  const auto strike_of = [this](const Player& player) {
+    return options_.best_for(player, player.id == attacker_ ? &strike_.direction_rad : nullptr, scene_);
+  };
+  const std::array<double, kMaxRobotsPerTeam> reach_s = times_to_reach(others, scene_);
+  const double least_reach_s = *std::min_element(reach_s.begin(), reach_s.end());
+  double least_cost_s = 1e9;
   std::array<Strike, kMaxRobotsPerTeam> strikes{};
   for (const JobLine& line : job_table()) {
     if (openings_.size() == others.size()) break;
@@ -136,44 +164,68 @@ void Play::assign_jobs() {
     opening.weight = line.weight;
     if (line.place != nullptr) opening.place = line.place(scene_);
     for (std::size_t k = 0; k < others.size(); ++k) {
-      const bool attacks = others[k].id == attacker_;
       if (line.place != nullptr) {
         opening.time_s[k] = time_to(others[k], {.place = opening.place}, scene_.pitch, scene_.parameters.drive);
         continue;
       }
-      strikes[k] = options_.best_for(others[k], attacks ? &strike_.direction_rad : nullptr, scene_);
+      if (reach_s[k] > least_reach_s + kFarS && others[k].id != attacker_) continue;
+      strikes[k] = strike_of(others[k]);
+      least_cost_s = std::min(least_cost_s, strikes[k].cost_s);
       opening.time_s[k] = strikes[k].cost_s + blocked_time(others[k], strikes[k].goal.place);
-      constexpr double kTakeOverS = 0.5;  // what somebody else may be later at a jammed ball
-      if (attacks && scene_.ball_stays_s > kSpinS) opening.time_s[k] += kTakeOverS;
+      // Who does not get the ball moving gives it to whoever is not later by more than this has lasted.
+      opening.time_s[k] += std::max(0.0, tried_by(others[k].id) - kJamS);
+    }
+    for (std::size_t k = 0; line.place == nullptr && k < others.size(); ++k) {
+      if (strikes[k].contact_s < 1e9) continue;
+      opening.time_s[k] = least_cost_s + reach_s[k] - least_reach_s;  // too far away to plan its contact
     }
     openings_.push_back(opening);
   }
   roles_.assign(others, openings_, scene_.parameters.play.hysteresis_s);
-  const RobotId before = attacker_;
   attacker_ = roles_.holder_of(0);
-  if (attacker_ != before) ball_stayed_since_ = scene_.now;
   for (std::size_t k = 0; k < others.size(); ++k) {
-    if (others[k].id == attacker_) strike_ = strikes[k];
+    if (others[k].id == attacker_) strike_ = strikes[k].contact_s < 1e9 ? strikes[k] : strike_of(others[k]);
   }
 }
 
-// Measures how long the attacker has been at the ball without moving it. It starts anew when somebody else attacks.
+// Measures how long each robot has attacked without moving the ball: it is at the ball, or somebody holds it. When the
+// ball moves, all begin anew.
 void Play::watch_ball() {
-  constexpr double kMovedM = 0.03, kAtBallM = 0.2;
-  bool at_ball = false;
-  for (const Player& player : scene_.players) {
-    if (player.id == attacker_) at_ball = distance(position(player.pose), scene_.ball) < kAtBallM;
-  }
-  const double stays = seconds(scene_.now - ball_stayed_since_);
-  if (!at_ball || distance(scene_.ball, ball_stayed_at_) > kMovedM || stays > kBackOffS) {
+  constexpr double kMovedM = 0.03, kAtBallM = 0.2, kSlowMps = 0.1;
+  if (distance(scene_.ball, ball_stayed_at_) > kMovedM) {
     ball_stayed_at_ = scene_.ball;
-    ball_stayed_since_ = scene_.now;
+    tried_.clear();
   }
-  scene_.ball_stays_s = seconds(scene_.now - ball_stayed_since_);
+  double tried_s = 0.0;
+  const bool waits = scene_.goalkeeper_plays && scene_.pitch.in_own_area(scene_.ball, 0.0);
+  for (const Player& player : scene_.players) {
+    if (player.id != attacker_ || waits) continue;
+    const bool is_at_ball = distance(position(player.pose), scene_.ball) < kAtBallM;
+    const bool is_held = std::abs(static_cast<double>(player.twist.v_mps)) < kSlowMps;
+    tried_s = tried_by(player.id);
+    if (is_at_ball || is_held) tried_s = add_try(player.id, scene_.period_s);
+  }
+  // After it has left the ball, the attacker tries again.
+  scene_.ball_stays_s = std::fmod(tried_s, kBackOffS);
+}
+
+double Play::tried_by(RobotId id) const {
+  for (const Tried& tried : tried_) {
+    if (tried.id == id) return tried.time_s;
+  }
+  return 0.0;
+}
+
+double Play::add_try(RobotId id, double time_s) {
+  for (Tried& tried : tried_) {
+    if (tried.id == id) return tried.time_s += time_s;
+  }
+  if (!tried_.full()) tried_.push_back({id, time_s});
+  return time_s;
 }
 
 // The goal of a robot by the table of skills; one that stays where it is if it has no job.
-SkillGoal Play::goal_of(const Player& player, PlayDecision& decision) const {
+SkillGoal Play::goal_of(const Player& player, PlayDecision& decision) {
   const int opening = roles_.opening_of(player.id);
   const bool keeps = player.id == goalkeeper_ && scene_.goalkeeper_plays;
   Strike strike = strike_;
@@ -253,7 +305,7 @@ void Play::decide(const Tracks& tracks, const Players& players, Twists& wanted) 
     if (goal.direction_rad) decision.direction_rad = static_cast<float>(*goal.direction_rad);
     decisions_.push_back(decision);
     list_obstacles(players[i], goal, tracks, obstacles);
-    wanted[i] = drive(players[i], goal, obstacles, scene_.pitch, scene_.parameters.drive);
+    wanted[i] = drive(players[i], goal, obstacles, scene_.pitch, scene_.period_s, scene_.parameters.drive);
   }
 }
 

@@ -23,6 +23,13 @@ class Play final : public Strategy {  // NOLINT(cppcoreguidelines-virtual-class-
   [[nodiscard]] const FieldParameters& field() const { return field_; }
 
  private:
+  // A robot that has attacked for so long without moving the ball.
+  struct Tried {
+    RobotId id = kUnknownId;
+    double time_s = 0.0;
+  };
+  [[nodiscard]] double tried_by(RobotId id) const;
+  double add_try(RobotId id, double time_s);
   void look(const Tracks& tracks, const Players& players);
   void watch_ball();
   void choose_goalkeeper();
@@ -30,7 +37,7 @@ class Play final : public Strategy {  // NOLINT(cppcoreguidelines-virtual-class-
   void assign_jobs();
   [[nodiscard]] double blocked_time(const Player& player, Vector2 place) const;
   // Sets the lines of the tables in `decision`.
-  [[nodiscard]] SkillGoal goal_of(const Player& player, PlayDecision& decision) const;
+  [[nodiscard]] SkillGoal goal_of(const Player& player, PlayDecision& decision);
   // Returns the time of a robot's opening as it was estimated; negative: it has none.
   [[nodiscard]] float time_of(RobotId id) const;
   // Whether this robot keeps the goal now: a single robot plays in the field.
@@ -47,7 +54,7 @@ class Play final : public Strategy {  // NOLINT(cppcoreguidelines-virtual-class-
   Instant goalkeeper_seen_{};
   Strike strike_;  // of the attacker
   Vector2 ball_stayed_at_;
-  Instant ball_stayed_since_{};
+  FixedVector<Tried, kMaxRobotsPerTeam> tried_;
   PlayDecisions decisions_;
 };
 

@@ -17,6 +17,7 @@ struct Scene {
   Pitch pitch;
   ControlParameters parameters;
   Instant now{};
+  double period_s = 1.0 / 60.0;  // time until the next commands act
   bool ball_known = false;
   Vector2 ball{}, ball_velocity{};
   BallPath path;

@@ -3,9 +3,9 @@
 #include <optional>
 
 #include "core/control/control_parameters.h"
+#include "core/control/obstacle_avoidance.h"
 #include "core/control/pitch.h"
 #include "core/control/player.h"
-#include "core/fixed_vector.h"
 #include "core/geometry/vector2.h"
 
 // What a skill wants of a robot's motion, and how the robot drives there.
@@ -25,18 +25,10 @@ struct SkillGoal {
   std::optional<Twist> twist{};  // drive these velocities instead
 };
 
-/// A robot or the ball that another robot drives around.
-struct RoundObstacle {
-  Vector2 position, velocity;
-  double clearance_m = 0.0;  // least distance of the centers
-  double brake_m = 0.0;      // the robot brakes so that it does not come nearer; 0: it does not brake
-};
-using RoundObstacles = FixedVector<RoundObstacle, kMaxRobots + 1>;
-
 /// Returns the velocities that bring the robot to its goal, around the obstacles and without limits of the drive.
-/// Drives forward or backward, whichever is sooner.
+/// Drives forward or backward, whichever is sooner. `period_s`: time until the next command acts.
 Twist drive(const Player& robot, const SkillGoal& goal, const RoundObstacles& obstacles, const Pitch& pitch,
-            const DriveParameters& limits);
+            double period_s, const DriveParameters& limits);
 
 /// Estimates the time in s until the robot is at its goal, without obstacles.
 double time_to(const Player& robot, const SkillGoal& goal, const Pitch& pitch, const DriveParameters& limits);

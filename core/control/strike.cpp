@@ -1,6 +1,7 @@
 #include "core/control/strike.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -10,8 +11,6 @@ namespace touchline {
 namespace {
 
 using std::numbers::pi;
-// A robot of 0.45 kg gives a golf ball of 46 g (restitution 0.6) this part of the difference of their velocities.
-constexpr double kTransfer = 1.45;
 // Mean speed at which a ball comes nearer to the goal in a game, and what each further contact costs.
 constexpr double kAdvanceMps = 0.7, kContactS = 0.6;
 
@@ -23,6 +22,20 @@ double rest_time(Vector2 p, const Pitch& pitch) {
   return kContactS + d / kAdvanceMps + 0.5 * slant;
 }
 
+// Lower bound of time_to_goal(): the ball is not slower than kAdvanceMps for long, and not faster than now.
+double least_time_to_goal(const BallState& ball, const Pitch& pitch) {
+  const Vector2 to{std::max(0.0, pitch.end_m - ball.position.x),
+                   std::max(0.0, std::abs(ball.position.y) - pitch.mouth_m)};
+  return std::sqrt(dot(to, to)) / std::max(kAdvanceMps, std::sqrt(dot(ball.velocity, ball.velocity)));
+}
+
+// A robot that strikes is this fast at the ball, as a part of its maximum: the mean of undisturbed strikes.
+constexpr double kStrikeShare = 0.85;
+
+BallState after_strike(const BallState& ball, double direction_rad, const Scene& scene) {
+  return struck(ball, direction_rad, kStrikeShare * scene.parameters.drive.max_speed_mps, scene.pitch.rolling);
+}
+
 }  // namespace
 
 double time_to_goal(BallState ball, const Scene& scene) {
@@ -32,13 +45,12 @@ double time_to_goal(BallState ball, const Scene& scene) {
   if (ball.position.x > pitch.end_m) return 0.0;  // it is there already
   double danger = 0.0;
   const bool was_in_area = pitch.in_own_area(ball.position, 0.0);
-  const Rolling rolling(kStep);
   constexpr int kSteps = static_cast<int>(kHorizon / kStep);
   for (int i = 0; i < kSteps; ++i) {
     const double t = i * kStep;
     const Vector2 from = ball.position;
     // A wall so near leaves the ball no way back: the robot behind it keeps it there.
-    BallState next = rolling.after(ball, pitch);
+    BallState next = rolled(ball, kStep, pitch);
     if (t < 0.5 * kStep && dot(next.velocity, ball.velocity) < 0.5 * dot(ball.velocity, ball.velocity))
       next.velocity = {};
     ball = next;
@@ -63,10 +75,12 @@ double time_to_goal(BallState ball, const Scene& scene) {
   return danger + kHorizon + rest_time(ball.position, pitch);
 }
 
-BallState struck(BallState ball, double normal_rad, double speed_mps) {
+BallState struck(BallState ball, double normal_rad, double speed_mps, const BallMotionParameters& parameters) {
   const Vector2 n = unit_vector(normal_rad);
   const double closing = speed_mps - dot(ball.velocity, n);
-  if (closing > 0.0) ball.velocity = ball.velocity + (kTransfer * closing) * n;
+  // Conservation of momentum.
+  const double transfer = (1.0 + parameters.robot_restitution) / (1.0 + parameters.mass_ratio);
+  if (closing > 0.0) ball.velocity = ball.velocity + (transfer * closing) * n;
   return ball;
 }
 
@@ -79,15 +93,20 @@ void StrikeOptions::add(BallState ball, double from_s, double direction_rad, con
   const Vector2 shifted = pitch.inside(place, extent);
   const Vector2 shift = shifted - place;
   if (std::abs(cross(n, shift)) > 0.75 * pitch.robot_m || dot(n, shift) > kRunUpM || dot(n, shift) < -0.01) return;
-  const double speed = 0.85 * scene.parameters.drive.max_speed_mps;
-  options_.push_back({ball, from_s, direction_rad, shifted, time_to_goal(struck(ball, direction_rad, speed), scene)});
+  options_.push_back(
+      {ball, from_s, direction_rad, shifted, least_time_to_goal(after_strike(ball, direction_rad, scene), pitch)});
+}
+
+void StrikeOptions::complete(Option& option, const Scene& scene) {
+  if (!option.is_bound) return;
+  option.after_s = time_to_goal(after_strike(option.ball, option.direction_rad, scene), scene);
+  option.is_bound = false;
 }
 
 void StrikeOptions::find(const Scene& scene) {
   options_.clear();
   const Pitch& pitch = scene.pitch;
   constexpr double kTimeStep = 0.15, kResting = 0.1;
-  const double speed = 0.85 * scene.parameters.drive.max_speed_mps;
   const bool rests = norm(scene.ball_velocity) < kResting;
   for (std::size_t i = 0; i < (rests ? 1 : kTimes); ++i) {
     const double t = kTimeStep * static_cast<double>(i);
@@ -99,7 +118,7 @@ void StrikeOptions::find(const Scene& scene) {
       double normal = wanted;
       // The ball keeps its velocity along the robot's side.
       for (int round = 0; round < 2; ++round) {
-        const BallState after = struck(ball, normal, speed);
+        const BallState after = after_strike(ball, normal, scene);
         normal = wrap_angle(normal + std::clamp(wrap_angle(wanted - bearing(after.velocity)), -0.5, 0.5));
       }
       add(ball, t, normal, scene);
@@ -109,42 +128,55 @@ void StrikeOptions::find(const Scene& scene) {
   }
 }
 
-Strike StrikeOptions::best_for(const Player& robot, const double* former, const Scene& scene) const {
+Strike StrikeOptions::best_for(const Player& robot, const double* former, const Scene& scene) {
   constexpr double kKeepS = 0.12, kKeepRad = 0.3, kLateS = 0.04;
   const DriveParameters& limits = scene.parameters.drive;
-  Strike best;
   const Vector2 here = position(robot.pose);
-  for (const Option& option : options_) {
-    // The straight way at full speed is a lower bound of the time.
-    const Vector2 to = option.place - here;
-    const double least = std::sqrt(dot(to, to)) / limits.max_speed_mps;
-    if (std::max(option.from_s, least) + option.after_s > best.cost_s + kKeepS) continue;
-    const bool rolls = dot(option.ball.velocity, option.ball.velocity) > 0.01;
-    if (rolls && least > option.from_s + kLateS) continue;
-    SkillGoal goal;
-    goal.place = option.place;
-    goal.direction_rad = option.direction_rad;
-    goal.end_speed_mps = limits.max_speed_mps;
-    const double t = time_to(robot, goal, scene.pitch, limits);
-    if (rolls && t > option.from_s + kLateS) continue;
-    const double contact = std::max(t, option.from_s);
-    double cost = contact + option.after_s;
-    // An opponent that is earlier changes everything.
-    cost += 0.5 * std::max(0.0, contact - scene.opponent_at_ball_s);
-    if (former != nullptr && std::abs(wrap_angle(option.direction_rad - *former)) < kKeepRad) cost -= kKeepS;
-    if (cost < best.cost_s) best = {goal, option.ball.position, option.direction_rad, contact, cost};
-  }
+  // An opponent that is earlier changes everything.
+  const auto disturbed_s = [&](double contact_s) { return 0.5 * std::max(0.0, contact_s - scene.opponent_at_ball_s); };
+  Strike best;
   // Straight at the ball, whatever comes of it.
-  const BallState ball = scene.path.at(std::sqrt(dot(scene.ball - here, scene.ball - here)) / limits.max_speed_mps);
+  const BallState ball = scene.path.at(distance(scene.ball, here) / limits.max_speed_mps);
   const double straight = bearing(ball.position - here);
   SkillGoal goal;
   goal.place = scene.pitch.inside(ball.position - scene.pitch.contact_m() * unit_vector(straight), scene.pitch.robot_m);
   goal.direction_rad = straight;
   goal.end_speed_mps = limits.max_speed_mps;
-  const double contact = time_to(robot, goal, scene.pitch, limits);
-  const double cost = contact + 0.5 * std::max(0.0, contact - scene.opponent_at_ball_s) +
-                      time_to_goal(struck(ball, straight, 0.85 * limits.max_speed_mps), scene);
-  if (cost < best.cost_s) best = {goal, ball.position, straight, contact, cost};
+  const double straight_s = time_to(robot, goal, scene.pitch, limits);
+  best = {goal, ball.position, straight, straight_s,
+          straight_s + disturbed_s(straight_s) + time_to_goal(after_strike(ball, straight, scene), scene)};
+
+  // The options in the order of their lower bounds, until none can be better. The straight way at full speed is a lower
+  // bound of the way's time.
+  constexpr double kNever = 1e9;
+  std::array<double, kTimes*(kAims + kRound)> bound;
+  const auto least_s = [&](const Option& option) { return distance(option.place, here) / limits.max_speed_mps; };
+  for (std::size_t i = 0; i < options_.size(); ++i) {
+    const Option& option = options_[i];
+    const double least = least_s(option);
+    const bool rolls = dot(option.ball.velocity, option.ball.velocity) > 0.01;
+    bound[i] = rolls && least > option.from_s + kLateS ? kNever : std::max(option.from_s, least) + option.after_s;
+  }
+  while (options_.size() > 0) {
+    const auto next = static_cast<std::size_t>(
+        std::min_element(bound.begin(), bound.begin() + static_cast<std::ptrdiff_t>(options_.size())) - bound.begin());
+    if (bound[next] > best.cost_s + kKeepS || bound[next] >= kNever) break;
+    Option& option = options_[next];
+    if (option.is_bound) {
+      complete(option, scene);
+      bound[next] = std::max(option.from_s, least_s(option)) + option.after_s;
+      continue;
+    }
+    bound[next] = kNever;
+    goal.place = option.place;
+    goal.direction_rad = option.direction_rad;
+    const double time_s = time_to(robot, goal, scene.pitch, limits);
+    if (dot(option.ball.velocity, option.ball.velocity) > 0.01 && time_s > option.from_s + kLateS) continue;
+    const double contact_s = std::max(time_s, option.from_s);
+    double cost = contact_s + option.after_s + disturbed_s(contact_s);
+    if (former != nullptr && std::abs(wrap_angle(option.direction_rad - *former)) < kKeepRad) cost -= kKeepS;
+    if (cost < best.cost_s) best = {goal, option.ball.position, option.direction_rad, contact_s, cost};
+  }
   return best;
 }
 

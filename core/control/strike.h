@@ -19,7 +19,7 @@ struct Strike {
 double time_to_goal(BallState ball, const Scene& scene);
 
 /// Ball after a robot's flat side that moves with this speed along `normal_rad` has hit it.
-BallState struck(BallState ball, double normal_rad, double speed_mps);
+BallState struck(BallState ball, double normal_rad, double speed_mps, const BallMotionParameters& parameters);
 
 /// Contacts that the team could make: times, places of the ball and directions, with the time to the goal after each.
 /// They do not depend on the robot.
@@ -28,7 +28,7 @@ class StrikeOptions {
   void find(const Scene& scene);
   /// Returns the best contact of a robot. `former`: direction of its last plan, which is kept unless another one is
   /// better by the hysteresis; null: none.
-  [[nodiscard]] Strike best_for(const Player& robot, const double* former, const Scene& scene) const;
+  [[nodiscard]] Strike best_for(const Player& robot, const double* former, const Scene& scene);
 
  private:
   static constexpr std::size_t kTimes = 9, kAims = 5, kRound = 12;
@@ -37,9 +37,12 @@ class StrikeOptions {
     double from_s = 0.0;  // time at which the ball is there
     double direction_rad = 0.0;
     Vector2 place;         // of the robot
-    double after_s = 0.0;  // time to the goal after the contact
+    double after_s = 0.0;  // time to the goal after the contact, or a lower bound
+    bool is_bound = true;  // after_s is not yet computed: most contacts are too late or too far from the goal
   };
   void add(BallState ball, double from_s, double direction_rad, const Scene& scene);
+  // Replaces the lower bound by the time.
+  void complete(Option& option, const Scene& scene);
 
   FixedVector<Option, kTimes*(kAims + kRound)> options_;
 };

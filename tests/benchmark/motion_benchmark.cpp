@@ -1,4 +1,5 @@
-// Prints the processor time of MotionPlanner for eleven robots among 22 that drive to random goals: motion-benchmark
+// Prints the processor time of MotionPlanner for eleven robots among 22 that drive to random goals, and of the built-in
+// play with eleven robots against eleven that do so, while the ball rolls: motion-benchmark
 // Other programs on the machine still disturb the caches; callgrind counts instructions without them:
 //   valgrind --tool=callgrind motion-benchmark 300
 #include <algorithm>
@@ -11,6 +12,7 @@
 
 #include "core/control/motion/drive_limits.h"
 #include "core/control/motion/motion_planner.h"
+#include "core/control/play.h"
 #include "core/geometry/angle.h"
 
 namespace touchline {
@@ -77,6 +79,47 @@ struct Field {
   std::vector<MotionGoal> goals;
 };
 
+void print(const char* what, std::vector<double> times) {
+  std::sort(times.begin(), times.end());
+  const auto at = [&](double share) {
+    return times[static_cast<std::size_t>(share * static_cast<double>(times.size() - 1))];
+  };
+  std::printf("%s: median %.1f us, p99 %.1f us, maximum %.1f us\n", what, at(0.5), at(0.99), at(1.0));
+}
+
+// The ball is placed anew each second, so that it rolls most of the time.
+void run_play(int frames) {
+  const ControlParameters parameters;
+  const auto play = std::make_unique<Play>();
+  play->configure(parameters, {});
+  Field field(parameters);
+  const Pitch pitch({}, parameters.play, parameters.ball);
+  BallState ball;
+  std::vector<double> times;
+  const auto tracks = std::make_unique<Tracks>();
+  for (int frame = 0; frame < frames; ++frame) {
+    if (frame % 60 == 0) ball = {field.place(), field.place()};
+    ball = rolled(ball, kPeriod, pitch);
+    field.tracks(*tracks, frame);
+    tracks->ball.state = TrackState::kSeen;
+    tracks->ball.position_at_action = to_field_point(ball.position);
+    tracks->ball.velocity_at_action = to_field_point(ball.velocity);
+    Players players;
+    for (std::size_t i = 0; i < kOwn; ++i) {
+      players.push_back({static_cast<RobotId>(i), tracks->robots[i].pose_at_action, tracks->robots[i].twist_at_action,
+                         field.robots[i].wheels});
+    }
+    Strategy::Twists commands{};
+    const double begin = processor_us();
+    play->decide(*tracks, players, commands);
+    times.push_back(processor_us() - begin);
+    for (std::size_t i = 0; i < kAll; ++i) {
+      field.obey(i, i < kOwn ? commands[i] : drive(field.robots[i], field.goals[i], kPeriod, parameters.drive));
+    }
+  }
+  print("play, 11 against 11", times);
+}
+
 void run(int frames) {
   const ControlParameters parameters;
   const auto planner = std::make_unique<MotionPlanner>();
@@ -98,17 +141,15 @@ void run(int frames) {
     }
     for (std::size_t i = 0; i < kAll; ++i) field.obey(i, commands[i]);
   }
-  std::sort(times.begin(), times.end());
-  const auto at = [&](double share) {
-    return times[static_cast<std::size_t>(share * static_cast<double>(times.size() - 1))];
-  };
-  std::printf("11 of 22 robots: median %.1f us, p99 %.1f us, maximum %.1f us\n", at(0.5), at(0.99), at(1.0));
+  print("motion, 11 of 22 robots", times);
 }
 
 }  // namespace
 }  // namespace touchline
 
 int main(int argc, char** argv) {
-  touchline::run(argc > 1 ? std::max(1, std::atoi(argv[1])) : 5000);
+  const int frames = argc > 1 ? std::max(1, std::atoi(argv[1])) : 5000;
+  touchline::run(frames);
+  touchline::run_play(frames);
   return 0;
 }

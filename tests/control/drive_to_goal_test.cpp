@@ -12,8 +12,8 @@
 
 #include "core/control/motion/drive_limits.h"
 #include "core/control/motion/speed_profile.h"
-#include "core/control/motion/trajectory_tracking.h"
 #include "core/geometry/angle.h"
+#include "tools/programs/control/trajectory_tracking.h"
 
 namespace touchline {
 namespace {

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <initializer_list>
 #include <random>
 
 #include "core/control/obstacle_avoidance.h"
@@ -14,51 +15,72 @@ namespace {
 
 constexpr FieldParameters kField;
 
+constexpr double kClearanceM = 0.11;
+
+RoundObstacles obstacles_at(std::initializer_list<Vector2> places) {
+  RoundObstacles all;
+  for (const Vector2 place : places) all.push_back({.position = place, .clearance_m = kClearanceM});
+  return all;
+}
+
 TEST(Detour, GivesTheTargetIfTheWayIsFree) {
-  Obstacles obstacles;
-  obstacles.push_back({0.5, 0.2});
-  obstacles.push_back({-0.3, 0.0});
-  obstacles.push_back({1.2, 0.0});
-  const Vector2 next = detour({0, 0}, {1.0, 0.0}, obstacles, 0.11, kField);
+  const RoundObstacles obstacles = obstacles_at({{0.5, 0.2}, {-0.3, 0.0}, {1.05, 0.0}});
+  const Vector2 next = detour({0, 0}, {}, {1.0, 0.0}, obstacles, Pitch(kField, {}));
   EXPECT_EQ(next.x, 1.0);
   EXPECT_EQ(next.y, 0.0);
 }
 
 TEST(Detour, GoesAroundOnTheShorterSideInsideTheField) {
-  Obstacles obstacles;
-  obstacles.push_back({0.5, 0.03});
-  EXPECT_LT(detour({0, 0}, {1.0, 0.0}, obstacles, 0.11, kField).y, -0.05);
-  obstacles[0] = {0.5, -0.03};
-  EXPECT_GT(detour({0, 0}, {1.0, 0.0}, obstacles, 0.11, kField).y, 0.05);
-  obstacles[0] = {0.5, 0.79};  // the shorter side is next to the wall
-  EXPECT_LT(detour({0, 0.83}, {1.0, 0.83}, obstacles, 0.11, kField).y, 0.75);
+  const Pitch pitch(kField, {});
+  EXPECT_LT(detour({0, 0}, {}, {1.0, 0.0}, obstacles_at({{0.5, 0.03}}), pitch).y, -0.05);
+  EXPECT_GT(detour({0, 0}, {}, {1.0, 0.0}, obstacles_at({{0.5, -0.03}}), pitch).y, 0.05);
+  // The shorter side is next to the wall.
+  EXPECT_LT(detour({0, 0.83}, {}, {1.0, 0.83}, obstacles_at({{0.5, 0.79}}), pitch).y, 0.75);
+}
+
+TEST(Detour, LooksWhereAnObstacleWillBe) {
+  RoundObstacles obstacles = obstacles_at({{0.4, 0.25}});
+  EXPECT_EQ(detour({0, 0}, {1.0, 0.0}, {1.0, 0.0}, obstacles, Pitch(kField, {})).y, 0.0);
+  obstacles[0].velocity = {0.0, -0.6};
+  EXPECT_NE(detour({0, 0}, {1.0, 0.0}, {1.0, 0.0}, obstacles, Pitch(kField, {})).y, 0.0);
 }
 
 TEST(Detour, PassesAllObstaclesOnTheWay) {
   std::mt19937 random(1);
   std::uniform_real_distribution<double> any(-1.0, 1.0);
+  const Pitch pitch(kField, {});
   int met = 0;
   for (int run = 0; run < 200; ++run) {
     const Vector2 target{0.95, 0.5 * any(random)};
     Vector2 here{-0.95, 0.5 * any(random)};
-    Obstacles obstacles;
+    RoundObstacles obstacles;
     while (obstacles.size() < 6) {
       const Vector2 o{0.7 * any(random), 0.6 * any(random)};
       bool spread = true;
-      for (const Vector2& other : obstacles) spread = spread && distance(o, other) > 0.3;
-      if (spread) obstacles.push_back(o);
+      for (const RoundObstacle& other : obstacles) spread = spread && distance(o, other.position) > 0.3;
+      if (spread) obstacles.push_back({.position = o, .clearance_m = kClearanceM});
     }
     double nearest = 1.0;
     for (int k = 0; k < 1000 && distance(here, target) > 0.01; ++k) {
-      const Vector2 way = detour(here, target, obstacles, 0.11, kField) - here;
+      const Vector2 way = detour(here, {}, target, obstacles, pitch) - here;
       here = here + (0.005 / norm(way)) * way;
-      for (const Vector2& o : obstacles) nearest = std::min(nearest, distance(here, o));
+      for (const RoundObstacle& o : obstacles) nearest = std::min(nearest, distance(here, o.position));
     }
     ASSERT_LE(distance(here, target), 0.01) << run;
     ASSERT_GT(nearest, 0.075) << run;
     met += nearest < 0.2 ? 1 : 0;
   }
   EXPECT_GT(met, 100) << "otherwise there was nothing to avoid";
+}
+
+TEST(SlowBefore, StopsInFrontOfATeamMate) {
+  MotionState robot;
+  const DriveParameters drive;
+  RoundObstacles obstacles = obstacles_at({{0.1, 0.0}});
+  EXPECT_EQ(slow_before({1.0f, 0.0f}, robot, obstacles, drive).v_mps, 1.0f) << "an opponent";
+  obstacles[0].brake_m = 0.12;
+  EXPECT_EQ(slow_before({1.0f, 0.0f}, robot, obstacles, drive).v_mps, 0.0f);
+  EXPECT_EQ(slow_before({-1.0f, 0.0f}, robot, obstacles, drive).v_mps, -1.0f) << "it drives away";
 }
 
 class PlayTest : public ::testing::Test {

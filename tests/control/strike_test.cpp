@@ -31,6 +31,33 @@ TEST(BallPath, ReflectsAtWallsAndRollsIntoGoals) {
   EXPECT_GT(goal.at(0.5).position.x, 1.1);
 }
 
+TEST(BallPath, RollsAsFarAsItsDecelerationLets) {
+  Pitch pitch;
+  pitch.rolling.damping_per_s = 0.0;
+  pitch.rolling.deceleration_mps2 = 0.5;
+  const BallPath constant({{-0.5, 0.0}, {0.8, 0.0}}, pitch);  // stops after 1.6 s and 0.64 m
+  EXPECT_NEAR(constant.at(1.0).position.x, -0.5 + 0.8 - 0.25, 1e-9);
+  EXPECT_NEAR(constant.at(1.0).velocity.x, 0.3, 1e-9);
+  EXPECT_NEAR(constant.at(2.0).position.x, 0.14, 1e-9);
+  EXPECT_EQ(constant.at(2.0).velocity.x, 0.0);
+  pitch.rolling.deceleration_mps2 = 0.0;
+  pitch.rolling.damping_per_s = 0.5;
+  const BallPath damped({{-0.5, 0.0}, {0.8, 0.0}}, pitch);
+  EXPECT_NEAR(damped.at(1.0).velocity.x, 0.8 * std::exp(-0.5), 1e-4);
+  EXPECT_NEAR(damped.at(1.0).position.x, -0.5 + 0.8 * (1.0 - std::exp(-0.5)) / 0.5, 1e-4);
+}
+
+TEST(Struck, ConservesMomentum) {
+  BallMotionParameters ball;
+  ball.mass_ratio = 0.25;
+  ball.robot_restitution = 0.5;
+  const BallState after = struck({{}, {-0.4, 0.3}}, 0.0, 1.0, ball);
+  // The robot of mass 1 keeps the momentum that the ball of mass 0.25 got; they separate at 0.5 of 1.4 m/s.
+  EXPECT_NEAR(after.velocity.x, -0.4 + 1.4 * 1.5 / 1.25, 1e-12);
+  EXPECT_NEAR(after.velocity.y, 0.3, 1e-12);
+  EXPECT_NEAR(struck({{}, {2.0, 0.0}}, 0.0, 1.0, ball).velocity.x, 2.0, 1e-12) << "the ball is faster";
+}
+
 TEST(TimeToGoal, PrefersTheGoalAndFearsTheOwnOne) {
   Scene scene = scene_with({0.5, 0.0});
   const double shot = time_to_goal({{0.5, 0.0}, {1.5, 0.0}}, scene);
@@ -108,7 +135,7 @@ TEST(Drive, StrikesARestingBallFromAnywhere) {
       options.find(scene);
       const Strike strike = options.best_for(player, world.time_s > 0.0 ? &direction : nullptr, scene);
       direction = strike.direction_rad;
-      const Twist wanted = drive(player, strike.goal, {}, scene.pitch, limits);
+      const Twist wanted = drive(player, strike.goal, {}, scene.pitch, kFrame, limits);
       last = within_acceleration_limit(within_speed_limits(wanted, limits), last, kFrame, limits);
       Commands commands;
       commands.stop = false;

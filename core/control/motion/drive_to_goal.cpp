@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "core/control/motion/drive_limits.h"
+#include "core/control/motion/drive_through.h"
 #include "core/control/motion/speed_profile.h"
 #include "core/geometry/angle.h"
 
@@ -20,7 +21,7 @@ constexpr double kAlongLine_m = 0.02;
 // Periods in which small errors of the heading are closed: of a robot that turns in place, and of one that drives with
 // kFast_mps or more. On the way, random slip changes the heading by 0.03 rad; a law that answers faster takes the
 // wheels' acceleration from braking.
-constexpr double kPeriodsAtPlace = 2.0, kPeriodsOnWay = 4.5, kFast_mps = 0.6, kCirclePeriods = 0.2;
+constexpr double kPeriodsAtPlace = 2.0, kPeriodsOnWay = 4.5, kFast_mps = 0.6;
 // Speed below which a robot near its goal counts as stopping.
 constexpr double kSlow_mps = 0.15;
 
@@ -38,12 +39,11 @@ struct Velocities {
 
 // The wheels' acceleration is shared: turning goes first. Braking for a stop keeps what plans use, because a robot that
 // turns instead of braking drives past its goal. Everything else keeps a tenth.
-Velocities shared(const MotionState& robot, Velocities wanted, bool stops, double period_s,
-                  const MotionLimits& limits) {
+Velocities shared(const MotionState& robot, Velocities wanted, double period_s, const MotionLimits& limits) {
   const double budget = limits.wheel_acceleration_mps2 * period_s;
   const double dv = wanted.v_mps - robot.v_mps, dw = wanted.w_radps - robot.w_radps;
   const bool brakes = dv * robot.v_mps < 0.0;
-  const double kept = std::min(std::abs(dv), (brakes ? (stops ? 0.9 : 0.5) : 0.1) * budget);
+  const double kept = std::min(std::abs(dv), (brakes ? 0.9 : 0.1) * budget);
   const double turn = std::min(std::abs(dw) * limits.half_base_m, budget - kept);
   const double drive = std::min(std::abs(dv), budget - turn);
   return {robot.v_mps + std::copysign(drive, dv), robot.w_radps + std::copysign(turn, dw) / limits.half_base_m};
@@ -70,7 +70,6 @@ Velocities settle(const MotionState& robot, const MotionGoal& goal, double perio
 }
 
 bool is_at_place(const MotionState& robot, const MotionGoal& goal) {
-  if (goal.end_speed_mps > 0.0) return false;
   const Vector2 off = goal.place - robot.place;
   const double length = norm(off);
   // A robot that turns to its final heading moves by some mm, because no two wheels are equal. It finishes the turn.
@@ -104,18 +103,14 @@ Velocities follow(const MotionState& robot, const Route& route, double period_s,
   const double now = sign * robot.v_mps;
   const double facing = route.backward ? robot.heading_rad + kPi : robot.heading_rad;
   double error = wrap_angle(route.direction_rad - facing);
-  const double way = route.line_m + route.arc_m;
-  if (way < kSteersFrom_m && std::abs(error) < 0.5) error *= way / kSteersFrom_m;
-  const ProfileLimits driving{limits.speed_mps, limits.acceleration_mps2};
-  double speed = next_speed(route.line_m, now, route.line_end_mps, period_s, driving);
-  if (route.arc_m > 0.0) speed = std::min(speed, next_speed(way, now, route.end_mps, period_s, driving));
-  if (route.curvature_per_m == 0.0) speed = std::min(speed, speed_while_turning(error, route.line_m, limits, period_s));
-  const double along = route.curvature_per_m * std::max(0.0, now);
-  // On a way with a circle, each degree counts.
-  const double fast = route.arc_m > 0.0 ? kCirclePeriods : std::min(1.0, std::abs(now) / kFast_mps);
+  if (route.line_m < kSteersFrom_m && std::abs(error) < 0.5) error *= route.line_m / kSteersFrom_m;
+  const double speed =
+      std::min(next_speed(route.line_m, now, 0.0, period_s, {limits.speed_mps, limits.acceleration_mps2}),
+               speed_while_turning(error, route.line_m, limits, period_s));
+  const double fast = std::min(1.0, std::abs(now) / kFast_mps);
   const ProfileLimits turning{limits.turn_at(now), limits.turn_acceleration_radps2,
                               kPeriodsAtPlace + fast * (kPeriodsOnWay - kPeriodsAtPlace)};
-  const double turn = along + next_speed(error, robot.w_radps - along, 0.0, period_s, turning);
+  const double turn = next_speed(error, robot.w_radps, 0.0, period_s, turning);
   return {sign * speed, std::clamp(turn, -turning.speed, turning.speed)};
 }
 
@@ -124,25 +119,22 @@ Velocities follow(const MotionState& robot, const Route& route, double period_s,
 Twist drive(const MotionState& robot, const MotionGoal& goal, double period_s, const DriveParameters& drive,
             const MotionArea& area) {
   if (!is_finite(robot, goal) || !(period_s > 0.0)) return {};
+  if (goal.end_speed_mps > 0.0) return drive_through(robot, goal, drive, area);
   const MotionLimits limits(drive);
-  if (is_at_place(robot, goal)) {
-    return command_of(robot, shared(robot, settle(robot, goal, period_s, limits), true, period_s, limits), period_s,
-                      drive);
-  }
-  const Route route = best_route(robot, goal, limits, area);
-  return command_of(robot,
-                    shared(robot, follow(robot, route, period_s, limits), goal.end_speed_mps <= 0.0, period_s, limits),
-                    period_s, drive);
+  const Velocities wanted = is_at_place(robot, goal) ? settle(robot, goal, period_s, limits)
+                                                     : follow(robot, best_route(robot, goal, limits), period_s, limits);
+  return command_of(robot, shared(robot, wanted, period_s, limits), period_s, drive);
 }
 
 double time_to(const MotionState& robot, const MotionGoal& goal, const DriveParameters& drive, const MotionArea& area) {
   if (!is_finite(robot, goal)) return std::numeric_limits<double>::infinity();
-  return best_route(robot, goal, MotionLimits(drive), area).time_s;
+  if (goal.end_speed_mps > 0.0) return time_through(robot, goal, drive, area);
+  return best_route(robot, goal, MotionLimits(drive)).time_s;
 }
 
 Twist brake(const MotionState& robot, double period_s, const DriveParameters& drive) {
   const MotionLimits limits(drive);
-  return command_of(robot, shared(robot, {}, true, period_s, limits), period_s, drive);
+  return command_of(robot, shared(robot, {}, period_s, limits), period_s, drive);
 }
 
 }  // namespace touchline

@@ -43,11 +43,6 @@ double MotionLimits::speed_on(double radius_m) const {
                    wheel_mps * radius_m / (radius_m + half_base_m)});
 }
 
-double MotionLimits::radius_for(double speed) const {
-  const double by_wheel = speed < wheel_mps ? speed * half_base_m / (wheel_mps - speed) : 1e3;
-  return std::max({speed * speed / lateral_mps2, speed / turn_radps, std::min(by_wheel, 1e3)});
-}
-
 double MotionLimits::turn_at(double speed) const {
   const double v = std::abs(speed);
   double turn = std::min(turn_radps, std::max(0.0, wheel_mps - v) / half_base_m);

@@ -28,11 +28,10 @@ Twist command_to_change(const MotionState& robot, double change_mps, double chan
 
 /// Where a robot shall drive, and how it arrives.
 struct MotionGoal {
-  Vector2 place;
-  std::optional<double> direction_rad;  // of the motion at the place; nullopt: any
-  double end_speed_mps = 0.0;           // at the place; 0: the robot stops there
-  bool exact_heading = false;           // the heading is direction_rad; otherwise the back may be ahead, too
-  bool avoid_ball = false;              // drive around the ball, too
+  Vector2 place{};
+  std::optional<double> direction_rad{};  // of the motion at the place; nullopt: any
+  double end_speed_mps = 0.0;             // at the place; 0: the robot stops there
+  bool exact_heading = false;             // the heading is direction_rad; otherwise the back may be ahead, too
 };
 
 /// Limits for plans, from those of the drive.
@@ -40,8 +39,6 @@ struct MotionLimits {
   explicit MotionLimits(const DriveParameters& drive);
   /// Returns the largest speed on a circle: grip, turn rate and the outer wheel limit it.
   [[nodiscard]] double speed_on(double radius_m) const;
-  /// Returns the smallest circle for a speed.
-  [[nodiscard]] double radius_for(double speed_mps) const;
   /// Returns the largest turn rate at a speed.
   [[nodiscard]] double turn_at(double speed_mps) const;
 

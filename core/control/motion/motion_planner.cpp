@@ -20,10 +20,6 @@ constexpr double kHysteresis_s = 0.12;
 // A conflict at once costs this time, one at the end of the prediction nothing: somebody will move until then. With 1.5
 // s, robots touch a third more often, and strict ones wait for each other forever; with 4 s, they drive longer ways.
 constexpr double kConflict_s = 2.5;
-// The first part of a way may not lead through a forbidden area; the second part is planned again before.
-constexpr double kForbidden_s = 5.0, kForbiddenLater_s = 1.5;
-// Robots drive around the corners of a forbidden area at this distance.
-constexpr double kCorner_m = 0.03;
 // Number of steps (1 s; more for slow robots) after which a conflict starts no search for a detour, because the others
 // will have moved by then.
 constexpr std::size_t kSearchesBefore = 10;
@@ -31,7 +27,6 @@ constexpr std::size_t kSearchesBefore = 10;
 constexpr double kKeepsVelocity_s = 0.5;
 // Robots slower than this stand: they are walls for everybody.
 constexpr double kStands_mps = 0.05;
-constexpr double kBallRadius_m = 0.0214;
 // Strict: distance of two robots' circles that is never used up: twice the prediction's error and a lost packet's way.
 constexpr double kStrictMargin_m = 0.008;
 constexpr double kLongestPeriod_s = 0.05, kShortestPeriod_s = 0.004;
@@ -77,9 +72,6 @@ void MotionPlanner::begin(const Tracks& tracks) {
                                    kKeepsVelocity_s, step_s_);
     robots_.push_back(robot);
   }
-  has_ball_ = tracks.ball.state == TrackState::kSeen || tracks.ball.state == TrackState::kCoasting;
-  ball_ = to_vector(tracks.ball.position_at_action);
-  ball_velocity_ = to_vector(tracks.ball.velocity_at_action);
   // Robots that left the field leave the memory, too.
   std::size_t kept = 0;
   for (const Memory& memory : memory_) {
@@ -126,11 +118,6 @@ void MotionPlanner::list_obstacles(const Robot& robot, const MotionGoal& goal) {
     if (gives_way && !is_strict) obstacle.steps = 3;
     obstacles_.push_back(obstacle);
   }
-  if (goal.avoid_ball && has_ball_) {
-    ball_path_ = constant_velocity(ball_, ball_velocity_, kKeepsVelocity_s, step_s_);
-    obstacles_.push_back({&ball_path_, std::numbers::sqrt2 * parameters_.play.robot_radius_m + kBallRadius_m,
-                          step_m(norm(ball_velocity_)), PredictedPath::kSteps});
-  }
   // The nearest obstacles decide most candidates.
   const auto away = [&](const PathObstacle& obstacle) {
     const Vector2 apart = obstacle.path->at[0] - robot.state.place;
@@ -138,23 +125,6 @@ void MotionPlanner::list_obstacles(const Robot& robot, const MotionGoal& goal) {
   };
   std::sort(obstacles_.begin(), obstacles_.end(),
             [&](const PathObstacle& a, const PathObstacle& b) { return away(a) < away(b); });
-}
-
-bool MotionPlanner::crosses_forbidden(Vector2 from, Vector2 to) const {
-  return std::any_of(forbidden_.begin(), forbidden_.end(), [&](const ForbiddenArea& area) {
-    double first = 0.0, last = 1.0;
-    const auto clip = [&](double at, double step, double low, double high) {
-      if (std::abs(step) < 1e-12) return at > low && at < high;
-      double enters = (low - at) / step, leaves = (high - at) / step;
-      if (enters > leaves) std::swap(enters, leaves);
-      first = std::max(first, enters);
-      last = std::min(last, leaves);
-      return first < last;
-    };
-    // A robot inside may leave.
-    if (from.x > area.low.x && from.x < area.high.x && from.y > area.low.y && from.y < area.high.y) return false;
-    return clip(from.x, to.x - from.x, area.low.x, area.high.x) && clip(from.y, to.y - from.y, area.low.y, area.high.y);
-  });
 }
 
 void MotionPlanner::consider(const PathStart& robot, const MotionGoal& goal, Vector2 via, double bonus_s,
@@ -166,10 +136,6 @@ void MotionPlanner::consider(const PathStart& robot, const MotionGoal& goal, Vec
   const double turning_s = turning_time(robot, first, limits_);
   cost += turning_s;
   if (cost >= best.cost) return;
-  if (!forbidden_.empty()) {
-    if (crosses_forbidden(robot.place, via)) cost += kForbidden_s;
-    if (crosses_forbidden(via, goal.place)) cost += kForbiddenLater_s;
-  }
   const PredictedPath path = along(robot, via, goal.place, turning_s, step_s_, limits_);
   constexpr double kSteps = static_cast<double>(PredictedPath::kSteps);
   // With an earlier conflict, the candidate cannot be the best one.
@@ -188,15 +154,6 @@ MotionPlanner::Choice MotionPlanner::choose(const MotionState& state, const Moti
   // Last frame's detour first, until its point is reached.
   if (had_detour && distance(memory.via, robot.place) > 0.03) consider(robot, goal, memory.via, kHysteresis_s, best);
   consider(robot, goal, goal.place, had_detour ? 0.0 : kHysteresis_s, best);
-  if (!forbidden_.empty() && best.cost > kForbiddenLater_s) {
-    for (const ForbiddenArea& area : forbidden_) {
-      const Vector2 low{area.low.x - kCorner_m, area.low.y - kCorner_m};
-      const Vector2 high{area.high.x + kCorner_m, area.high.y + kCorner_m};
-      for (const Vector2 corner : {low, high, Vector2{low.x, high.y}, Vector2{high.x, low.y}}) {
-        if (area_.contains(corner)) consider(robot, goal, corner, 0.0, best);
-      }
-    }
-  }
   if (best.conflict <= kSearchesBefore) {
     const double ahead = bearing(goal.place - robot.place);
     for (const double turn : kTurns) {
@@ -243,11 +200,13 @@ MotionPlanner::Robot* MotionPlanner::find(RobotId id) {
   return found == robots_.end() ? nullptr : found;
 }
 
-Twist MotionPlanner::restrained(RobotId id, const MotionState& state, const Twist& command) {
+bool MotionPlanner::permits(RobotId id, const MotionState& state, const Twist& command) {
   Robot* const robot = find(id);
-  if (parameters_.avoid != Avoidance::kStrict || robot == nullptr) return command;
+  if (parameters_.avoid != Avoidance::kStrict || robot == nullptr) return true;
   robot->state = state;
-  return may_move(*robot, command) ? command : brake(state, period_s_, parameters_.drive);
+  if (may_move(*robot, command)) return true;
+  robot->path = stopping(state, step_s_, limits_);
+  return false;
 }
 
 Twist MotionPlanner::drive(RobotId id, const MotionState& state, const MotionGoal& goal) {
@@ -258,7 +217,7 @@ Twist MotionPlanner::drive(RobotId id, const MotionState& state, const MotionGoa
   Memory& memory = memory_of(id);
   list_obstacles(robot, goal);
   Choice choice;
-  const bool is_free = obstacles_.empty() && forbidden_.empty();
+  const bool is_free = obstacles_.empty();
   if (is_free) {
     choice.via = goal.place;
     const PathStart start(state);
@@ -278,18 +237,13 @@ Twist MotionPlanner::drive(RobotId id, const MotionState& state, const MotionGoa
     next.place = choice.via;
     next.end_speed_mps = limits_.speed_mps;
   }
-  Twist command = choice.brakes ? brake(state, period_s_, parameters_.drive)
-                                : touchline::drive(state, next, period_s_, parameters_.drive, area_);
-  if (parameters_.avoid == Avoidance::kStrict && !choice.brakes && !may_move(robot, command)) {
-    command = brake(state, period_s_, parameters_.drive);
-    choice.brakes = true;
-  }
   robot.path = choice.brakes ? stopping(state, step_s_, limits_) : choice.path;
   robot.is_planned = true;
   memory.via = choice.via;
   memory.goal = goal.place;
   memory.used = memory.known = true;
-  return command;
+  return choice.brakes ? brake(state, period_s_, parameters_.drive)
+                       : touchline::drive(state, next, period_s_, parameters_.drive, area_);
 }
 
 }  // namespace touchline

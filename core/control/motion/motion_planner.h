@@ -7,12 +7,6 @@
 
 namespace touchline {
 
-/// Rectangle that robots must not enter, for example the own goal area.
-struct ForbiddenArea {
-  Vector2 low, high;  // corners with the smallest and the largest coordinates
-};
-using ForbiddenAreas = FixedVector<ForbiddenArea, 4>;
-
 /// Drives the robots of one team to their goals without contact: it compares trajectories to the goal, around obstacles
 /// on both sides, and braking, each checked against the predicted motion of all others. Uses fixed memory.
 class MotionPlanner {
@@ -21,13 +15,12 @@ class MotionPlanner {
   void reset();
   /// Begins a frame. The robots of `tracks` are the obstacles.
   void begin(const Tracks& tracks);
-  void set_forbidden(const ForbiddenAreas& areas) { forbidden_ = areas; }
   /// Returns the command of robot `id`. Call it in the order of priority: a robot avoids the trajectories of the robots
   /// before it. Robots for which it was not called are expected to keep their velocity.
   Twist drive(RobotId id, const MotionState& robot, const MotionGoal& goal);
-  /// Returns the command, or one that brakes if control.avoid is strict and the command could lead to a contact. For
-  /// commands that do not come from drive().
-  [[nodiscard]] Twist restrained(RobotId id, const MotionState& robot, const Twist& command);
+  /// Returns whether a robot may obey a command, to which all limits of the drive were applied. If control.avoid is
+  /// strict, a robot must brake instead of obeying a command that could lead to a contact.
+  [[nodiscard]] bool permits(RobotId id, const MotionState& robot, const Twist& command);
   /// Returns drive()'s time to a goal without obstacles.
   [[nodiscard]] double time_to(const MotionState& robot, const MotionGoal& goal) const {
     return touchline::time_to(robot, goal, parameters_.drive, area_);
@@ -58,7 +51,6 @@ class MotionPlanner {
   void list_obstacles(const Robot& robot, const MotionGoal& goal);
   void consider(const PathStart& robot, const MotionGoal& goal, Vector2 via, double bonus_s, Choice& best) const;
   [[nodiscard]] Choice choose(const MotionState& robot, const MotionGoal& goal, Memory& memory) const;
-  [[nodiscard]] bool crosses_forbidden(Vector2 from, Vector2 to) const;
   [[nodiscard]] bool may_move(const Robot& robot, const Twist& command) const;
   Memory& memory_of(RobotId id);
   Robot* find(RobotId id);
@@ -66,16 +58,12 @@ class MotionPlanner {
   ControlParameters parameters_;
   MotionLimits limits_{DriveParameters{}};
   MotionArea area_;
-  ForbiddenAreas forbidden_;
   double step_s_ = 0.1, period_s_ = 1.0 / 60.0;
   bool begun_ = false;
   Instant last_time_{};
-  Vector2 ball_, ball_velocity_;
-  bool has_ball_ = false;
   FixedVector<Robot, kMaxRobots> robots_;
   FixedVector<Memory, kMaxRobotsPerTeam> memory_;
   PathObstacles obstacles_;  // of the robot that is planned, the nearest first
-  PredictedPath ball_path_;
 };
 
 }  // namespace touchline

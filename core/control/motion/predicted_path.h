@@ -29,8 +29,8 @@ struct PathObstacle {
   double step_m = 0.0;                        // longest way in a step, together with the robot that avoids it
   std::size_t steps = PredictedPath::kSteps;  // later, it may be anywhere and is ignored
 };
-// The other robots of both teams, and the ball.
-using PathObstacles = FixedVector<PathObstacle, kMaxRobots + 1>;
+// The other robots of both teams.
+using PathObstacles = FixedVector<PathObstacle, kMaxRobots>;
 
 /// Predicts constant velocity, as long as `moves_s`; then the object stands.
 PredictedPath constant_velocity(Vector2 place, Vector2 velocity_mps, double moves_s, double step_s);

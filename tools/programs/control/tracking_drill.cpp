@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/control/motion/trajectory_tracking.h"
 #include "core/geometry/angle.h"
 #include "tools/programs/control/tracking_bound.h"
+#include "tools/programs/control/trajectory_tracking.h"
 
 namespace touchline::control_evaluation {
 namespace {

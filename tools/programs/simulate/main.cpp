@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "hal/files/input_file.h"
@@ -19,7 +20,7 @@ namespace touchline::simulate {
 namespace {
 
 struct Options {
-  std::string board = "boards/mock/board.toml", own = "play", opponent = "univector", baseline, json;
+  std::string board = "boards/mock/board.toml", own = "play", opponent = "univector", baseline, json, preset;
   VideoSettings video;
   std::vector<std::string> overrides, compare;
   SeriesSettings series;
@@ -126,7 +127,12 @@ Result<void> play_scenarios(const Options& options) {
   return {};
 }
 
-Result<void> run(const Options& options) {
+Result<void> run(Options options) {
+  if (!options.preset.empty()) {
+    TOUCHLINE_TRY_ASSIGN(std::vector<std::string> overrides, preset_overrides(options.preset));
+    overrides.insert(overrides.end(), options.overrides.begin(), options.overrides.end());
+    options.overrides = std::move(overrides);
+  }
   if (options.scenarios > 0) return play_scenarios(options);
   if (!options.compare.empty()) return compare_files(options.compare[0], options.compare[1]);
   if (!options.video.path.empty()) return play_video(options);
@@ -149,6 +155,11 @@ void add_options(CLI::App& app, Options& options) {
   app.add_option("--baseline", options.baseline,
                  "Play the same seeds also with this own side, and compare both with --own")
       ->type_name("TEAM");
+  app.add_option(
+         "--preset", options.preset,
+         "Parameter set of the robots and the ball, which both sides know: mirosot, rsim or firasim (default: as "
+         "in the three files); --set wins over it")
+      ->type_name("NAME");
   app.add_option("--seeds", options.series.seeds, "Number of games, each with its own random numbers")
       ->check(CLI::Range(1, 100000))
       ->capture_default_str();

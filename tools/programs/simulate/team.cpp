@@ -36,6 +36,26 @@ std::vector<std::string> strategy_names() {
   return names;
 }
 
+Result<std::vector<std::string>> preset_overrides(std::string_view preset) {
+  std::vector<std::string> overrides{"arena.preset=" + std::string(preset)};
+  if (preset == "mirosot") return overrides;
+  // Wheel base and masses as in docs/arena.md; the lag as in boards/firasim/team.toml, where it was fitted.
+  const auto add = [&](const char* wheel_base_m, const char* mass_ratio) {
+    for (const char* each :
+         {"tracking.robot.wheel_lag_s=0.2", "control.ball.deceleration_mps2=0.0765", "control.ball.damping_per_s=0",
+          "control.ball.wall_restitution=0.295", "control.ball.robot_restitution=0.03"}) {
+      overrides.emplace_back(each);
+    }
+    overrides.push_back(std::string("control.drive.wheel_base_m=") + wheel_base_m);
+    overrides.push_back(std::string("control.ball.mass_ratio=") + mass_ratio);
+    return overrides;
+  };
+  if (preset == "rsim") return add("0.0775", "0.279");
+  if (preset == "firasim") return add("0.085", "0.048");
+  return failure(ErrorCode::kNotFound, "there is no parameter set \"%.*s\"; choose mirosot, rsim or firasim",
+                 static_cast<int>(preset.size()), preset.data());
+}
+
 Result<Team> load_team(const std::string& board, const std::string& team, const std::vector<std::string>& overrides) {
   Team out;
   out.name = team;

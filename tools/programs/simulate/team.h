@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "firmware/config/configuration.h"
@@ -22,6 +23,10 @@ struct Team {
 /// Returns the names of all strategies with a line of description each, for --help.
 std::string strategies_text();
 std::vector<std::string> strategy_names();
+
+/// Returns the overrides (KEY=VALUE) with which both sides play on the robots of a parameter set (arena.preset) that
+/// the tracker and the play know. Fails for a set that does not exist.
+Result<std::vector<std::string>> preset_overrides(std::string_view preset);
 
 /// Reads the files of a side. `team`: the name of a strategy, or the path of a team file, which ends in ".toml".
 /// `overrides`: KEY=VALUE. Errors of config::load(); kNotFound: there is no such strategy.

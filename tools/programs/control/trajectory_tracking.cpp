@@ -1,4 +1,4 @@
-#include "core/control/motion/trajectory_tracking.h"
+#include "tools/programs/control/trajectory_tracking.h"
 
 #include <algorithm>
 #include <cmath>

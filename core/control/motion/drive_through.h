@@ -1,0 +1,18 @@
+#pragma once
+
+#include "core/control/motion/motion_goal.h"
+#include "core/control/motion/route.h"
+
+namespace touchline {
+
+/// Returns the command of a robot that drives through a place with a speed, and in a direction if the goal has one.
+/// Forward or backward: turn, line, and an arc that ends at the place. The command is that for the pose at which the
+/// wheels have followed, without limits of the acceleration.
+Twist drive_through(const MotionState& robot, const MotionGoal& goal, const DriveParameters& drive,
+                    const MotionArea& area);
+
+/// Estimates the time in s until the robot passes the place, from the moment at which the first command acts.
+double time_through(const MotionState& robot, const MotionGoal& goal, const DriveParameters& drive,
+                    const MotionArea& area);
+
+}  // namespace touchline

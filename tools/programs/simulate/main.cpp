@@ -201,7 +201,7 @@ void add_options(CLI::App& app, Options& options) {
            "--video", "--jobs", "--json"});
   exclude(app, "--compare",
           {"--board", "--own", "--opponent", "--baseline", "--seeds", "--seed", "--duration", "--robots", "--pictures",
-           "--table", "--scenarios", "--video", "--jobs", "--json", "--set"});
+           "--table", "--scenarios", "--video", "--jobs", "--json", "--preset", "--set"});
 }
 
 // Names an option that a subcommand would ignore; "" if there is none.

@@ -1,3 +1,4 @@
+#include "core/control/motion/drive_through.h"
 #include "core/control/motion/drive_to_goal.h"
 #include "core/control/skill_goal.h"
 
@@ -21,17 +22,16 @@ double time_to(const Player& robot, const SkillGoal& goal, const Pitch& pitch, c
 Twist drive(const Player& robot, const SkillGoal& goal, const RoundObstacles& obstacles, const Pitch& pitch,
             double period_s, const DriveParameters& limits) {
   const MotionState state = state_of(robot);
-  if (goal.twist) return slow_before(*goal.twist, state, obstacles, limits);
+  if (goal.twist) return slow_before(*goal.twist, state, obstacles);
   MotionGoal next = motion_goal(goal);
-  const double after_s = limits.wheel_lag_s;
-  const Vector2 velocity = state.v_mps * unit_vector(state.heading_rad + after_s * state.w_radps);
+  const Vector2 velocity = state.v_mps * unit_vector(state.heading_rad + kResponseS * state.w_radps);
   const Vector2 here =
-      state.place + (after_s * state.v_mps) * unit_vector(state.heading_rad + 0.5 * after_s * state.w_radps);
+      state.place + (kResponseS * state.v_mps) * unit_vector(state.heading_rad + 0.5 * kResponseS * state.w_radps);
   const Vector2 waypoint = detour(here, velocity, goal.place, obstacles, pitch);
   if (distance(waypoint, goal.place) > 1e-9) next = {.place = waypoint, .end_speed_mps = limits.max_speed_mps};
   Twist wanted = drive(state, next, period_s, limits, area_of(pitch));
   if (next.end_speed_mps > 0.0) wanted = leave_contact(wanted, state, obstacles, pitch, limits);
-  return slow_before(wanted, state, obstacles, limits);
+  return slow_before(wanted, state, obstacles);
 }
 
 }  // namespace touchline

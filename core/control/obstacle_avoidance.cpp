@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/control/motion/drive_through.h"
+
 namespace touchline {
 
 Vector2 detour(Vector2 from, Vector2 velocity, Vector2 target, const RoundObstacles& obstacles, const Pitch& pitch) {
@@ -50,17 +52,15 @@ Twist leave_contact(const Twist& wanted, const MotionState& robot, const RoundOb
   return {static_cast<float>(std::copysign(kLeaveMps, along)), 0.3f * wanted.w_radps};
 }
 
-Twist slow_before(Twist wanted, const MotionState& robot, const RoundObstacles& obstacles,
-                  const DriveParameters& drive) {
+Twist slow_before(Twist wanted, const MotionState& robot, const RoundObstacles& obstacles) {
   constexpr double kBrakePerS = 4.0;
-  const double after_s = drive.wheel_lag_s;
   const Vector2 here =
-      robot.place + (after_s * robot.v_mps) * unit_vector(robot.heading_rad + 0.5 * after_s * robot.w_radps);
-  const Vector2 facing = unit_vector(robot.heading_rad + after_s * robot.w_radps);
+      robot.place + (kResponseS * robot.v_mps) * unit_vector(robot.heading_rad + 0.5 * kResponseS * robot.w_radps);
+  const Vector2 facing = unit_vector(robot.heading_rad + kResponseS * robot.w_radps);
   const Vector2 ahead = wanted.v_mps < 0.0f ? -facing : facing;
   for (const RoundObstacle& obstacle : obstacles) {
     if (obstacle.brake_m <= 0.0) continue;
-    const Vector2 to = obstacle.position + after_s * obstacle.velocity - here;
+    const Vector2 to = obstacle.position + kResponseS * obstacle.velocity - here;
     const double d = norm(to);
     if (d > 2.0 * obstacle.clearance_m || dot(to, ahead) < 0.6 * d) continue;
     const auto most = static_cast<float>(std::max(0.0, kBrakePerS * (d - obstacle.brake_m)));

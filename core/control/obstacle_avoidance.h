@@ -29,7 +29,6 @@ Twist leave_contact(const Twist& wanted, const MotionState& robot, const RoundOb
                     const DriveParameters& drive);
 
 /// Slows down before obstacles with a brake_m, by their places and that of the robot when the wheels have followed.
-Twist slow_before(Twist wanted, const MotionState& robot, const RoundObstacles& obstacles,
-                  const DriveParameters& drive);
+Twist slow_before(Twist wanted, const MotionState& robot, const RoundObstacles& obstacles);
 
 }  // namespace touchline

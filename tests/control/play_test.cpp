@@ -74,13 +74,12 @@ TEST(Detour, PassesAllObstaclesOnTheWay) {
 }
 
 TEST(SlowBefore, StopsInFrontOfATeamMate) {
-  MotionState robot;
-  const DriveParameters drive;
+  const MotionState robot;
   RoundObstacles obstacles = obstacles_at({{0.1, 0.0}});
-  EXPECT_EQ(slow_before({1.0f, 0.0f}, robot, obstacles, drive).v_mps, 1.0f) << "an opponent";
+  EXPECT_EQ(slow_before({1.0f, 0.0f}, robot, obstacles).v_mps, 1.0f) << "an opponent";
   obstacles[0].brake_m = 0.12;
-  EXPECT_EQ(slow_before({1.0f, 0.0f}, robot, obstacles, drive).v_mps, 0.0f);
-  EXPECT_EQ(slow_before({-1.0f, 0.0f}, robot, obstacles, drive).v_mps, -1.0f) << "it drives away";
+  EXPECT_EQ(slow_before({1.0f, 0.0f}, robot, obstacles).v_mps, 0.0f);
+  EXPECT_EQ(slow_before({-1.0f, 0.0f}, robot, obstacles).v_mps, -1.0f) << "it drives away";
 }
 
 class PlayTest : public ::testing::Test {
@@ -215,6 +214,18 @@ TEST_F(PlayTest, AJammedAttackerSpinsAndThenLeavesTheBall) {
   }
   EXPECT_NEAR(spins, 0.4, 0.05);
   EXPECT_NEAR(leaves, 0.9, 0.05);
+}
+
+TEST_F(PlayTest, AnAttackerThatIsHeldGivesTheBallToTheNextRobot) {
+  add(0, {-1.0, 0.0});
+  add(1, {-0.3, 0.0});
+  add(2, {-0.9, 0.4});
+  world_.ball = {0.0, 0.0};
+  decide();
+  ASSERT_EQ(play_.attacker(), 1);
+  for (; world_.time_s < 3.0 && play_.attacker() == 1; world_.time_s += kFrame) decide();
+  EXPECT_EQ(play_.attacker(), 2);
+  EXPECT_GT(world_.time_s, 0.4);
 }
 
 TEST(PlayTable, HasASkillForEachJobAndNoLineThatIsNeverReached) {

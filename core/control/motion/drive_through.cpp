@@ -16,7 +16,7 @@ constexpr double kCurveGrip = 5.0;
 constexpr double kTurnPerS = 25.0;
 // The robot begins to turn so far before the arc, because its wheels lag, and ends so far before the arc's end.
 constexpr double kLeadM = 0.04;
-// Radii of the arc. With these, the gain and the lag as response, the most of 150 resting balls were struck towards the
+// Radii of the arc. With these, the gain and kResponseS, the most of 150 resting balls were struck towards the
 // goal (docs/control.md).
 constexpr double kTightM = 0.06, kWideM = 0.18;
 // Where a robot counts as arrived on the line through the place, and steers along it: the run-up of a strike and the
@@ -198,9 +198,8 @@ class FastestWay {
 
 Twist drive_through(const MotionState& robot, const MotionGoal& goal, const DriveParameters& limits,
                     const MotionArea& area) {
-  // A law for the pose at which the wheels have followed for the most part does not oscillate.
-  const Plan plan = FastestWay(robot, limits, limits.wheel_lag_s).find(goal, area);
-  const Rover rover = rover_of(robot, plan.backward, limits.wheel_lag_s);
+  const Plan plan = FastestWay(robot, limits, kResponseS).find(goal, area);
+  const Rover rover = rover_of(robot, plan.backward, kResponseS);
   const double error = wrap_angle(plan.way.direction - rover.heading);
   const double sign = plan.backward ? -1.0 : 1.0;
   // On the spot, as fast as the wheels can stop the turn again.
@@ -232,7 +231,7 @@ Twist drive_through(const MotionState& robot, const MotionGoal& goal, const Driv
 
 double time_through(const MotionState& robot, const MotionGoal& goal, const DriveParameters& limits,
                     const MotionArea& area) {
-  return limits.wheel_lag_s + FastestWay(robot, limits, 0.0).find(goal, area).time_s;
+  return kResponseS + FastestWay(robot, limits, 0.0).find(goal, area).time_s;
 }
 
 }  // namespace touchline

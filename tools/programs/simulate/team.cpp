@@ -39,11 +39,10 @@ std::vector<std::string> strategy_names() {
 Result<std::vector<std::string>> preset_overrides(std::string_view preset) {
   std::vector<std::string> overrides{"arena.preset=" + std::string(preset)};
   if (preset == "mirosot") return overrides;
-  // Wheel base and masses as in docs/arena.md; the lag as in boards/firasim/team.toml, where it was fitted.
+  // As in docs/arena.md. The lag stays 0.08 s, as in boards/firasim/team.toml.
   const auto add = [&](const char* wheel_base_m, const char* mass_ratio) {
-    for (const char* each :
-         {"tracking.robot.wheel_lag_s=0.2", "control.ball.deceleration_mps2=0.0765", "control.ball.damping_per_s=0",
-          "control.ball.wall_restitution=0.295", "control.ball.robot_restitution=0.03"}) {
+    for (const char* each : {"control.ball.deceleration_mps2=0.0765", "control.ball.damping_per_s=0",
+                             "control.ball.wall_restitution=0.295", "control.ball.robot_restitution=0.03"}) {
       overrides.emplace_back(each);
     }
     overrides.push_back(std::string("control.drive.wheel_base_m=") + wheel_base_m);

@@ -142,7 +142,8 @@ void fields(Archive& archive, Value& value) {
 }
 template <class Archive, Of<StepInputs> Value>
 void fields(Archive& archive, Value& value) {
-  auto& [now, action_delay, radio_delay, lateness, commands, teams, situation, halt, observing, picture_check, events] = value;
+  auto& [now, action_delay, radio_delay, lateness, commands, teams, situation, halt, observing, picture_check, events] =
+      value;
   archive(now, action_delay, radio_delay, lateness, commands, teams, situation, halt, observing, picture_check, events);
 }
 

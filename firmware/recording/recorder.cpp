@@ -240,7 +240,8 @@ std::vector<std::string> Recorder::Shared::keep_quota_now() {
   const QuotaRemovals removals = keep_quota(plan.folder, name, quota);
   std::vector<std::string> lines;
   for (const std::string& deleted : removals.deleted) {
-    lines.push_back("recording: " + deleted + " was deleted to keep " + key);
+    lines.push_back("recording: " + deleted);
+    lines.back() += " was deleted to keep " + key;
   }
   if (!removals.failure.empty() && !has_reported_removal) {
     has_reported_removal = true;

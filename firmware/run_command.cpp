@@ -358,11 +358,10 @@ int run_command(const CommandLine& command_line) {
   if (const recording::RecordingPlan recording = recording::plan_recording(*configuration, command_line.recordings);
       !recording.folder.empty()) {
     Result<std::unique_ptr<recording::Recorder>> opened = recording::Recorder::open(recording, TOUCHLINE_VERSION);
-    if (!opened.ok()) {
-      output.print_error(opened.text() + "\n");
-      return kExitBadFile;
-    }
-    recorder = std::move(opened).value();
+    if (!opened.ok()) output.print_error(opened.text() + "\n");
+    // A missing disk keeps a board that records by its file from no game; who asks for a recording gets it or nothing.
+    if (!opened.ok() && !command_line.recordings.empty()) return kExitBadFile;
+    if (opened.ok()) recorder = std::move(opened).value();
   }
   std::vector<std::string> refused = lock_memory(board.realtime);
   crash_stop::install_handlers();

@@ -12,7 +12,6 @@
 #include <type_traits>
 
 #include "core/fixed_vector.h"
-#include "core/status.h"
 #include "core/time.h"
 
 // Bytes of values that pass between the stages. Numbers are little-endian; a list is preceded by its size in 16 bits,
@@ -44,7 +43,6 @@ class ArchiveWriter {
   void put(const bool& value) { put(static_cast<std::uint8_t>(value ? 1 : 0)); }
   void put(const Duration& value) { put(static_cast<std::int64_t>(value.count())); }
   void put(const Instant& value) { put(value.time_since_epoch()); }
-  void put(const Status& value) { put(value.code()); }
   template <class T>
   void put(const std::optional<T>& value) {
     put(value.has_value());
@@ -67,8 +65,13 @@ class ArchiveWriter {
   std::string& out_;
 };
 
-/// Reads what ArchiveWriter has written. After a read beyond the end, or of a list that is too long, ok() is false and
-/// further values keep what they have.
+/// The last value of an enum that is read, as its member `value`. Each such enum specializes it, because a file may
+/// have any byte there, and values index tables.
+template <class Enum>
+struct LastOf;
+
+/// Reads what ArchiveWriter has written. After a read beyond the end, of a list that is too long, or of a byte that is
+/// no value of its enum or bool, ok() is false and further values keep what they have.
 class ArchiveReader {
  public:
   explicit ArchiveReader(std::span<const std::byte> bytes) : rest_(bytes) {}
@@ -77,21 +80,32 @@ class ArchiveReader {
   void operator()(Values&... values) {
     (get(values), ...);
   }
+  /// For a value that is read, but refused by its limits.
+  void refuse() { ok_ = false; }
   [[nodiscard]] bool ok() const { return ok_; }
   [[nodiscard]] std::span<const std::byte> rest() const { return rest_; }
 
  private:
   template <Plain T>
-  void get(T& value) {
+  requires(!std::is_enum_v<T> || std::same_as<T, std::byte>) void get(T& value) {
     if (rest_.size() < sizeof(T)) ok_ = false;
     if (!ok_) return;
     std::memcpy(&value, rest_.data(), sizeof(T));
     rest_ = rest_.subspan(sizeof(T));
   }
+  template <class T>
+  requires(std::is_enum_v<T> && !std::same_as<T, std::byte>) void get(T& value) {
+    static_assert(std::is_unsigned_v<std::underlying_type_t<T>>, "one bound is enough");
+    auto number = static_cast<std::underlying_type_t<T>>(value);
+    get(number);
+    ok_ = ok_ && number <= static_cast<std::underlying_type_t<T>>(LastOf<T>::value);
+    if (ok_) value = static_cast<T>(number);
+  }
   void get(bool& value) {
     std::uint8_t byte = 0;
     get(byte);
-    value = byte != 0;
+    ok_ = ok_ && byte <= 1;
+    if (ok_) value = byte != 0;
   }
   void get(Duration& value) {
     std::int64_t count = 0;
@@ -102,11 +116,6 @@ class ArchiveReader {
     Duration since{};
     get(since);
     value = Instant(since);
-  }
-  void get(Status& value) {
-    ErrorCode code = ErrorCode::kOk;
-    get(code);
-    value = code;
   }
   template <class T>
   void get(std::optional<T>& value) {

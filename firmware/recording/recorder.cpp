@@ -14,9 +14,11 @@
 #include <deque>
 #include <filesystem>
 #include <mutex>
+#include <new>
 #include <optional>
 #include <thread>
 #include <utility>
+#include <vector>
 
 #include "firmware/recording/recording_files.h"
 #include "firmware/recording/recording_writer.h"
@@ -34,7 +36,7 @@ constexpr auto kSavePeriod = 1s;
 constexpr auto kIdlePause = 2ms;
 // The longest time for which a disk may block the end of the program. Robots already stand then.
 constexpr auto kPatience = 10s;
-// A reload has up to some 100 KB; lines come seldom.
+// Lines come seldom: so many wait only for a disk that blocks.
 constexpr std::size_t kMaxWaiting = 1000;
 // Several programs may begin a recording in the same folder at the same time.
 constexpr int kNameAttempts = 10;
@@ -43,6 +45,21 @@ std::optional<std::uint64_t> free_bytes(const std::string& folder) {
   struct statvfs status {};
   if (::statvfs(folder.c_str(), &status) != 0) return std::nullopt;
   return std::uint64_t{status.f_bavail} * status.f_frsize;
+}
+
+Result<void> check_folder(const std::string& folder) {
+  using std::filesystem::file_type;
+  std::error_code error;
+  const file_type type = std::filesystem::status(folder, error).type();
+  if (type == file_type::directory) return {};
+  if (type == file_type::not_found) {
+    return touchline::failure(ErrorCode::kNotFound, "%s: no such folder for recordings; make it: mkdir -p %s",
+                              folder.c_str(), folder.c_str());
+  }
+  if (!error) return touchline::failure(ErrorCode::kInconsistent, "%s: not a folder for recordings", folder.c_str());
+  return touchline::failure(error == std::errc::permission_denied ? ErrorCode::kPermission : ErrorCode::kIo,
+                            "%s: the folder for recordings cannot be used: %s", folder.c_str(),
+                            error.message().c_str());
 }
 
 }  // namespace
@@ -68,14 +85,16 @@ struct Recorder::Shared {
     return plan.folder + ": the disk has " + std::to_string(*free / kMegabyte) +
            " MB left, less than recording.reserve_mb = " + std::to_string(plan.settings.reserve_mb);
   }
+  // A step without its configuration cannot be replayed, so only lines are dropped.
   void put(Note note) {
     const std::scoped_lock lock(mutex);
-    if (notes.size() < kMaxWaiting) notes.push_back(std::move(note));
+    if (!is_done && (note.configuration || notes.size() < kMaxWaiting)) notes.push_back(std::move(note));
   }
   Result<void> write_waiting(bool& was_idle);
   Result<void> write_notes(bool& was_idle);
   Result<void> write_note(const Note& note);
-  void keep_quota_now(const Print& print);
+  // Returns lines that say what was deleted, and what could not be.
+  std::vector<std::string> keep_quota_now();
   // Prints, unless nobody waits for the thread any more.
   void say(const Print& print, const std::string& line) {
     const std::scoped_lock lock(mutex);
@@ -87,8 +106,11 @@ struct Recorder::Shared {
   std::string name, path;
   ByteRing ring;
   StepTap tap;
-  RecordingWriter writer;  // of the thread
+  RecordingWriter writer;                // of the thread
+  std::vector<std::string> first_lines;  // of open(), for the thread to print
+  bool has_reported_removal = false;     // of the quota, that failed
   std::uint32_t reloads = 0;
+  bool has_started = false;
   std::thread thread;
 
   std::atomic<bool> end{false};
@@ -109,12 +131,14 @@ RecordingPlan plan_recording(const config::Configuration& configuration, const s
 }
 
 Result<std::unique_ptr<Recorder>> Recorder::open(const RecordingPlan& plan, const std::string& version) {
-  std::error_code unknown;
-  if (!std::filesystem::is_directory(plan.folder, unknown)) {
-    return touchline::failure(ErrorCode::kNotFound, "%s: no such folder for recordings; make it: mkdir -p %s",
-                              plan.folder.c_str(), plan.folder.c_str());
+  TOUCHLINE_TRY(check_folder(plan.folder));
+  std::shared_ptr<Shared> shared;
+  try {
+    shared = std::make_shared<Shared>(plan, version);
+  } catch (const std::bad_alloc&) {
+    return touchline::failure(ErrorCode::kFull, "recording.memory_mb = %d: not enough memory", plan.settings.memory_mb);
   }
-  auto shared = std::make_shared<Shared>(plan, version);
+  shared->first_lines = shared->keep_quota_now();
   if (const auto shortage = shared->disk_shortage()) {
     return touchline::failure(ErrorCode::kFull, "%s; nothing can be recorded", shortage->c_str());
   }
@@ -129,14 +153,18 @@ Result<std::unique_ptr<Recorder>> Recorder::open(const RecordingPlan& plan, cons
   return std::unique_ptr<Recorder>(new Recorder(std::move(shared)));
 }
 
-Recorder::~Recorder() { finish(); }
+Recorder::~Recorder() {
+  finish();
+  if (!shared_->has_started) shared_->writer.discard();
+}
 
 StepTap& Recorder::tap() { return shared_->tap; }
 const std::string& Recorder::path() const { return shared_->path; }
 
 void Recorder::start(const Print& print) {
-  if (shared_->thread.joinable()) return;
+  if (shared_->has_started) return;
   shared_->thread = std::thread([shared = shared_, print] { work(shared, print); });
+  shared_->has_started = true;
 }
 
 void Recorder::begin_session(const Session& session, bool waits) {
@@ -205,13 +233,21 @@ Result<void> Recorder::Shared::write_notes(bool& was_idle) {
   return {};
 }
 
-void Recorder::Shared::keep_quota_now(const Print& print) {
+std::vector<std::string> Recorder::Shared::keep_quota_now() {
   const std::uint64_t quota = static_cast<std::uint64_t>(plan.settings.quota_mb) * kMegabyte;
-  if (quota == 0) return;
-  for (const std::string& deleted : keep_quota(plan.folder, name, quota)) {
-    say(print, "recording: " + deleted +
-                   " was deleted to keep recording.quota_mb = " + std::to_string(plan.settings.quota_mb));
+  if (quota == 0) return {};
+  const std::string key = "recording.quota_mb = " + std::to_string(plan.settings.quota_mb);
+  const QuotaRemovals removals = keep_quota(plan.folder, name, quota);
+  std::vector<std::string> lines;
+  for (const std::string& deleted : removals.deleted) {
+    lines.push_back("recording: " + deleted);
+    lines.back() += " was deleted to keep " + key;
   }
+  if (!removals.failure.empty() && !has_reported_removal) {
+    has_reported_removal = true;
+    lines.push_back("recording: " + key + " cannot be kept: " + removals.failure);
+  }
+  return lines;
 }
 
 void Recorder::work(const std::shared_ptr<Shared>& shared, const Print& print) {
@@ -222,6 +258,7 @@ void Recorder::work(const std::shared_ptr<Shared>& shared, const Print& print) {
   pthread_sigmask(SIG_BLOCK, &signals, nullptr);
   std::string failure;
   try {
+    for (const std::string& line : shared->first_lines) shared->say(print, line);
     auto next_save = WallClock::now();
     Result<void> result;
     while (result.ok()) {
@@ -231,7 +268,7 @@ void Recorder::work(const std::shared_ptr<Shared>& shared, const Print& print) {
       if (result.ok() && WallClock::now() >= next_save) {
         next_save = WallClock::now() + kSavePeriod;
         result = shared->writer.save();
-        shared->keep_quota_now(print);
+        for (const std::string& line : shared->keep_quota_now()) shared->say(print, line);
         const std::optional<std::string> shortage = shared->disk_shortage();
         if (result.ok() && shortage) result = touchline::failure(ErrorCode::kFull, "%s", shortage->c_str());
       }
@@ -249,6 +286,7 @@ void Recorder::work(const std::shared_ptr<Shared>& shared, const Print& print) {
   const std::scoped_lock lock(shared->mutex);
   shared->failure = failure;
   shared->is_done = true;
+  shared->notes.clear();
   shared->has_ended.notify_all();
 }
 

@@ -28,10 +28,11 @@ class Recorder {
  public:
   using Print = std::function<void(const std::string& line)>;
 
-  /// Creates the file. Errors of McapWriter::create(); kNotFound: the folder does not exist; kFull: the disk has less
-  /// free space than the reserve.
+  /// Creates the file, after the quota's deletions. Errors of McapWriter::create(); kNotFound: the folder does not
+  /// exist; kPermission, kIo: it cannot be reached; kInconsistent: it is no folder; kFull: the disk has less free space
+  /// than the reserve, or there is not enough memory.
   static Result<std::unique_ptr<Recorder>> open(const RecordingPlan& plan, const std::string& version);
-  /// Calls finish().
+  /// Calls finish(). If start() was never called, there is nothing to keep, and the file is removed.
   ~Recorder();
   Recorder(const Recorder&) = delete;
   Recorder& operator=(const Recorder&) = delete;

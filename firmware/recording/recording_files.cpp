@@ -1,7 +1,12 @@
 #include "firmware/recording/recording_files.h"
 
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
+
 #include <algorithm>
 #include <array>
+#include <cerrno>
 #include <charconv>
 #include <cstdio>
 #include <ctime>
@@ -18,14 +23,37 @@ namespace fs = std::filesystem;
 
 constexpr std::string_view kPrefix = "touchline-", kSuffix = ".mcap";
 
+// 18 digits fit into 64 bits.
+constexpr std::size_t kMinDigits = 4, kMaxDigits = 18;
+constexpr std::string_view kDateShape = "-00000000-000000";
+
+bool is_digit(char c) { return c >= '0' && c <= '9'; }
+
+bool is_date(std::string_view text) {
+  return std::equal(text.begin(), text.end(), kDateShape.begin(), kDateShape.end(),
+                    [](char c, char shape) { return shape == '0' ? is_digit(c) : c == shape; });
+}
+
+// The quota deletes these files, so the name must be exactly one that next_name() returns.
 std::optional<std::uint64_t> number_of(std::string_view name) {
   if (!name.starts_with(kPrefix) || !name.ends_with(kSuffix)) return std::nullopt;
-  const char* const begin = name.data() + kPrefix.size();
-  const char* const end = name.data() + name.size();
+  name.remove_prefix(kPrefix.size());
+  name.remove_suffix(kSuffix.size());
+  const auto digits = static_cast<std::size_t>(std::find_if_not(name.begin(), name.end(), is_digit) - name.begin());
+  const std::string_view rest = name.substr(digits);
+  if (digits < kMinDigits || digits > kMaxDigits || (!rest.empty() && !is_date(rest))) return std::nullopt;
   std::uint64_t number = 0;
-  const auto [after, error] = std::from_chars(begin, end, number);
-  if (error != std::errc() || after == end || (*after != '-' && *after != '.')) return std::nullopt;
+  std::from_chars(name.data(), name.data() + digits, number);
   return number;
+}
+
+// Returns whether a program is writing the file.
+bool is_locked(const std::string& path) {
+  const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK);
+  if (file < 0) return false;
+  const bool is_locked = ::flock(file, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK;
+  ::close(file);
+  return is_locked;
 }
 
 // "-20261128-173005" in UTC; empty if nobody has set the clock.
@@ -64,19 +92,24 @@ std::string next_name(const std::vector<RecordingFile>& recordings) {
   return std::string(kPrefix) + digits.data() + date_of_now() + std::string(kSuffix);
 }
 
-std::vector<std::string> keep_quota(const std::string& folder, const std::string& current, std::uint64_t quota_bytes) {
+QuotaRemovals keep_quota(const std::string& folder, const std::string& current, std::uint64_t quota_bytes) {
   const std::vector<RecordingFile> files = recordings_in(folder);
   std::uint64_t total = 0;
   for (const RecordingFile& file : files) total += file.bytes;
-  std::vector<std::string> deleted;
+  QuotaRemovals removals;
   for (const RecordingFile& file : files) {
     if (total <= quota_bytes) break;
+    const std::string path = (fs::path(folder) / file.name).string();
+    if (file.name == current || is_locked(path)) continue;
     std::error_code error;
-    if (file.name == current || !fs::remove(fs::path(folder) / file.name, error)) continue;
-    total -= file.bytes;
-    deleted.push_back(file.name);
+    if (fs::remove(path, error)) {
+      total -= file.bytes;
+      removals.deleted.push_back(file.name);
+    } else if (error && removals.failure.empty()) {
+      removals.failure = path + ": " + error.message();
+    }
   }
-  return deleted;
+  return removals;
 }
 
 }  // namespace touchline::recording

@@ -53,6 +53,12 @@ Result<std::uint16_t> RecordingWriter::add_channel(std::string_view topic, std::
 Result<void> RecordingWriter::create(const std::string& path, std::string_view version) {
   json_.resize(kJsonBytes);
   TOUCHLINE_TRY(file_.create(path, "touchline " + std::string(version)));
+  Result<void> added = add_channels();
+  if (!added.ok()) file_.discard();
+  return added;
+}
+
+Result<void> RecordingWriter::add_channels() {
   const auto add_ros = [&](std::string_view topic, PictureKind kind) {
     return add_channel(topic, picture_schema_name(kind), "ros2msg", picture_schema(kind), "cdr");
   };

@@ -30,7 +30,8 @@ struct RecordingCounts {
 /// Turns the parts of a recording into messages of a file. Errors: those of McapWriter.
 class RecordingWriter {
  public:
-  /// Creates the file. `version` of the program.
+  /// Creates the file; if not everything that precedes the messages can be written, there is none. `version` of the
+  /// program.
   Result<void> create(const std::string& path, std::string_view version);
   /// Writes the configuration of a session or reload. With the session's `scene`, its steps are also written as
   /// messages that other programs show.
@@ -42,6 +43,8 @@ class RecordingWriter {
   /// Writes what was added, and waits for the disk.
   Result<void> save();
   Result<void> close();
+  /// Closes the file and removes it.
+  void discard() { file_.discard(); }
 
   /// What is in whole chunks.
   [[nodiscard]] const RecordingCounts& counts() const { return saved_counts_; }
@@ -54,6 +57,7 @@ class RecordingWriter {
                   annotations = 0;
   };
 
+  Result<void> add_channels();
   Result<void> flush();
   Result<std::uint16_t> add_channel(std::string_view topic, std::string_view schema, std::string_view schema_encoding,
                                     std::string_view schema_text, std::string_view encoding);

@@ -8,6 +8,23 @@
 // structured binding names all of them: a recording must not miss an input silently.
 namespace touchline::recording {
 
+template <auto kLast>
+using LastIs = std::integral_constant<decltype(kLast), kLast>;
+template <>
+struct LastOf<Team> : LastIs<Team::kOpponent> {};
+template <>
+struct LastOf<PatchRole> : LastIs<PatchRole::kIdentification> {};
+template <>
+struct LastOf<IdDoubt> : LastIs<IdDoubt::kOverload> {};
+template <>
+struct LastOf<ExternalCommand::Kind> : LastIs<ExternalCommand::Kind::kPose> {};
+template <>
+struct LastOf<GamePhase> : LastIs<GamePhase::kRunning> {};
+template <>
+struct LastOf<Restart> : LastIs<Restart::kFreeKick> {};
+template <>
+struct LastOf<AdaptationMode> : LastIs<AdaptationMode::kFrozen> {};
+
 template <class Archive, Of<PixelPoint> Value>
 void fields(Archive& archive, Value& value) {
   auto& [u, v] = value;
@@ -45,6 +62,9 @@ template <class Archive, Of<PatchSighting> Value>
 void fields(Archive& archive, Value& value) {
   auto& [role, patch, color, center] = value;
   archive(role, patch, color, center);
+  if constexpr (!std::is_const_v<Value>) {
+    if (patch >= kMaxPatches || color > kMaxColors) archive.refuse();
+  }
 }
 template <class Archive, Of<RobotSighting> Value>
 void fields(Archive& archive, Value& value) {

@@ -20,6 +20,13 @@ Error unreadable() { return failure(ErrorCode::kCorruptFrame, "the message of a 
 
 }  // namespace
 
+template <>
+struct LastOf<StepKind> : LastIs<StepKind::kStop> {};
+template <>
+struct LastOf<PictureKind> : LastIs<PictureKind::kRaw> {};
+template <>
+struct LastOf<PixelFormat> : LastIs<static_cast<PixelFormat>(kPixelFormatTable.size() - 1)> {};
+
 template <class Archive, Of<StepHeader> Value>
 void fields(Archive& archive, Value& value) {
   auto& [number, session, reload, kind, picture, format, width, height, sequence, captured, revoked, is_unusable,
@@ -77,9 +84,7 @@ Result<void> decode(std::span<const std::byte> bytes, StepMessage& out) {
     part.assign(reinterpret_cast<const char*>(rest.data()), size);
     archive = ArchiveReader(rest.subspan(size));
   }
-  const bool has_kinds = out.header.kind <= StepKind::kStop && out.header.picture <= PictureKind::kRaw &&
-                         static_cast<std::size_t>(out.header.format) < kPixelFormatTable.size();
-  if (!archive.ok() || !archive.rest().empty() || !has_kinds) return unreadable();
+  if (!archive.ok() || !archive.rest().empty()) return unreadable();
   return {};
 }
 

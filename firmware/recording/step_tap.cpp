@@ -8,10 +8,13 @@
 namespace touchline::recording {
 namespace {
 
-// Steps without pictures have 20 KB: an eighth of the smallest memory holds them for 6 s at 60 Hz.
+// Steps without pictures have 20 KB: an eighth of the preset memory (64 MB) holds them for 6 s at 60 Hz, one of the
+// smallest (8 MB) for 0.8 s. A larger share of the smallest would leave no room for a picture of 640 x 480 pixels.
 constexpr std::size_t kShareForSteps = 8;
 // Simulated time waits in sleeps that are short beside the writing of a picture.
 constexpr Duration kWaitPause = std::chrono::microseconds(200);
+// A disk that answers at all takes a record sooner; one that does not must not stop the simulation.
+constexpr Duration kMaxWait = std::chrono::seconds(2);
 
 /// Copies rows without their padding.
 void copy_rows(const Frame& frame, std::byte* to) {
@@ -79,9 +82,19 @@ void StepTap::add_stop(const StepInputs& inputs, const OutgoingPackets& packets)
   put(nullptr, nullptr, {});
 }
 
-void StepTap::wait_for(std::size_t bytes) const {
-  while (waits_ && !has_ended() && ring_.free() < bytes) {
-    hal::MonotonicClock::wait_for(hal::MonotonicClock::read() + kWaitPause);
+void StepTap::wait_for(std::size_t bytes) {
+  if (!waits_) return;
+  // Only the recorder can have made more room than there was.
+  if (stalled_free_ && ring_.free() > *stalled_free_) stalled_free_.reset();
+  if (stalled_free_) return;
+  const Instant end = hal::MonotonicClock::read() + kMaxWait;
+  while (!has_ended() && ring_.free() < bytes) {
+    const Instant now = hal::MonotonicClock::read();
+    if (now >= end) {
+      stalled_free_ = ring_.free();
+      return;
+    }
+    hal::MonotonicClock::wait_for(now + kWaitPause);
   }
 }
 
@@ -95,8 +108,7 @@ void StepTap::put(const Snapshot* snapshot, const Frame* frame, std::span<const 
   const std::size_t bytes = sizeof(StepParts) + (snapshot != nullptr ? sizeof(Snapshot) : 0);
   const std::size_t reserve = ring_.capacity() / kShareForSteps;
   // A record that meets the memory's end needs at most twice its size.
-  if (picture > 0) wait_for(std::min(2 * (bytes + picture) + reserve, ring_.capacity()));
-  wait_for(std::min(4 * bytes, ring_.capacity()));
+  wait_for(std::min(picture > 0 ? 2 * (bytes + picture) + reserve : 4 * bytes, ring_.capacity()));
   std::span<std::byte> room;
   if (picture > 0 && ring_.free() >= bytes + picture + reserve) room = ring_.reserve(bytes + picture);
   if (room.empty()) {

@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <type_traits>
 
@@ -45,9 +46,9 @@ struct StepParts {
 static_assert(std::is_trivially_copyable_v<StepParts> && std::is_trivially_copyable_v<Snapshot>);
 
 /// The loop's side of a recording: copies each step with all of its inputs into the ring, after its packet was sent.
-/// Never blocks or allocates, unless the recorder may hold up simulated time. If memory runs short, pictures are left
-/// out first, so that inputs and results, which are a hundredth of them, are still recorded. A copy of a picture of 640
-/// x 480 pixels of 3 bytes takes 0.1 ms, one of a JPEG 3 us.
+/// Never blocks or allocates, unless the recorder may hold up simulated time, for two seconds at most. If memory runs
+/// short, pictures are left out first, so that inputs and results, which are a hundredth of them, are still recorded. A
+/// copy of a picture of 640 x 480 pixels of 3 bytes takes 0.1 ms, one of a JPEG 3 us.
 class StepTap {
  public:
   /// Every `every`-th picture is recorded; 0: none. `ring` must outlive the tap.
@@ -71,7 +72,8 @@ class StepTap {
  private:
   [[nodiscard]] bool has_ended() const { return has_ended_.load(std::memory_order_acquire); }
   [[nodiscard]] StepHeader next_header(const StepInputs& inputs, StepKind kind);
-  void wait_for(std::size_t bytes) const;
+  /// In simulated time, waits until so many bytes are free, but not for a recorder that makes no room any more.
+  void wait_for(std::size_t bytes);
   /// Puts parts_ and the given parts into the ring.
   void put(const Snapshot* snapshot, const Frame* frame, std::span<const std::uint8_t> jpeg);
 
@@ -80,6 +82,8 @@ class StepTap {
   bool waits_ = false;
   std::uint32_t session_ = 0, reloads_ = 0;
   std::uint64_t next_ = 0;
+  // Free bytes after a wait in vain: until there are more, nothing waits, as in real time.
+  std::optional<std::size_t> stalled_free_;
   StepParts parts_;  // too large for the stack
   std::atomic<bool> has_ended_{false};
   std::atomic<std::uint64_t> lost_steps_{0}, lost_pictures_{0};

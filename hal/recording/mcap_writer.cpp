@@ -1,6 +1,7 @@
 #include "hal/recording/mcap_writer.h"
 
 #include <fcntl.h>
+#include <sys/file.h>
 #include <unistd.h>
 #include <zlib.h>
 
@@ -80,13 +81,16 @@ Result<void> McapWriter::create(const std::string& path, std::string_view librar
   path_ = path;
   file_ = ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, kFileMode);
   if (file_ < 0) return create_error(path, errno);
+  static_cast<void>(::flock(file_, LOCK_EX | LOCK_NB));  // not every file system has locks
   chunk_.reserve(2 * kChunkBytes);
   std::string header;
   RecordWriter writer(header);
   writer.text({});  // no profile
   writer.text(library);
-  TOUCHLINE_TRY(write(kMagic));
-  return write_record(Opcode::kHeader, header);
+  Result<void> written = write(kMagic);
+  if (written.ok()) written = write_record(Opcode::kHeader, header);
+  if (!written.ok()) discard();
+  return written;
 }
 
 Result<std::uint16_t> McapWriter::add_schema(std::string name, std::string encoding, std::string data) {
@@ -191,6 +195,11 @@ Result<void> McapWriter::close() {
   if (result.ok()) result = sync();
   release();
   return result;
+}
+
+void McapWriter::discard() {
+  if (is_open()) ::unlink(path_.c_str());
+  release();
 }
 
 Result<void> McapWriter::write(std::string_view bytes) {

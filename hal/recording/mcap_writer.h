@@ -30,6 +30,8 @@ class McapWriter {
   McapWriter& operator=(const McapWriter&) = delete;
 
   /// Creates the file, which must not exist: kInconsistent. kNotFound, kPermission: the folder is missing or protected.
+  /// It is locked (flock) until it is closed, so that other processes can see that it is being written. If its header
+  /// cannot be written, the file is removed.
   Result<void> create(const std::string& path, std::string_view library);
   /// Returns the number of the new schema or channel.
   Result<std::uint16_t> add_schema(std::string name, std::string encoding, std::string data);
@@ -43,6 +45,8 @@ class McapWriter {
   Result<void> sync();
   /// Writes the last chunk and the summary, and closes the file.
   Result<void> close();
+  /// Closes the file and removes it; the writer cannot be used any more.
+  void discard();
 
   [[nodiscard]] bool is_open() const { return file_ >= 0; }
   /// Size of the file without the chunk that is being filled.

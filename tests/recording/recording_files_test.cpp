@@ -5,6 +5,8 @@
 
 #include <filesystem>
 
+#include "hal/recording/mcap_writer.h"
+
 namespace touchline::testing {
 namespace {
 
@@ -38,6 +40,14 @@ TEST_F(RecordingFiles, NumbersGoOnWhateverTheDateSays) {
   write("touchline-x.mcap", 1);
   write("touchline-.mcap", 1);
   write("touchline-0077x.mcap", 1);
+  write("touchline-0077-final.mcap", 1);
+  write("touchline-0077.old.mcap", 1);
+  write("touchline-0077-20300101-0000000.mcap", 1);
+  write("touchline-0077-20300101_000000.mcap", 1);
+  write("touchline-0077-2030010a-000000.mcap", 1);
+  write("touchline-077.mcap", 1);
+  write("touchline-1234567890123456789.mcap", 1);
+  write("touchline-0077.mcap.mcap", 1);
   write("game-0099.mcap", 1);
   const std::vector<RecordingFile> files = recordings_in(folder_.string());
   ASSERT_EQ(files.size(), 3U);
@@ -55,13 +65,33 @@ TEST_F(RecordingFiles, NumbersOfMoreThanFourDigitsComeLast) {
 TEST_F(RecordingFiles, TheQuotaDeletesTheOldestButNeverTheCurrentOne) {
   for (int i = 1; i <= 4; ++i) write("touchline-000" + std::to_string(i) + ".mcap", 100);
   write("other.mcap", 10'000);
-  EXPECT_TRUE(keep_quota(folder_.string(), "touchline-0004.mcap", 400).empty());
-  const std::vector<std::string> deleted = keep_quota(folder_.string(), "touchline-0001.mcap", 250);
-  EXPECT_EQ(deleted, (std::vector<std::string>{"touchline-0002.mcap", "touchline-0003.mcap"}));
+  EXPECT_TRUE(keep_quota(folder_.string(), "touchline-0004.mcap", 400).deleted.empty());
+  const QuotaRemovals removals = keep_quota(folder_.string(), "touchline-0001.mcap", 250);
+  EXPECT_EQ(removals.deleted, (std::vector<std::string>{"touchline-0002.mcap", "touchline-0003.mcap"}));
+  EXPECT_EQ(removals.failure, "");
   EXPECT_EQ(recordings_in(folder_.string()).size(), 2U);
   EXPECT_TRUE(std::filesystem::exists(folder_ / "other.mcap"));
-  EXPECT_EQ(keep_quota(folder_.string(), "touchline-0001.mcap", 0).size(), 1U);
+  EXPECT_EQ(keep_quota(folder_.string(), "touchline-0001.mcap", 0).deleted.size(), 1U);
   EXPECT_TRUE(std::filesystem::exists(folder_ / "touchline-0001.mcap"));
+}
+
+TEST_F(RecordingFiles, TheQuotaSparesAFileThatIsBeingWritten) {
+  hal::mcap::McapWriter writer;
+  ASSERT_TRUE(writer.create((folder_ / "touchline-0001.mcap").string(), "test").ok());
+  write("touchline-0002.mcap", 100);
+  EXPECT_EQ(keep_quota(folder_.string(), "", 0).deleted, std::vector<std::string>{"touchline-0002.mcap"});
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "touchline-0001.mcap"));
+  ASSERT_TRUE(writer.close().ok());
+  EXPECT_EQ(keep_quota(folder_.string(), "", 0).deleted, std::vector<std::string>{"touchline-0001.mcap"});
+}
+
+TEST_F(RecordingFiles, ADiscardedFileIsGone) {
+  hal::mcap::McapWriter writer;
+  const std::filesystem::path path = folder_ / "touchline-0001.mcap";
+  ASSERT_TRUE(writer.create(path.string(), "test").ok());
+  ASSERT_TRUE(std::filesystem::exists(path));
+  writer.discard();
+  EXPECT_FALSE(std::filesystem::exists(path));
 }
 
 }  // namespace

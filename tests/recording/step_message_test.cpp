@@ -98,6 +98,55 @@ TEST(StepMessage, EachCutIsRefused) {
   EXPECT_EQ(decode(bytes_of(bytes + "x"), *read).code(), ErrorCode::kCorruptFrame);
 }
 
+// The bytes that differ between two messages of the same size are those of an enum, a bool or a number of a color;
+// with 200 there the message is refused.
+template <class Change>
+void expect_bounds(const Change& change) {
+  const auto message = example_message();
+  std::string former, bytes;
+  encode(*message, former);
+  change(*message);
+  encode(*message, bytes);
+  ASSERT_EQ(bytes.size(), former.size());
+  const auto differs = std::mismatch(bytes.begin(), bytes.end(), former.begin());
+  ASSERT_NE(differs.first, bytes.end());
+  const auto read = std::make_unique<StepMessage>();
+  EXPECT_TRUE(decode(bytes_of(bytes), *read).ok());
+  *differs.first = static_cast<char>(200);
+  EXPECT_EQ(decode(bytes_of(bytes), *read).code(), ErrorCode::kCorruptFrame);
+}
+
+TEST(StepMessage, AByteThatIsNoValueOfItsEnumOrBoolIsRefused) {
+  expect_bounds([](StepMessage& m) { m.header.kind = StepKind::kStop; });
+  expect_bounds([](StepMessage& m) { m.header.picture = PictureKind::kJpeg; });
+  expect_bounds([](StepMessage& m) { m.header.format = PixelFormat::kNv12; });
+  expect_bounds([](StepMessage& m) { m.header.revoked = false; });
+  expect_bounds([](StepMessage& m) { m.inputs.commands[0].kind = ExternalCommand::Kind::kWheels; });
+  expect_bounds([](StepMessage& m) { m.inputs.situation.phase = GamePhase::kRunning; });
+  expect_bounds([](StepMessage& m) { m.inputs.situation.restart = Restart::kFreeKick; });
+  expect_bounds([](StepMessage& m) { m.inputs.events.adaptation_mode = AdaptationMode::kOff; });
+  expect_bounds([](StepMessage& m) { m.inputs.observing = false; });
+}
+
+TEST(StepMessage, SightingsWithNumbersBeyondTheirTablesAreRefused) {
+  const auto expect_refused = [](const auto& change) {
+    const auto sightings = std::make_unique<Sightings>();
+    RobotSighting robot;
+    robot.patches.push_back({PatchRole::kIdentification, 2, 3, {10.0f, 20.0f}});
+    sightings->robots.push_back(robot);
+    change(sightings->robots[0]);
+    StepResults results;
+    write_results(*sightings, {}, {}, {}, results);
+    const auto read = std::make_unique<Sightings>();
+    EXPECT_EQ(decode_sightings(results, *read).code(), ErrorCode::kCorruptFrame);
+  };
+  expect_refused([](RobotSighting& robot) { robot.team = static_cast<Team>(2); });
+  expect_refused([](RobotSighting& robot) { robot.doubt = static_cast<IdDoubt>(8); });
+  expect_refused([](RobotSighting& robot) { robot.patches[0].role = static_cast<PatchRole>(2); });
+  expect_refused([](RobotSighting& robot) { robot.patches[0].color = kMaxColors + 1; });
+  expect_refused([](RobotSighting& robot) { robot.patches[0].patch = 200; });
+}
+
 TEST(StepMessage, AnotherFormatIsNamed) {
   std::string bytes;
   encode(*example_message(), bytes);

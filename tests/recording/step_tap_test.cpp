@@ -1,6 +1,7 @@
 // The loop's side of a recording: every step with its inputs, no allocation, and pictures left out first.
 #include "firmware/recording/step_tap.h"
 
+#include <chrono>
 #include <cstring>
 
 #include "tests/firmware/loop_fixture.h"
@@ -91,6 +92,28 @@ TEST_F(StepTapTest, WithoutMemoryPicturesAreLeftOutFirstAndTheLoopGoesOn) {
   const std::vector<StepHeader> later = take_headers(memory);
   ASSERT_FALSE(later.empty());
   EXPECT_GE(later.front().number, headers.size() + tap.lost_steps());
+  loop->close();
+}
+
+TEST_F(StepTapTest, SimulatedTimeWaitsOnlyOnceForARecorderThatDoesNotWrite) {
+  ByteRing memory(std::size_t{1} << 20);
+  StepTap tap(memory, 2);
+  tap.begin_session(true);
+  settings.recording = &tap;
+  start();
+  const auto begin = std::chrono::steady_clock::now();
+  run_until(4.0);
+  const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - begin;
+  EXPECT_GT(loop->statistics().frames, 190U);
+  EXPECT_GT(tap.lost_pictures(), 0U);
+  EXPECT_GT(tap.lost_steps(), 0U);
+  EXPECT_GE(elapsed.count(), 2.0);
+  EXPECT_LT(elapsed.count(), 3.9) << "it has waited twice";
+  // When the recorder writes again, simulated time waits again: nothing more is lost.
+  const std::uint64_t lost = tap.lost_steps();
+  static_cast<void>(take_headers(memory));
+  run_until(4.2);
+  EXPECT_EQ(tap.lost_steps(), lost);
   loop->close();
 }
 

@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <chrono>
 #include <csignal>
+#include <new>
 
 #include "hal/files/interruption.h"
 #include "hal/files/text_output.h"
@@ -70,7 +71,9 @@ std::string text_of(const ReplaySummary& s, double elapsed_s) {
 std::string wrong_use(const ReplayOptions& options) {
   if (is_recording(options.input)) {
     const bool has_files = !options.venue.empty() || !options.team.empty() || !options.overrides.empty();
-    return has_files ? "a recording has its own files; --what-if KEY=VALUE changes a key of them" : "";
+    if (has_files) return "a recording has its own files; --what-if KEY=VALUE changes a key of them";
+    if (options.rate_hz > 0.0) return "--rate: a recording has its own time stamps";
+    return options.skip_damaged ? "--skip-damaged: a recording is repeated with all of its pictures" : "";
   }
   if (!options.what_if.empty()) return "--what-if needs a recording (NAME.mcap); for pictures there is --set";
   const char* const missing = options.venue.empty()  ? "--venue"
@@ -100,6 +103,22 @@ int run_recording(ReplayOptions options, bool quiet, ProgressBar& bar, TextOutpu
   print(text_of(summary.value(), !options.what_if.empty()));
   const bool is_reproduced = summary.value().different == 0;
   return is_reproduced || !options.what_if.empty() ? touchline::kExitOk : touchline::kExitBadFile;
+}
+
+int run_pictures(const ReplayOptions& options, bool quiet, ProgressBar& bar, TextOutput& output) {
+  const WallClock::time_point begin = WallClock::now();
+  const touchline::Result<ReplaySummary> summary = replay(
+      options, [&bar](std::uint64_t done, std::uint64_t total) { bar.show(done, total); }, stop_requested);
+  bar.clear();
+  if (!summary.ok()) {
+    output.print_error("touchline-replay: " + summary.text() + "\n");
+    return touchline::kExitBadFile;
+  }
+  const std::string text = text_of(summary.value(), seconds_since(begin));
+  // With --out -, standard output carries only the result.
+  if (!quiet && options.out == "-") output.print_error(text);
+  if (!quiet && options.out != "-") output.print(text);
+  return touchline::kExitOk;
 }
 
 }  // namespace
@@ -139,7 +158,7 @@ int main(int argc, char** argv) {
       ->expected(1)
       ->take_all();
   app.add_flag("--skip-damaged", options.skip_damaged, "Skip pictures that cannot be decoded instead of stopping");
-  app.add_flag("--quiet", quiet, "Print neither progress nor summary");
+  app.add_flag("--quiet", quiet, "Print neither progress nor summary; for a recording only the summary");
   touchline::add_examples(
       app, {{"touchline-replay touchline-0042.mcap", "repeat a recorded game, and compare all results"},
             {"touchline-replay touchline-0042.mcap --what-if control.drive.max_speed_mps=0.5", "what would differ"},
@@ -158,18 +177,11 @@ int main(int argc, char** argv) {
     return touchline::kExitBadCommandLine;
   }
   ProgressBar bar(!quiet && isatty(STDERR_FILENO) == 1, output);
-  if (is_recording(options.input)) return run_recording(options, quiet, bar, output);
-  const WallClock::time_point begin = WallClock::now();
-  const touchline::Result<ReplaySummary> summary = replay(
-      options, [&bar](std::uint64_t done, std::uint64_t total) { bar.show(done, total); }, stop_requested);
-  bar.clear();
-  if (!summary.ok()) {
-    output.print_error("touchline-replay: " + summary.text() + "\n");
-    return touchline::kExitBadFile;
+  try {
+    return is_recording(options.input) ? run_recording(options, quiet, bar, output)
+                                       : run_pictures(options, quiet, bar, output);
+  } catch (const std::bad_alloc&) {
+    output.print_error("touchline-replay: " + options.input + ": not enough memory\n");
+    return touchline::kExitInternalError;
   }
-  const std::string text = text_of(summary.value(), seconds_since(begin));
-  // With --out -, standard output carries only the result.
-  if (!quiet && options.out == "-") output.print_error(text);
-  if (!quiet && options.out != "-") output.print(text);
-  return touchline::kExitOk;
 }

@@ -29,6 +29,7 @@ void count(const RecordingSource::Step& step, RecordingSummary& summary) {
   summary.stops += is_frame ? 0U : 1U;
   summary.with_pictures += is_frame && step.trace->frame.sightings == nullptr ? 1U : 0U;
   const bool is_different = std::find(step.differs.begin(), step.differs.end(), true) != step.differs.end();
+  summary.not_compared += step.is_compared ? 0U : 1U;
   if (!step.is_compared || !is_different) return;
   ++summary.different;
   for (std::size_t i = 0; i < step.differs.size(); ++i) summary.different_parts[i] += step.differs[i] ? 1U : 0U;
@@ -78,9 +79,14 @@ std::string text_of(const RecordingSummary& summary, bool has_overrides) {
   std::string text = number(summary.frames) + " frames, " + number(summary.with_pictures) + " of them from pictures, " +
                      number(summary.frames - summary.with_pictures) + " from recorded sightings; " +
                      number(summary.stops) + " stops\n";
-  if (summary.different == 0) {
+  const std::uint64_t steps = summary.frames + summary.stops;
+  const std::string compared = number(steps - summary.not_compared) + " of " + number(steps) + " steps were compared";
+  if (summary.different == 0 && summary.not_compared > 0) {
+    text += compared + "; all equal\n";
+  } else if (summary.different == 0) {
     text += "all results are those of the recording, bit for bit\n";
   } else {
+    if (summary.not_compared > 0) text += compared + "\n";
     text += number(summary.different) + " steps differ from the recording (";
     for (std::size_t i = 0; i < recording::kResultParts; ++i) {
       text += (i > 0 ? ", " : "") + std::string(word_of(static_cast<recording::ResultPart>(i))) + " " +

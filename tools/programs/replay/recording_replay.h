@@ -17,6 +17,7 @@ namespace touchline::replay {
 struct RecordingSummary {
   std::uint64_t frames = 0, stops = 0;
   std::uint64_t with_pictures = 0;                                       // frames whose recognition was repeated
+  std::uint64_t not_compared = 0;                                        // steps after one that was lost
   std::uint64_t different = 0;                                           // steps with at least one difference
   std::array<std::uint64_t, recording::kResultParts> different_parts{};  // steps, by ResultPart
   std::vector<std::string> first_differences;  // one line each: "frame 12: tracks, commands, packets"

@@ -152,6 +152,13 @@ Result<bool> RecordingSource::decode_picture(Frame& frame) {
   const recording::StepHeader& header = message_->header;
   if (header.picture == PictureKind::kNone || header.picture != picture_kind_) return false;
   const bool is_jpeg = header.picture == PictureKind::kJpeg;
+  // The file may be damaged or hostile, and the pictures' memory follows from these values.
+  const ScanParameters& scan = running_->pipeline.scan;
+  if (frame.format != scan.format || frame.width_px != scan.width_px || frame.height_px != scan.height_px ||
+      (is_jpeg && frame.format != PixelFormat::kYuvj422p)) {
+    return failure(ErrorCode::kCorruptFrame, "%s: its picture has another format or size than its session",
+                   frame_text(header).c_str());
+  }
   const std::uint8_t* begin = reinterpret_cast<const std::uint8_t*>(picture_.data());
   PictureLayout layout = picture_layout(frame.format, frame.width_px, frame.height_px);
   if (is_jpeg) {
@@ -162,7 +169,8 @@ Result<bool> RecordingSource::decode_picture(Frame& frame) {
     }
     layout = decoder_.layout();
     decoded_.resize(layout.bytes);
-    TOUCHLINE_TRY(decoder_.decode({begin, picture_.size()}, decoded_.data()));
+    const Result<void> decoded = decoder_.decode({begin, picture_.size()}, decoded_.data());
+    if (!decoded.ok()) return prefixed(frame_text(header) + ": ", decoded.error());
     begin = decoded_.data();
   } else if (picture_.size() != layout.bytes) {
     return failure(ErrorCode::kCorruptFrame, "%s: its picture has %zu bytes instead of %zu", frame_text(header).c_str(),

@@ -212,6 +212,18 @@ TEST_F(DriveMonitorTest, AnotherStatedDelayLeavesAValidMeasurementInForce) {
   EXPECT_FALSE(monitor_->reports().delay_s.is_contradicted()) << "right files stay in force";
 }
 
+TEST_F(DriveMonitorTest, DoesNotUseADelayThatNoRadioHas) {
+  hal::mock::ArenaParameters slow = arena();
+  slow.radio.delay_s = 0.35;
+  channel_ = hal::mock::RadioChannel(slow, 115200, 1);
+  run(20.0);
+  EXPECT_FALSE(monitor_->reports().delay_s.measured.is_known);
+  EXPECT_EQ(monitor_->more_delay(), Duration::zero());
+  for (const RobotDrive& drive : monitor_->reports().robots) {
+    for (const ComparedValue& gain : drive.gain) EXPECT_FALSE(gain.is_contradicted());
+  }
+}
+
 TEST_F(DriveMonitorTest, MeasuresNothingIfSwitchedOff) {
   StatedDrives stated;
   stated.is_enabled = false;

@@ -1,5 +1,7 @@
 #include "core/pipeline.h"
 
+#include <algorithm>
+#include <cmath>
 #include <utility>
 
 namespace touchline {
@@ -74,8 +76,7 @@ void Pipeline::adapt() {
   if (trace_.frame.sightings == nullptr) adaptation_.update(scanner_, trace_);
   if (inputs_.observing) return;
   drives_.add_sightings(trace_.tracks, trace_.sightings);
-  drives_.add_commands(trace_.commands, trace_.frame.capture_time + inputs_.action_delay - inputs_.radio_delay,
-                       inputs_.lateness);
+  drives_.add_commands(sent_, trace_.frame.capture_time + inputs_.action_delay - inputs_.radio_delay, inputs_.lateness);
   drives_.work();
   trace_.drives = drives_.reports();
   use_measured_lag();
@@ -134,6 +135,7 @@ Status Pipeline::assign_teams(const TeamAssignment& assignment) {
   controller_.set_turned(assignment.sides_exchanged);
   if (assignment.colors_exchanged != assignment_.colors_exchanged) {
     radio_.is_yellow = !radio_.is_yellow;
+    drives_.restart_robots();
     reset();
   }
   assignment_ = assignment;
@@ -267,7 +269,10 @@ const OutgoingPackets& Pipeline::stop(const StepInputs& inputs) {
   apply(inputs);
   trace_.commands.robots.clear();
   stop_from(inputs_.now);
-  drives_.add_commands(trace_.commands, inputs_.now + inputs_.action_delay - inputs_.radio_delay, inputs_.lateness);
+  // The packet begins now: the action delay contains the latency of a frame, of which there is none. When the packet
+  // ends is not known exactly, so the motion until the next sighting does not count.
+  drives_.add_commands(sent_, inputs_.now, inputs_.lateness);
+  drives_.interrupt();
   return trace_.packets;
 }
 
@@ -302,6 +307,24 @@ void Pipeline::reset() {
   controller_.reset();
 }
 
+// A correction must not make a wheel faster than the user allows. Both wheels are slowed down alike, so that the robot
+// stays on its curve.
+void Pipeline::correct_commands() {
+  sent_ = trace_.commands;
+  const float limit = static_cast<float>(control_.drive.max_wheel_speed_mps);
+  for (RobotCommand& robot : sent_.robots) {
+    const std::array<float, 2> correction = drives_.correction_of(robot.id);
+    if (correction == std::array<float, 2>{1.0f, 1.0f}) continue;
+    WheelSpeeds& wheels = robot.wheels;
+    wheels.left_mps *= correction[0];
+    wheels.right_mps *= correction[1];
+    const float fastest = std::max(std::abs(wheels.left_mps), std::abs(wheels.right_mps));
+    if (!(fastest > limit)) continue;
+    wheels.left_mps = std::clamp(wheels.left_mps * (limit / fastest), -limit, limit);
+    wheels.right_mps = std::clamp(wheels.right_mps * (limit / fastest), -limit, limit);
+  }
+}
+
 void Pipeline::encode_commands(Instant now) {
   const bool is_due =
       starts_left_ > 0 || (radio_.start_period_s > 0.0 && now - last_start_ >= from_seconds(radio_.start_period_s));
@@ -309,19 +332,15 @@ void Pipeline::encode_commands(Instant now) {
     last_start_ = now;
     starts_left_ = std::max(0, starts_left_ - 1);
   }
-  Commands sent = trace_.commands;
-  for (RobotCommand& robot : sent.robots) {
-    const auto [left, right] = drives_.correction_of(robot.id);
-    robot.wheels.left_mps *= left;
-    robot.wheels.right_mps *= right;
-  }
+  correct_commands();
   // All commands fit into a packet, because both lists have the same capacity and the layout was checked. If they still
   // cannot be sent, the robots must not go on with their last ones.
   PacketValues values{trace_.commands.stop, is_due, packet_sequence_, now};
-  if (!encode(radio_, sent, values, trace_.packets).ok()) {
+  if (!encode(radio_, sent_, values, trace_.packets).ok()) {
     trace_.commands.robots.clear();
     trace_.commands.stop = values.stop = true;
-    if (!encode(radio_, trace_.commands, values, trace_.packets).ok()) trace_.packets.clear();
+    sent_ = trace_.commands;
+    if (!encode(radio_, sent_, values, trace_.packets).ok()) trace_.packets.clear();
   }
   ++packet_sequence_;
 }

@@ -56,6 +56,9 @@ class Pipeline {
   /// still be valid. Call it after the packet was sent, because nothing depends on it before the next step. Writes to
   /// the trace of this step.
   void adapt();
+  /// Returns the commands as the last packets carry them: those of the trace, with the wheels' measured gains
+  /// (DriveMonitor) and within max_wheel_speed_mps; before own.robot.wheel_gain divides them.
+  [[nodiscard]] const Commands& sent_commands() const { return sent_; }
   /// Copies the tables that decided the classes of the last step's pixels, about 0.5 MB. Call it before adapt().
   void copy_classifier(PixelClassifier& out) const { scanner_.copy_to(out); }
   [[nodiscard]] AdaptationMode adaptation() const { return adaptation_.mode(); }
@@ -100,6 +103,7 @@ class Pipeline {
   void check_picture();
   void stop_from(Instant now);
   void use_measured_lag();
+  void correct_commands();
   void encode_commands(Instant now);
 
   RegionScanner scanner_;
@@ -125,6 +129,7 @@ class Pipeline {
   bool has_pictures_ = true;
   int starts_left_ = kStarts;  // packets that get the bytes for the start
   Instant last_start_{};
+  Commands sent_;
   StepTrace trace_;
 };
 

@@ -186,6 +186,7 @@ void Loop::process_frame(const hal::FrameLease& lease) {
 
 void Loop::fill_snapshot(const StepTrace& trace, const StepTiming& timing, Instant machine_sent) {
   copy_trace(trace, snapshot_);
+  snapshot_.sent_commands = pipeline_.sent_commands();
   copy_bytes(trace, pipeline_.radio(), external_.console().tested, snapshot_);
   snapshot_.number = settings_.first_number + statistics_.frames - 1;
   snapshot_.received = timing.received;

@@ -28,6 +28,7 @@ struct Snapshot {
   FixedVector<RobotSighting, kMaxRobots> robots;
   Tracks tracks;
   Commands commands;
+  Commands sent_commands;  // Pipeline::sent_commands()
   PlayDecisions play;
   LightTrace light;
   PictureTrace picture;

@@ -191,16 +191,18 @@ std::string drive_line(const DriveReport& drive) {
   const auto& [first, second] = drive.compared;
   print(line, "%.1f s  ", drive.elapsed_s);
   if (drive.value == DriveReport::Value::kGain) {
-    print(line,
-          "robot %d: own.robot.wheel_gain of the team file is %.3f, %.3f, but its wheels show %.3f, %.3f (+- %.3f); "
-          "these are used",
-          drive.robot, first.stated, second.stated, first.measured.value, second.measured.value,
-          std::max(first.measured.sigma, second.measured.sigma));
+    print(line, "robot %d: own.robot.wheel_gain of the team file is %.3f, %.3f, but its wheels show %.3f, %.3f",
+          drive.robot, first.stated, second.stated, first.used, second.used);
+    const double sigma = std::max(first.measured.sigma, second.measured.sigma);
+    if (std::isfinite(sigma)) print(line, " (+- %.3f)", sigma);
+    line += "; these are used";
   } else {
     const bool is_delay = drive.value == DriveReport::Value::kDelay;
-    print(line, "%s is %.0f ms, but the robots show %.1f +- %.1f ms, which is used",
+    print(line, "%s is %.0f ms, but the robots show %.1f",
           is_delay ? "radio.delay_s of the board file" : "tracking.robot.wheel_lag_s of the team file",
-          1e3 * first.stated, 1e3 * first.measured.value, 1e3 * first.measured.sigma);
+          1e3 * first.stated, 1e3 * first.used);
+    if (std::isfinite(first.measured.sigma)) print(line, " +- %.1f", 1e3 * first.measured.sigma);
+    line += " ms, which is used";
   }
   return line + ": measure it with touchline-radio and correct the file";
 }

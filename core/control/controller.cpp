@@ -76,6 +76,7 @@ void Controller::set_turned(bool turned) {
   if (turned == turned_) return;
   turned_ = turned;
   strategy().reset();
+  motion_.reset();
 }
 
 void Controller::set_situation(const GameSituation& situation) {

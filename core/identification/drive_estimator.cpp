@@ -59,7 +59,6 @@ constexpr std::array<Limit, kN> kLimits{{{0.0, 0.5, 0.02},
 }  // namespace
 
 void DriveEstimator::restart(const DriveExpectation& expected) {
-  expected_ = expected;
   prior_ = {expected.delay_s, expected.lag_s, expected.lag_s, 1.0, 1.0, 0.0, expected.wheel_base_m, 0.0};
   prior_sigma_ = {expected.delay_sigma_s,      expected.lag_sigma_s,   expected.lag_sigma_s,
                   expected.gain_sigma,         expected.gain_sigma,    expected.dead_zone_sigma_mps,
@@ -253,7 +252,6 @@ void DriveEstimator::add(const DriveInterval& interval) {
   ResidualFilter::Columns columns = residuals_of(interval);
   if (!interval.continues) filter_.restart(noise_);
   noise_estimator_.add(motion, {columns[kForward][0], columns[kTurn][0]}, interval.continues);
-  for (const Series series : {kForward, kTurn}) sums_.square[series] += columns[series][0] * columns[series][0];
   filter_.whiten(motion, columns);
   Vector score{};
   MatrixMap information(sums_.information.data());
@@ -306,10 +304,10 @@ void DriveEstimator::finish_pass() {
   moved_ = 0.0;
   for (std::size_t i = 0; i < kParameters; ++i) {
     const Limit& limit = kLimits[i];
-    const double wanted = std::clamp(step(static_cast<Eigen::Index>(i)), -limit.step, limit.step);
-    const double moved = std::clamp(parameters_[i] + wanted, limit.low, limit.high) - parameters_[i];
-    parameters_[i] += moved;
-    moved_ = std::max(moved_, std::abs(moved) / std::sqrt(std::max(covariance_[i * kParameters + i], 1e-30)));
+    const double wanted = step(static_cast<Eigen::Index>(i));
+    parameters_[i] = std::clamp(parameters_[i] + std::clamp(wanted, -limit.step, limit.step), limit.low, limit.high);
+    // Not the limited step: a value that a limit holds is not settled.
+    moved_ = std::max(moved_, std::abs(wanted) / std::sqrt(std::max(covariance_[i * kParameters + i], 1e-30)));
   }
   // Far from the solution, a wrong delay looks like lateness of the packets, whose weight would keep it wrong.
   if (passes_ >= kRoughPasses && sums_.count >= kMinForNoise) noise_ = noise_estimator_.estimate();
@@ -345,8 +343,6 @@ void DriveEstimator::report(std::size_t count) {
   set(estimate_.dead_zone_mps, kDeadZone, kKnownDeadZone_mps);
   set(estimate_.wheel_base_m, kBase, kKnownLength_m);
   set(estimate_.marker_left_m, kMarker, kKnownLength_m);
-  estimate_.forward_rms_m = std::sqrt(sums_.square[kForward] / static_cast<double>(count));
-  estimate_.turn_rms_rad = std::sqrt(sums_.square[kTurn] / static_cast<double>(count));
   estimate_.intervals = count;
 }
 

@@ -22,9 +22,9 @@ struct DriveEstimate {
   MeasuredValue marker_left_m;  // how far the marker's center is to the left of the middle between the wheels
   WheelWiring wiring;
   bool is_wiring_known = false;
-  bool is_settled = false;  // the passes no longer change the values by more than their standard deviations
-  // RMS of the residuals of one interval: forward, and of the heading.
-  double forward_rms_m = 0.0, turn_rms_rad = 0.0;
+  // The passes no longer ask for changes of the values by more than their standard deviations, also at the limits that
+  // hold the values.
+  bool is_settled = false;
   std::size_t intervals = 0;  // that were used
 };
 
@@ -63,8 +63,9 @@ class DriveEstimator {
   /// no effect after the search.
   void begin_at(const DriveEstimate& other);
 
-  /// Wheel speeds that hold until the next ones. `sent`: when the last byte of the packet left.
-  void add_command(Instant sent, const WheelSpeeds& wheels) { record_.add_command(sent, wheels); }
+  /// Wheel speeds that hold until the next ones. `sent`: when the last byte of the packet left. Returns false, and adds
+  /// nothing, if they are not newer than the last ones, or not finite.
+  [[nodiscard]] bool add_command(Instant sent, const WheelSpeeds& wheels) { return record_.add_command(sent, wheels); }
   void add_sighting(Instant captured, const Pose& pose) { record_.add_sighting(captured, pose); }
 
   /// Something else than the wheels may move the robot until the next sighting.
@@ -83,11 +84,7 @@ class DriveEstimator {
   /// Where the robot will be when it has obeyed all commands until `now`, by the values known so far. For a short time:
   /// sum of the commands' displacements. Returns the origin without a sighting.
   [[nodiscard]] Pose pose_after_commands(Instant now) const;
-  [[nodiscard]] const DriveNoise& noise() const { return noise_; }
   [[nodiscard]] const DriveRecord& record() const { return record_; }
-  /// Covariance of the estimated delay, lags, left gain, right gain, dead zone, wheel base and marker's place;
-  /// row-major.
-  [[nodiscard]] const std::array<double, kParameters * kParameters>& covariance() const { return covariance_; }
 
  private:
   static_assert(ResidualFilter::kColumns == kParameters + 1);
@@ -108,7 +105,6 @@ class DriveEstimator {
   struct PassSums {
     Matrix information{}, scatter{};
     Vector score{};
-    std::array<double, kSeries> square{};
     std::size_t count = 0;
   };
 
@@ -122,11 +118,10 @@ class DriveEstimator {
   void report(std::size_t count);
 
   DriveRecord record_;
-  DriveExpectation expected_;
   Vector prior_{}, prior_sigma_{}, parameters_{};
   DriveEstimate estimate_;
-  Matrix covariance_{};
-  double moved_ = 0.0;  // last step, in standard deviations
+  Matrix covariance_{};  // of the parameters, row-major
+  double moved_ = 0.0;   // step that the last pass asked for, in standard deviations
 
   // Search
   bool is_searching_ = true, is_reading_ = false;

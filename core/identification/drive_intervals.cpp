@@ -29,12 +29,20 @@ DriveIntervals::DriveIntervals(const DriveRecord& record, double delay_s,
       sighting_(record.sightings_begin()),
       end_(record.sightings_end()) {}
 
-void DriveIntervals::begin(const DriveRecord& record) {
-  command_ = record.commands_begin();
+Duration DriveIntervals::settling_time() const {
+  return from_seconds(kSettledLags * std::max(response_[0].lag_s, response_[1].lag_s));
+}
+
+// Finds the wheels' speeds at an instant from the commands that they have not forgotten. Wheels whose former commands
+// are not in the record are not settled.
+void DriveIntervals::begin(const DriveRecord& record, Instant instant) {
+  command_ = std::max(command_, record.commands_begin());
+  settled_ = record.command(command_).sent + delay_ + settling_time();
+  now_ = instant - settling_time();
+  while (command_ + 1 < record.commands_end() && record.command(command_ + 1).sent + delay_ <= now_) ++command_;
   wheels_ = {};
-  now_ = record.sighting(sighting_).captured;
-  settled_ = record.command(command_).sent + delay_ +
-             from_seconds(kSettledLags * std::max(response_[0].lag_s, response_[1].lag_s));
+  DriveInterval before;
+  advance_to(record, instant, before);
   has_begun_ = true;
   was_usable_ = false;
 }
@@ -71,11 +79,16 @@ bool DriveIntervals::next(const DriveRecord& record, DriveInterval& out) {
     has_begun_ = false;
   }
   if (sighting_ + 1 >= end_) return false;
-  if (!has_begun_) begin(record);
+  if (!has_begun_) begin(record, record.sighting(sighting_).captured);
   const DriveRecord::Sighting &from = record.sighting(sighting_), &to = record.sighting(sighting_ + 1);
   ++sighting_;
   out = {};
-  advance_to(record, to.captured, out);
+  // Over a long gap the commands that the wheels have forgotten are skipped, so that the work of one call is limited.
+  if (to.captured - now_ > std::max(settling_time(), from_seconds(kMaxInterval))) {
+    begin(record, to.captured);
+  } else {
+    advance_to(record, to.captured, out);
+  }
   out.dt_s = seconds(to.captured - from.captured);
   out.turn_rad = wrap_angle(heading(to.pose) - heading(from.pose));
   const Vector2 way = position(to.pose) - position(from.pose);

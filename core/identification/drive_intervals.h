@@ -33,7 +33,8 @@ class DriveIntervals {
   bool next(const DriveRecord& record, DriveInterval& out);
 
  private:
-  void begin(const DriveRecord& record);
+  [[nodiscard]] Duration settling_time() const;
+  void begin(const DriveRecord& record, Instant instant);
   void advance_to(const DriveRecord& record, Instant instant, DriveInterval& out);
   void advance(Duration dt, const WheelSpeeds& command, DriveInterval& out);
 

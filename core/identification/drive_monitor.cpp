@@ -33,10 +33,21 @@ constexpr int kTries = 12;
 constexpr double kFollowing = 0.25;
 // Robots that play have speed control. A wider expectation doubles the deviations of gains (README.md).
 constexpr double kDeadZoneSigma_mps = 0.01;
-// Values outside are no drive's: another robot has obeyed the commands.
-constexpr double kMaxGain = 2.0, kMinGain = 0.5;
+// Values outside are no drive's: another robot has obeyed the commands. The goals of the measurement span the robots of
+// the leagues, 20 to 120 ms of delay and 40 to 160 ms of lag; the upper limits are 2.5 times the largest. A lag below
+// 5 ms is an eighth of the smallest and less than a third of a frame: the passes have left the data.
+constexpr double kMaxGain = 2.0, kMinGain = 0.5, kMaxDelay_s = 0.3, kMinLag_s = 0.005, kMaxLag_s = 0.4;
+// A robot that was not seen for so long may have been exchanged for a spare with the same id. To carry one away and put
+// the other in its place takes longer; a hand or another robot hides it for less.
+constexpr double kExchanged_s = 3.0;
 
 double square(double a) { return a * a; }
+
+bool is_sound(const DriveEstimate& estimate) {
+  const auto is_gain = [](double gain) { return gain > kMinGain && gain < kMaxGain; };
+  return estimate.wiring == WheelWiring() && is_gain(estimate.gain_left.value) && is_gain(estimate.gain_right.value) &&
+         estimate.delay_s.value < kMaxDelay_s && estimate.lag_s.value > kMinLag_s && estimate.lag_s.value < kMaxLag_s;
+}
 
 bool has_record(const DriveEstimator& estimator) { return estimator.record().sightings_end() >= kMinSightings; }
 
@@ -53,10 +64,7 @@ void follow(ComparedValue& value, double tolerance) {
 
 void DriveMonitor::configure(const StatedDrives& stated) {
   stated_ = stated;
-  robots_.clear();
-  next_ = 0;
-  tries_ = 0;
-  first_ = {};
+  restart_robots();
   reports_ = {};
   reports_.lag_s.stated = reports_.lag_s.used = stated.lag_s;
 }
@@ -65,10 +73,21 @@ void DriveMonitor::set_stated_delay(Duration delay) {
   ComparedValue& value = reports_.delay_s;
   if (value.stated == seconds(delay)) return;
   value.stated = value.used = seconds(delay);
+  follow(value, kDelayTolerance_s);
+  // Another radio: robots that still search must not begin at the former one's delay.
+  first_ = {};
 }
 
 void DriveMonitor::interrupt() {
   for (Robot& robot : robots_) robot.estimator.add_break();
+}
+
+void DriveMonitor::restart_robots() {
+  robots_.clear();
+  next_ = 0;
+  tries_ = 0;
+  first_ = {};
+  reports_.robots.clear();
 }
 
 void DriveMonitor::restart(Robot& robot, RobotId id) {
@@ -143,6 +162,10 @@ void DriveMonitor::add_sightings(const Tracks& tracks, const Sightings& sighting
       away = here;
       nearest = &sighting;
     }
+    if (now - robot.seen > from_seconds(kExchanged_s)) {
+      restart(robot, track.id);
+      publish();
+    }
     robot.seen = now;
     if (may_touch(track, tracks)) robot.touched = now;
     const bool is_free = now - robot.touched > from_seconds(kSlides_s);
@@ -164,8 +187,8 @@ void DriveMonitor::add_commands(const Commands& commands, Instant sent,
       if (!commands.stop && command.id == robot.drive.id) wheels = command.wheels;
     }
     // What the packet carries.
-    wheels.left_mps /= static_cast<float>(robot.drive.gain[0].used);
-    wheels.right_mps /= static_cast<float>(robot.drive.gain[1].used);
+    wheels.left_mps /= static_cast<float>(robot.drive.gain[0].stated);
+    wheels.right_mps /= static_cast<float>(robot.drive.gain[1].stated);
     Instant arrives = sent;
     for (std::size_t i = 0; i < stated_.receivers.size(); ++i) {
       if (stated_.receivers[i].id == robot.drive.id) arrives = arrives + lateness[i];
@@ -174,7 +197,7 @@ void DriveMonitor::add_commands(const Commands& commands, Instant sent,
     const bool is_same =
         robot.has_commands && wheels.left_mps == robot.sent.left_mps && wheels.right_mps == robot.sent.right_mps;
     if (is_same) continue;
-    robot.estimator.add_command(arrives, wheels);
+    if (!robot.estimator.add_command(arrives, wheels)) continue;
     robot.sent = wheels;
     robot.has_commands = true;
   }
@@ -217,16 +240,17 @@ void DriveMonitor::work() {
   }
 }
 
-// Publishes the values of a robot after a pass.
+// Takes over the values of a robot after a pass.
 void DriveMonitor::report(Robot& robot) {
   const DriveEstimate& estimate = robot.estimator.estimate();
   const std::array<const MeasuredValue*, 2> gains{&estimate.gain_left, &estimate.gain_right};
-  const bool is_sound = estimate.wiring == WheelWiring() && std::all_of(gains.begin(), gains.end(), [](const auto* g) {
-                          return g->value > kMinGain && g->value < kMaxGain;
-                        });
+  const bool has_values = estimate.intervals > 0, is_usable = has_values && is_sound(estimate);
   robot.drive.delay_s = robot.drive.lag_s = {};
-  for (ComparedValue& gain : robot.drive.gain) gain.measured = {};
-  if (estimate.is_settled && is_sound) {
+  for (ComparedValue& gain : robot.drive.gain) {
+    gain.measured = {};
+    if (has_values && !is_usable) gain.used = gain.stated;
+  }
+  if (estimate.is_settled && is_usable) {
     robot.drive.delay_s = estimate.delay_s;
     robot.drive.lag_s = estimate.lag_s;
     for (std::size_t i = 0; i < 2; ++i) {
@@ -237,6 +261,11 @@ void DriveMonitor::report(Robot& robot) {
     }
     if (!first_.is_settled) first_ = estimate;
   }
+  publish();
+}
+
+// Publishes the values of the team and of all robots.
+void DriveMonitor::publish() {
   combine(&RobotDrive::delay_s, kKnownDelay_s, reports_.delay_s);
   combine(&RobotDrive::lag_s, kKnownLag_s, reports_.lag_s);
   follow(reports_.delay_s, kDelayTolerance_s);

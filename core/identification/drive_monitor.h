@@ -29,13 +29,18 @@ struct StatedDrives {
 class DriveMonitor {
  public:
   void configure(const StatedDrives& stated);
-  /// Sets the delay of the radio that the files state. It is in force again if it changes.
+  /// Sets the delay of the radio that the files state. If it changes, it is in force unless the measured one
+  /// contradicts it.
   void set_stated_delay(Duration delay);
   /// Tracks begin anew: the next sightings do not continue the former ones.
   void interrupt();
-  /// Adds the sightings of the own robots whose ids are certain. `tracks` have fused `sightings`.
+  /// Forgets the records and the gains of all robots: other ones may have their ids. Delay and lag stay in force.
+  void restart_robots();
+  /// Adds the sightings of the own robots whose ids are certain. `tracks` have fused `sightings`. A robot that was not
+  /// seen for some seconds starts anew: a spare may have its id.
   void add_sightings(const Tracks& tracks, const Sightings& sightings);
-  /// Adds commands whose packets ended at `sent`, later by `lateness` of each receiver.
+  /// Adds commands whose packets ended at `sent`, later by `lateness` of each receiver. `commands`: as they were
+  /// encoded, with correction_of() and before the stated gains divide them.
   void add_commands(const Commands& commands, Instant sent, const std::array<Duration, kMaxRobotsPerTeam>& lateness);
   /// Processes at most kMaxIntervals intervals of the records, and compares the result with the files.
   void work();
@@ -64,6 +69,7 @@ class DriveMonitor {
   void restart(Robot& robot, RobotId id);
   [[nodiscard]] bool is_complete() const;
   void report(Robot& robot);
+  void publish();
   void combine(MeasuredValue RobotDrive::*member, double sigma_needed, ComparedValue& out) const;
 
   StatedDrives stated_;

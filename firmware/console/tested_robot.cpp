@@ -54,7 +54,7 @@ Json tested_robot_json(const Snapshot& snapshot, RobotId robot) {
           {"sent_ns", snapshot.sent.time_since_epoch().count()},
           {"stop", snapshot.commands.stop},
           {"halt", halt},
-          {"wheels_mps", wheels_json(snapshot.commands, robot)},
+          {"wheels_mps", wheels_json(snapshot.sent_commands, robot)},
           {"sighting", sighting},
           {"robots", robots},
           {"ball", ball},

@@ -194,8 +194,13 @@ TEST(DriveLine, NamesKeyStatedAndMeasuredValue) {
             "measure it with touchline-radio and correct the file");
   const ComparedValue left{1.0, 1.08, {1.08, 0.003, true}}, right{1.0, 1.0, {0.998, 0.004, true}};
   EXPECT_EQ(drive_line({30.0, DriveReport::Value::kGain, 3, {left, right}}),
-            "30.0 s  robot 3: own.robot.wheel_gain of the team file is 1.000, 1.000, but its wheels show 1.080, 0.998 "
-            "(+- 0.004); these are used: measure it with touchline-radio and correct the file");
+            "30.0 s  robot 3: own.robot.wheel_gain of the team file is 1.000, 1.000, but its wheels show 1.080, 1.000 "
+            "(+- 0.004); these are used: measure it with touchline-radio and correct the file")
+      << "the values in force";
+  EXPECT_EQ(drive_line({31.0, DriveReport::Value::kLag, kUnknownId, {ComparedValue{0.08, 0.04, {}}, {}}}),
+            "31.0 s  tracking.robot.wheel_lag_s of the team file is 80 ms, but the robots show 40.0 ms, which is used: "
+            "measure it with touchline-radio and correct the file")
+      << "nothing is measured any more";
 }
 
 TEST(FieldMap, OmitsPosesThatAreNotNumbers) {

@@ -113,6 +113,23 @@ TEST(DriveEstimator, StatesItsErrors) {
   }
 }
 
+TEST(DriveEstimator, IsNotSettledAtALimit) {
+  // Beyond the limit of 1 s.
+  const hal::mock::ArenaParameters arena = arena_of({"", 0.06, 1.6, 0.0, 0.0});
+  SimulatedMeasurement measurement(arena, {}, 1);
+  measurement.run(kMeasured_s);
+  measurement.estimator.solve();
+  // The steps are limited, too.
+  for (int pass = 0; pass < 20; ++pass) {
+    std::size_t intervals = 100'000;
+    ASSERT_TRUE(measurement.estimator.work(intervals));
+  }
+  const DriveEstimate& measured = measurement.estimator.estimate();
+  EXPECT_EQ(std::max(measured.lag_left_s.value, measured.lag_right_s.value), 1.0);
+  EXPECT_FALSE(measured.is_settled);
+  EXPECT_FALSE(measured.delay_s.is_known || measured.lag_s.is_known || measured.gain_left.is_known);
+}
+
 // The table of core/identification/README.md: TOUCHLINE_SEEDS=60 identification_test
 // --gtest_filter='*TheErrorsOfTheTable'
 TEST(DriveEstimator, TheErrorsOfTheTable) {

@@ -89,16 +89,20 @@ class DriveMonitorTest : public testing::Test {
       const std::array<float, 2> correction = monitor_->correction_of(command.id);
       const std::array<float, 2> stated =
           index < stated_.receivers.size() ? stated_.receivers[index].wheel_gain : Receiver{}.wheel_gain;
-      drives.push_back({id, static_cast<double>(command.wheels.left_mps * correction[0] / stated[0]),
-                        static_cast<double>(command.wheels.right_mps * correction[1] / stated[1])});
+      WheelSpeeds& sent = commands.robots.back().wheels;
+      sent = {sent.left_mps * correction[0], sent.right_mps * correction[1]};
+      drives.push_back(
+          {id, static_cast<double>(sent.left_mps / stated[0]), static_cast<double>(sent.right_mps / stated[1])});
     }
     ASSERT_TRUE(channel_.send(bytes_of(hal::mock::packet_of(drives, sequence_++)), now_).ok());
+    if (are_away) tracks.robots.clear();
     monitor_->add_sightings(tracks, sightings);
     monitor_->add_commands(commands, channel_.drained(), {});
     monitor_->work();
   }
 
   bool are_renamed = false;  // each track has the id of the next robot
+  bool are_away = false;     // no robot is tracked
 
   const RobotDrive& robot(std::size_t index) const { return monitor_->reports().robots[index]; }
 
@@ -159,6 +163,65 @@ TEST_F(DriveMonitorTest, SurvivesWrongIds) {
   EXPECT_NEAR(delay.measured.value, kDelay_s, 0.003);
   EXPECT_NEAR(delay.used, kDelay_s, 0.003);
   EXPECT_NEAR(monitor_->reports().lag_s.used, 0.08, 0.01);
+}
+
+TEST_F(DriveMonitorTest, StartsARobotAnewThatWasAwayForSeconds) {
+  StatedDrives stated;
+  stated.receivers.push_back({0, 0, {1.2f, 0.8f}});
+  configure(stated);
+  run(30.0);
+  ASSERT_TRUE(robot(0).gain[0].is_contradicted());
+  const double delay_s = monitor_->reports().delay_s.used;
+  are_away = true;
+  run(2.0);
+  are_away = false;
+  run(0.1);
+  EXPECT_TRUE(robot(0).gain[0].is_contradicted()) << "hidden";
+  are_away = true;
+  run(4.0);
+  are_away = false;
+  run(0.1);
+  EXPECT_EQ(robot(0).gain[0].used, robot(0).gain[0].stated) << "may be a spare";
+  EXPECT_EQ(monitor_->correction_of(0), (std::array<float, 2>{1.0f, 1.0f}));
+  EXPECT_EQ(monitor_->reports().delay_s.used, delay_s) << "the radio is the same";
+}
+
+TEST_F(DriveMonitorTest, StartsAllRobotsAnewWithOtherTeams) {
+  StatedDrives stated;
+  stated.receivers.push_back({0, 0, {1.2f, 0.8f}});
+  configure(stated);
+  run(30.0);
+  ASSERT_NE(monitor_->correction_of(0)[0], 1.0f);
+  const double delay_s = monitor_->reports().delay_s.used;
+  monitor_->restart_robots();
+  EXPECT_TRUE(monitor_->reports().robots.empty());
+  EXPECT_EQ(monitor_->correction_of(0), (std::array<float, 2>{1.0f, 1.0f}));
+  run(0.1);
+  EXPECT_EQ(monitor_->correction_of(0), (std::array<float, 2>{1.0f, 1.0f}));
+  EXPECT_EQ(monitor_->reports().delay_s.used, delay_s);
+}
+
+TEST_F(DriveMonitorTest, AnotherStatedDelayLeavesAValidMeasurementInForce) {
+  run(10.0);
+  const double measured_s = monitor_->reports().delay_s.measured.value;
+  ASSERT_TRUE(monitor_->reports().delay_s.measured.is_known);
+  monitor_->set_stated_delay(from_seconds(0.03));
+  EXPECT_EQ(monitor_->reports().delay_s.stated, 0.03);
+  EXPECT_EQ(monitor_->reports().delay_s.used, measured_s);
+  monitor_->set_stated_delay(from_seconds(kDelay_s));
+  EXPECT_FALSE(monitor_->reports().delay_s.is_contradicted()) << "right files stay in force";
+}
+
+TEST_F(DriveMonitorTest, DoesNotUseADelayThatNoRadioHas) {
+  hal::mock::ArenaParameters slow = arena();
+  slow.radio.delay_s = 0.35;
+  channel_ = hal::mock::RadioChannel(slow, 115200, 1);
+  run(20.0);
+  EXPECT_FALSE(monitor_->reports().delay_s.measured.is_known);
+  EXPECT_EQ(monitor_->more_delay(), Duration::zero());
+  for (const RobotDrive& drive : monitor_->reports().robots) {
+    for (const ComparedValue& gain : drive.gain) EXPECT_FALSE(gain.is_contradicted());
+  }
 }
 
 TEST_F(DriveMonitorTest, MeasuresNothingIfSwitchedOff) {

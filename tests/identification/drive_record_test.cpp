@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "core/identification/drive_intervals.h"
+
 namespace touchline {
 namespace {
 
@@ -27,6 +29,42 @@ TEST(DriveRecord, OverwritesTheOldest) {
   EXPECT_EQ(record.sightings_end(), static_cast<std::uint64_t>(kAll));
   EXPECT_EQ(record.sighting(record.sightings_begin()).pose.position.x_m, static_cast<float>(kExtra));
   EXPECT_EQ(record.sighting(record.sightings_end() - 1).pose.position.x_m, static_cast<float>(kAll - 1));
+}
+
+// Wheels with a lag of 80 ms, commanded 0.3 m/s for half a second and more before each sighting that is read.
+TEST(DriveIntervals, KnowsTheWheelsSpeedAtTheBeginAndAfterGaps) {
+  constexpr int kFrame = 16, kSeen = 10'000, kLost = 10'160, kFound = 15'000, kEnd = 15'160;
+  DriveRecord record;
+  for (int t = 0; t < kEnd; t += kFrame) ASSERT_TRUE(record.add_command(instant_at(t), {0.3f, 0.3f}));
+  for (int t = kSeen; t < kEnd; t += kFrame) {
+    if (t >= kLost && t < kFound) continue;
+    ASSERT_TRUE(record.add_sighting(instant_at(t), {{0.3f * 1e-3f * static_cast<float>(t), 0.0f}, 0.0f}));
+  }
+  DriveIntervals reader(record, 0.02, {{{0.08, 0.0}, {0.08, 0.0}}}, {});
+  DriveInterval interval;
+  int usable = 0, gaps = 0;
+  while (reader.next(record, interval)) {
+    ++(interval.is_usable ? usable : gaps);
+    if (!interval.is_usable) continue;
+    EXPECT_NEAR(interval.wheels[0].distance_m, interval.forward_m, 2e-5) << usable;
+  }
+  EXPECT_EQ(gaps, 1);
+  EXPECT_EQ(usable, 18);
+}
+
+TEST(DriveIntervals, DoesNotUseWheelsWhoseFormerCommandsAreUnknown) {
+  DriveRecord record;
+  for (int t = 0; t <= 1000; t += 20) {
+    ASSERT_TRUE(record.add_sighting(instant_at(t), {}));
+    ASSERT_TRUE(record.add_command(instant_at(t), {0.3f, 0.3f}));
+  }
+  DriveIntervals reader(record, 0.02, {{{0.08, 0.0}, {0.08, 0.0}}}, {});
+  DriveInterval interval;
+  // Delay and six lags: 500 ms.
+  for (int t = 0; t < 1000; t += 20) {
+    ASSERT_TRUE(reader.next(record, interval));
+    EXPECT_EQ(interval.is_usable, t >= 500) << t;
+  }
 }
 
 }  // namespace

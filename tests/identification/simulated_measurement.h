@@ -88,7 +88,7 @@ class SimulatedMeasurement {
     const std::array<hal::mock::Drive, 1> drives{{{0, moved(driven.left_mps), moved(driven.right_mps)}}};
     const Packet packet = hal::mock::packet_of(drives, sequence_++);
     if (!stands) static_cast<void>(channel_.send(bytes_of(packet), now_));
-    estimator.add_command(std::max(now_, channel_.drained()), command);
+    static_cast<void>(estimator.add_command(std::max(now_, channel_.drained()), command));
   }
 
   SimulatedCamera camera_;

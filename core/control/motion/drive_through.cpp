@@ -11,8 +11,10 @@ namespace touchline {
 namespace {
 
 using std::numbers::pi;
-// Sideways acceleration in a curve, in m/s^2: rubber tires slide between 5 and 8.
+// Sideways acceleration in a curve, in m/s^2: rubber tires slide between 5 and 8; less if the stated grip is less.
 constexpr double kCurveGrip = 5.0;
+double curve_grip(const DriveParameters& drive) { return std::min(kCurveGrip, MotionLimits(drive).lateral_mps2); }
+
 constexpr double kTurnPerS = 25.0;
 // The robot begins to turn so far before the arc, because its wheels lag, and ends so far before the arc's end.
 constexpr double kLeadM = 0.04;
@@ -116,7 +118,8 @@ Way straight_way(const Rover& robot, Vector2 place) {
 
 double curve_speed(double radius_m, const DriveParameters& limits) {
   const double wheel = limits.max_wheel_speed_mps / (1.0 + 0.5 * limits.wheel_base_m / radius_m);
-  return std::min({limits.max_speed_mps, std::sqrt(kCurveGrip * radius_m), wheel, limits.max_turn_radps * radius_m});
+  return std::min(
+      {limits.max_speed_mps, std::sqrt(curve_grip(limits) * radius_m), wheel, limits.max_turn_radps * radius_m});
 }
 
 // Time on a way of this length that begins with a speed and accelerates to `top`.
@@ -224,8 +227,8 @@ Twist drive_through(const MotionState& robot, const MotionGoal& goal, const Driv
   // Grip and wheels: v * w <= grip; v + w b / 2 <= limit.
   const double w = std::abs(turn + v * plan.way.curvature);
   if (w > 1e-6)
-    v = std::min(v,
-                 std::max(0.0, std::min(kCurveGrip / w, limits.max_wheel_speed_mps - 0.5 * limits.wheel_base_m * w)));
+    v = std::min(
+        v, std::max(0.0, std::min(curve_grip(limits) / w, limits.max_wheel_speed_mps - 0.5 * limits.wheel_base_m * w)));
   return {static_cast<float>(sign * v), static_cast<float>(turn + v * plan.way.curvature)};
 }
 

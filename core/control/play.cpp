@@ -274,7 +274,8 @@ void Play::list_obstacles(const Player& player, const SkillGoal& goal, const Tra
   out.clear();
   const double clearance = scene_.parameters.play.clearance_m;
   const bool attacks = player.id == attacker_;
-  if (is_in_goal(player.id)) return;  // the others make room
+  // In front of the own goal the others make room; on its way there the goalkeeper drives around robots, too.
+  if (is_in_goal(player.id) && scene_.pitch.in_own_area(position(player.pose), 2.0 * clearance)) return;
   for (const RobotTrack& robot : tracks.robots) {
     if (robot.team == Team::kOwn && robot.id == player.id) continue;
     const Vector2 v = static_cast<double>(robot.twist_at_action.v_mps) * unit_vector(heading(robot.pose_at_action));

@@ -81,7 +81,7 @@ TEST_F(SimulatedSideTest, ASidesHaltStopsItsRobotsAlone) {
 TEST_F(SimulatedSideTest, ARestartHoldsBothSidesForASecondAndForgetsTracks) {
   load({"arena.robots_return=true"});
   run(3.0);
-  game_->rules().place_ball({1.0, 0.0, 0.0}, {3.0, 0.0});
+  game_->rules().place_ball({1.12, 0.0, 0.0}, {3.0, 0.0});  // behind every robot
   stop_packets_ = 0;
   run(0.5);
   ASSERT_EQ(game_->statistics().goals_own, 1U);
@@ -94,7 +94,7 @@ TEST_F(SimulatedSideTest, ARestartHoldsBothSidesForASecondAndForgetsTracks) {
   EXPECT_FALSE(game_->rules().is_stopped());
   EXPECT_EQ(tracks_.robots.size(), 10U);
   // A robot that somebody puts elsewhere while the game is stopped stays there.
-  game_->rules().place_ball({1.0, 0.0, 0.0}, {3.0, 0.0});
+  game_->rules().place_ball({1.12, 0.0, 0.0}, {3.0, 0.0});  // behind every robot
   run(0.3);
   ASSERT_TRUE(game_->rules().is_stopped());
   game_->rules().place_robot(0, {-0.9, 0.7, 0.0});
@@ -199,7 +199,7 @@ TEST_F(SimulatedSideTest, NothingIsAllocatedWhileTheyPlay) {
   run(1.0);
   const std::uint64_t before = latency::allocations_of_this_thread();
   run(5.0);
-  game_->rules().place_ball({1.0, 0.0, 0.0}, {3.0, 0.0});
+  game_->rules().place_ball({1.12, 0.0, 0.0}, {3.0, 0.0});  // behind every robot
   run(3.0);
   EXPECT_EQ(latency::allocations_of_this_thread() - before, 0U);
   EXPECT_EQ(game_->statistics().goals_own, 1U);

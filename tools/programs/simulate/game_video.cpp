@@ -45,7 +45,7 @@ const PlayDecision* decision_of(const Strategy& strategy, RobotId id) {
 // Strategies that do not tell their decisions show the role.
 std::string label_of(const PlayDecision* decision, PlayRole role) {
   if (decision == nullptr || decision->skill_line >= skill_table().size()) return name_of(role);
-  const std::string skill = skill_table()[decision->skill_line].name;
+  std::string skill = skill_table()[decision->skill_line].name;
   if (decision->job_line >= job_table().size()) return skill;
   const std::string job = job_table()[decision->job_line].name;
   return job == skill ? job : job + ": " + skill;

@@ -28,9 +28,9 @@ Vector2 detour(Vector2 from, Vector2 velocity, Vector2 target, const RoundObstac
     there = p;
   }
   if (blocking == nullptr) return target;
-  constexpr double kMargin = 1.1;  // slightly more than the clearance
+  constexpr double kBeyond = 1.1;  // slightly more than the clearance
   const double side = cross(ahead, there - from) > 0.0 ? -1.0 : 1.0;
-  const Vector2 offset = (kMargin * side * blocking->clearance_m) * perpendicular(ahead);
+  const Vector2 offset = (kBeyond * side * blocking->clearance_m) * perpendicular(ahead);
   const auto fits = [&](Vector2 p) { return distance(p, pitch.inside(p, 1.2 * pitch.robot_m)) < 1e-9; };
   return fits(there + offset) || !fits(there - offset) ? there + offset : there - offset;
 }

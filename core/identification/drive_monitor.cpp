@@ -21,7 +21,7 @@ constexpr double kSlides_s = 0.1;
 // may carry it.
 constexpr double kStands_s = 1.0;
 // Standard deviations of the means from which they are used.
-constexpr double kKnownDelay_s = 0.0015, kKnownLag_s = 0.004, kKnownGain = 0.005;
+constexpr double kUsedDelay_s = 0.0015, kUsedLag_s = 0.004, kUsedGain = 0.005;
 // The files are contradicted beyond three standard deviations and these differences, which no game shows.
 constexpr double kContradiction = 3.0, kDelayTolerance_s = 0.002, kLagTolerance_s = 0.005, kGainTolerance = 0.005;
 // Sightings without which a record is not processed: 2 s at 60 pictures per second. A shorter record can lead to a
@@ -41,7 +41,7 @@ constexpr double kMaxGain = 2.0, kMinGain = 0.5, kMaxDelay_s = 0.3, kMinLag_s = 
 // the other in its place takes longer; a hand or another robot hides it for less.
 constexpr double kExchanged_s = 3.0;
 
-double square(double a) { return a * a; }
+double squared(double a) { return a * a; }
 
 bool is_sound(const DriveEstimate& estimate) {
   const auto is_gain = [](double gain) { return gain > kMinGain && gain < kMaxGain; };
@@ -256,7 +256,7 @@ void DriveMonitor::report(Robot& robot) {
     for (std::size_t i = 0; i < 2; ++i) {
       ComparedValue& gain = robot.drive.gain[i];
       gain.measured = *gains[i];
-      gain.measured.is_known = gain.measured.sigma < kKnownGain;
+      gain.measured.is_known = gain.measured.sigma < kUsedGain;
       follow(gain, kGainTolerance);
     }
     if (!first_.is_settled) first_ = estimate;
@@ -266,8 +266,8 @@ void DriveMonitor::report(Robot& robot) {
 
 // Publishes the values of the team and of all robots.
 void DriveMonitor::publish() {
-  combine(&RobotDrive::delay_s, kKnownDelay_s, reports_.delay_s);
-  combine(&RobotDrive::lag_s, kKnownLag_s, reports_.lag_s);
+  combine(&RobotDrive::delay_s, kUsedDelay_s, reports_.delay_s);
+  combine(&RobotDrive::lag_s, kUsedLag_s, reports_.lag_s);
   follow(reports_.delay_s, kDelayTolerance_s);
   follow(reports_.lag_s, kLagTolerance_s);
   reports_.robots.clear();
@@ -283,16 +283,16 @@ void DriveMonitor::combine(MeasuredValue RobotDrive::*member, double sigma_neede
   for (const Robot& robot : robots_) {
     const MeasuredValue& value = robot.drive.*member;
     if (!std::isfinite(value.sigma)) continue;
-    const double weight = 1.0 / square(value.sigma);
+    const double weight = 1.0 / squared(value.sigma);
     weights += weight;
     sum += weight * value.value;
-    square_sum += weight * square(value.value);
+    square_sum += weight * squared(value.value);
     count += 1.0;
   }
   out.measured = {};
   if (count == 0.0) return;
   const double mean = sum / weights;
-  const double scatter = count > 1.0 ? (square_sum - weights * square(mean)) / (count - 1.0) : 1.0;
+  const double scatter = count > 1.0 ? (square_sum - weights * squared(mean)) / (count - 1.0) : 1.0;
   out.measured.value = mean;
   out.measured.sigma = std::sqrt(std::max(1.0, scatter) / weights);
   out.measured.is_known = out.measured.sigma < sigma_needed;

@@ -9,7 +9,6 @@
 namespace touchline {
 namespace {
 
-FieldPoint to_point(Vector2 p) { return {static_cast<float>(p.x), static_cast<float>(p.y)}; }
 // A robot that needs so much longer to the ball than the soonest one will not attack: its contact is not planned.
 constexpr double kFarS = 0.8;
 
@@ -172,7 +171,7 @@ void Play::assign_jobs() {
       strikes[k] = strike_of(others[k]);
       least_cost_s = std::min(least_cost_s, strikes[k].cost_s);
       opening.time_s[k] = strikes[k].cost_s + blocked_time(others[k], strikes[k].goal.place);
-      // Who does not get the ball moving gives it to whoever is not later by more than this has lasted.
+      // A robot that attacks in vain loses the ball to the next one: what exceeds kJamS counts as time of its own.
       opening.time_s[k] += std::max(0.0, tried_by(others[k].id) - kJamS);
     }
     for (std::size_t k = 0; line.place == nullptr && k < others.size(); ++k) {
@@ -302,7 +301,7 @@ void Play::decide(const Tracks& tracks, const Players& players, Twists& wanted) 
     decision.id = players[i].id;
     decision.time_s = time_of(players[i].id);
     const SkillGoal goal = goal_of(players[i], decision);
-    if (!goal.twist) decision.target = to_point(goal.place);
+    if (!goal.twist) decision.target = to_field_point(goal.place);
     if (goal.direction_rad) decision.direction_rad = static_cast<float>(*goal.direction_rad);
     decisions_.push_back(decision);
     list_obstacles(players[i], goal, tracks, obstacles);

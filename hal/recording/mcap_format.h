@@ -47,7 +47,7 @@ struct Channel {
   std::string topic, encoding;
 };
 
-/// A message. `data` belongs to whoever made the message.
+/// A message. The caller owns what `data` points to.
 struct Message {
   std::uint16_t channel = 0;
   std::uint32_t sequence = 0;

@@ -199,13 +199,19 @@ async function ask(port, request) {
   socket.close();
 }
 
+// Robot 1 has room around it, wherever the play before has left the others, and also when a ball that rests is put back to the center.
+const PLACES = {
+  ball: { x: 0, y: 0 },
+  robots: { blue: { 0: { x: -1, y: 0 }, 1: { x: 0.05, y: -0.45 }, 2: { x: -0.55, y: -0.45 }, 3: { x: -0.3, y: 0.3 }, 4: { x: -0.75, y: 0 } } },
+};
+
 /**
  * Runs a test of robot 1, from a place with room around it. A page that gets no processor for a second loses the robot, and rightly so; it is
  * then run anew.
  */
 async function testRobot(page, port, press, shown) {
   for (let attempt = 1; ; attempt += 1) {
-    await ask(port, { place: { ball: { x: 0.9, y: 0 }, robots: { blue: { 1: { x: 0.05, y: -0.25, theta: 0 } } } } });
+    await ask(port, { place: PLACES });
     await press();
     await page.waitForSelector(`${shown}, [data-setup-error]`);
     const error = page.locator('[data-setup-error]');

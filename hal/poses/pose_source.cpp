@@ -15,7 +15,7 @@ std::uint64_t content_hash(std::span<const std::byte> bytes) {
 
 Result<bool> PoseSource::take(std::span<const std::byte> bytes, std::uint64_t sender, Instant arrival,
                               MergedPoses& out) {
-  const Result<bool> decoded = decode_poses(settings_.protocol, bytes, poses_);
+  Result<bool> decoded = decode_poses(settings_.protocol, bytes, poses_);
   if (!decoded.ok()) {
     ++counters_.malformed;
     return decoded;

@@ -60,7 +60,7 @@ FAKE
 echo "$2" >>"$work/ctest-calls"
 case " $* " in
   *second-run.log*)
-    echo "$*" >"$work/second-call"
+    echo "together=${TOUCHLINE_TESTS_TOGETHER:-} $*" >"$work/second-call"
     exit "${second_try:-0}"
     ;;
 esac
@@ -129,6 +129,8 @@ ATestInRealTimeThatFailsRunsAgain() {
   sed -i 's/^\[ "$preset" = asan \] || exit 0$/exit 0/' "$work/bin/ctest"
   output=$(failing='9:Page.Program 3:Network.ExternalStrategy' "$work/tools/test" 2>&1) || fail "the second try did not count: $output"
   grep -qF -- '-R ^(Page.Program|Network.ExternalStrategy)$' "$work/second-call" || fail "it ran: $(cat "$work/second-call")"
+  # A program's part (NAME.1) exists only among tests that run together.
+  grep -q '^together=1 ' "$work/second-call" || fail "the second try has other names of tests: $(cat "$work/second-call")"
   grep -q 'passed only at the second try: Page.Program$' <<<"${output#*== summary}" || fail "the summary lacks it: $output"
   grep -q 'skipped: 2,' <<<"${output#*== summary}" || fail "the summary lacks what the first try skipped: $output"
   ! failing=9:Page.Program second_try=8 "$work/tools/test" >/dev/null 2>&1 || fail "two failures are a success"

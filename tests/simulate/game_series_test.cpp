@@ -49,6 +49,12 @@ TEST(FairArena, HasTheVenuesFieldAndTheTeamsRobots) {
   EXPECT_FALSE(find_violation(arena).has_value());
 }
 
+TEST(FairArena, RefusesAVenueWithoutRoomForTheRobots) {
+  const Result<Team> own = load_team(kBoard, "play", {"field.length_m=0.6", "field.width_m=0.6"});
+  ASSERT_FALSE(own.ok());
+  EXPECT_NE(own.text().find("on the field of the venue file"), std::string::npos) << own.text();
+}
+
 TEST(GameSeries, RepeatsBitForBitWhateverTheNumberOfThreads) {
   const Team own = team("play"), opponent = team("univector");
   const hal::mock::ArenaParameters arena = fair_arena(*own.configuration, 0);

@@ -97,6 +97,10 @@ Result<Team> load_team(const std::string& board, const std::string& team, const 
   auto configuration = std::make_shared<config::Configuration>();
   TOUCHLINE_TRY(config::load({board, "", is_file(team) ? team : "", settings}, *configuration));
   move_to_venue(*configuration);
+  if (const auto violation = hal::mock::find_violation(configuration->board.arena)) {
+    return failure(ErrorCode::kInconsistent, "%s: arena.%s on the field of the venue file: %s", board.c_str(),
+                   violation->key.c_str(), violation->message.c_str());
+  }
   out.configuration = std::move(configuration);
   return out;
 }

@@ -23,6 +23,7 @@
 #include "firmware/console/machine_monitor.h"
 #include "firmware/console/messages.h"
 #include "firmware/console/picture_source.h"
+#include "firmware/console/recordings.h"
 #include "firmware/console/setup_relay.h"
 #include "firmware/network/reopening.h"
 #include "firmware/signals.h"
@@ -91,10 +92,11 @@ struct HubLinks {
   PictureExchange& pictures;
   ConsoleLink& loop;
   SharedReports& reports;
-  AdaptationRequests* adaptation;  // null: there is no adaptation
-  Print print;                     // prints a line of the log
-  UseFiles use_files{};            // empty: other files cannot be used
-  ArenaObjects* arena = nullptr;   // null: the field is real
+  AdaptationRequests* adaptation;            // null: there is no adaptation
+  Print print;                               // prints a line of the log
+  UseFiles use_files{};                      // empty: other files cannot be used
+  ArenaObjects* arena = nullptr;             // null: the field is real
+  std::shared_ptr<Recordings> recordings{};  // null: there is no folder for recordings
 };
 
 struct HubSettings {
@@ -160,6 +162,9 @@ class Hub {
   [[nodiscard]] const Driving& driving() const { return driving_; }
   /// Thread for work that may wait for a disk. tick() uses the results of its jobs.
   [[nodiscard]] FileThread& file_thread() { return files_; }
+  /// Null: there is no folder for recordings. What reads the disk is called on recordings_thread() only.
+  [[nodiscard]] const std::shared_ptr<Recordings>& recordings() const { return links_.recordings; }
+  [[nodiscard]] FileThread& recordings_thread() { return recordings_thread_; }
 
  private:
   [[nodiscard]] std::size_t count_clients(bool stop_lines) const;
@@ -167,6 +172,7 @@ class Hub {
   void read_loop(Instant now);
   void watch(Client& client, const ClientMessage& message, Instant now);
   Result<void> move_object(const Client& client, const ClientMessage& message);
+  Result<void> control_recording(const Client& client, const ClientMessage& message);
   Result<void> change_adaptation(const Client& client, AdaptationMode wanted);
   void pass_on();
   void serve_setup(Instant now);
@@ -240,6 +246,8 @@ class Hub {
   PictureSource pictures_;
   Driving driving_;
   FileThread files_;
+  FileThread recordings_thread_{FileThread::Priority::kLowest};
+  bool is_recording_ = false;  // as the clients know it
   MachineMonitor monitor_{files_};
   hal::UnixTimeOffset unix_time_ = hal::measure_unix_time_offset();
   const std::string session_name_;  // name for Foxglove, which differs after a restart

@@ -10,12 +10,15 @@
 #include <cinttypes>
 #include <condition_variable>
 #include <csignal>
+#include <cstddef>
 #include <cstdio>
+#include <cstring>
 #include <deque>
 #include <filesystem>
 #include <mutex>
 #include <new>
 #include <optional>
+#include <span>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -62,6 +65,12 @@ Result<void> check_folder(const std::string& folder) {
                             error.message().c_str());
 }
 
+std::uint32_t recording_of(std::span<const std::byte> record) {
+  std::uint32_t recording = 0;
+  std::memcpy(&recording, record.data() + offsetof(StepParts, recording), sizeof(recording));
+  return recording;
+}
+
 }  // namespace
 
 struct Recorder::Shared {
@@ -76,7 +85,10 @@ struct Recorder::Shared {
       : plan(the_plan),
         version(std::move(the_version)),
         ring(static_cast<std::size_t>(plan.settings.memory_mb) * kMegabyte),
-        tap(ring, static_cast<std::uint32_t>(plan.settings.every)) {}
+        tap(ring, static_cast<std::uint32_t>(plan.settings.every)),
+        is_wanted(plan.settings.automatic == config::AutomaticRecording::kOn) {
+    tap.end();
+  }
 
   [[nodiscard]] std::optional<std::string> disk_shortage() const {
     const std::uint64_t reserve = static_cast<std::uint64_t>(plan.settings.reserve_mb) * kMegabyte;
@@ -85,11 +97,31 @@ struct Recorder::Shared {
     return plan.folder + ": the disk has " + std::to_string(*free / kMegabyte) +
            " MB left, less than recording.reserve_mb = " + std::to_string(plan.settings.reserve_mb);
   }
-  // A step without its configuration cannot be replayed, so only lines are dropped.
+  // A step without its configuration cannot be replayed, so only lines are dropped. What is put while no file is open
+  // belongs to the next one as far as it still holds then.
   void put(Note note) {
     const std::scoped_lock lock(mutex);
-    if (!is_done && (note.configuration || notes.size() < kMaxWaiting)) notes.push_back(std::move(note));
+    if (note.configuration) keep(note);
+    if (!is_done && has_file && (note.configuration || notes.size() < kMaxWaiting)) notes.push_back(std::move(note));
   }
+  void keep(const Note& note) {
+    if (note.scene) {
+      current = note;
+    } else if (current.configuration) {
+      ConfigurationText files = *note.configuration;
+      files.reload = 0;
+      files.camera = current.configuration->camera;
+      files.is_calibrated = current.configuration->is_calibrated;
+      current.configuration = std::move(files);
+    }
+  }
+  Result<void> create_file();
+  void write_file(const Print& print, bool is_last, bool& was_idle);
+  Result<void> save_file(const Print& print);
+  void end_file(const Print& print, const std::string& failure, bool is_last);
+  void follow_half(const Print& print);
+  [[nodiscard]] std::string text_of_file(const std::string& failure) const;
+  void update_status(bool is_on, const std::string& ended);
   Result<void> write_waiting(bool& was_idle);
   Result<void> write_notes(bool& was_idle);
   Result<void> write_note(const Note& note);
@@ -103,22 +135,31 @@ struct Recorder::Shared {
 
   const RecordingPlan plan;
   const std::string version;
-  std::string name, path;
   ByteRing ring;
   StepTap tap;
-  RecordingWriter writer;                // of the thread
-  std::vector<std::string> first_lines;  // of open(), for the thread to print
-  bool has_reported_removal = false;     // of the quota, that failed
-  std::uint32_t reloads = 0;
+  std::atomic<bool> is_wanted, end{false};
   bool has_started = false;
+  std::uint32_t reloads = 0;
   std::thread thread;
 
-  std::atomic<bool> end{false};
-  std::mutex mutex;
+  // Of the thread, and of open() before.
+  std::string name, path;
+  std::unique_ptr<RecordingWriter> writer;          // null: nothing is being recorded
+  std::uint32_t number = 0;                         // of the recording
+  std::uint64_t lost_steps = 0, lost_pictures = 0;  // of the tap, when it began
+  std::uint8_t half = 0;
+  std::vector<std::string> to_print;
+  bool has_reported_removal = false;  // of the quota, that failed
+  WallClock::time_point next_save{};
+
+  mutable std::mutex mutex;
   std::condition_variable has_ended;
   std::deque<Note> notes;
-  bool is_done = false, is_abandoned = false;
-  std::string failure;  // why the recording ended early
+  Note current;  // configuration of the session
+  bool has_file = false, is_done = false, is_abandoned = false;
+  console::RecordingStatus status;
+  std::string wish;  // who has ended the recording
+  std::string summary;
 };
 
 RecordingPlan plan_recording(const config::Configuration& configuration, const std::string& folder) {
@@ -127,6 +168,9 @@ RecordingPlan plan_recording(const config::Configuration& configuration, const s
     const auto board = std::filesystem::path(configuration.board_where.file()).parent_path();
     plan.folder = (board / plan.settings.folder).lexically_normal().string();
   }
+  // Who asks for a recording on the command line gets one.
+  auto& automatic = plan.settings.automatic;
+  if (!folder.empty() && automatic == config::AutomaticRecording::kOff) automatic = config::AutomaticRecording::kOn;
   return plan;
 }
 
@@ -138,28 +182,48 @@ Result<std::unique_ptr<Recorder>> Recorder::open(const RecordingPlan& plan, cons
   } catch (const std::bad_alloc&) {
     return touchline::failure(ErrorCode::kFull, "recording.memory_mb = %d: not enough memory", plan.settings.memory_mb);
   }
-  shared->first_lines = shared->keep_quota_now();
-  if (const auto shortage = shared->disk_shortage()) {
+  if (shared->is_wanted) TOUCHLINE_TRY(shared->create_file());
+  return std::unique_ptr<Recorder>(new Recorder(std::move(shared)));
+}
+
+Result<void> Recorder::Shared::create_file() {
+  name.clear();
+  to_print = keep_quota_now();
+  if (const auto shortage = disk_shortage()) {
     return touchline::failure(ErrorCode::kFull, "%s; nothing can be recorded", shortage->c_str());
   }
+  auto next = std::make_unique<RecordingWriter>();
   Result<void> created;
   for (int i = 0; i < kNameAttempts; ++i) {
-    shared->name = next_name(recordings_in(plan.folder));
-    shared->path = (std::filesystem::path(plan.folder) / shared->name).string();
-    created = shared->writer.create(shared->path, version);
+    name = next_name(recordings_in(plan.folder));
+    path = (std::filesystem::path(plan.folder) / name).string();
+    created = next->create(path, version);
     if (created.code() != ErrorCode::kInconsistent) break;
   }
-  if (!created.ok()) return created.error();
-  return std::unique_ptr<Recorder>(new Recorder(std::move(shared)));
+  if (!created.ok()) return created;
+  writer = std::move(next);
+  lost_steps = tap.lost_steps();
+  lost_pictures = tap.lost_pictures();
+  update_status(true, {});
+  Note session;
+  {
+    const std::scoped_lock lock(mutex);
+    has_file = true;
+    notes.clear();
+    session = current;
+    summary.clear();
+  }
+  if (session.configuration) TOUCHLINE_TRY(write_note(session));
+  tap.begin(++number);
+  return {};
 }
 
 Recorder::~Recorder() {
   finish();
-  if (!shared_->has_started) shared_->writer.discard();
+  if (!shared_->has_started && shared_->writer) shared_->writer->discard();
 }
 
 StepTap& Recorder::tap() { return shared_->tap; }
-const std::string& Recorder::path() const { return shared_->path; }
 
 void Recorder::start(const Print& print) {
   if (shared_->has_started) return;
@@ -176,8 +240,10 @@ void Recorder::begin_session(const Session& session, bool waits) {
   note.configuration->version = shared_->version;
   note.configuration->camera = session.camera_info().description;
   note.configuration->is_calibrated = session.is_calibrated();
-  note.scene = std::make_shared<const console::Scene>(
+  auto scene = std::make_shared<console::Scene>(
       console::scene_of(session.shared_configuration(), session.camera_info(), shared_->version));
+  scene->is_calibrated = session.is_calibrated();
+  note.scene = std::move(scene);
   shared_->put(std::move(note));
 }
 
@@ -198,9 +264,9 @@ void Recorder::add_line(const std::string& level, const std::string& line) {
 }
 
 Result<void> Recorder::Shared::write_note(const Note& note) {
-  if (!note.configuration) return writer.add_line(note.level, note.line);
-  if (note.scene) writer.begin_session(note.scene);
-  return writer.add(*note.configuration);
+  if (!note.configuration) return writer->add_line(note.level, note.line);
+  if (note.scene) writer->begin_session(note.scene);
+  return writer->add(*note.configuration);
 }
 
 Result<void> Recorder::Shared::write_waiting(bool& was_idle) {
@@ -213,7 +279,9 @@ Result<void> Recorder::Shared::write_waiting(bool& was_idle) {
     TOUCHLINE_TRY(write_notes(was_idle));
     if (record.empty()) break;
     was_idle = false;
-    Result<void> added = writer.add_step(record);
+    // A step that was on its way when the former recording ended.
+    const bool is_of_file = recording_of(record) == number;
+    Result<void> added = is_of_file ? writer->add_step(record) : Result<void>();
     ring.pop();
     if (!added.ok()) return added;
   }
@@ -250,6 +318,102 @@ std::vector<std::string> Recorder::Shared::keep_quota_now() {
   return lines;
 }
 
+Result<void> Recorder::Shared::save_file(const Print& print) {
+  if (WallClock::now() < next_save) return {};
+  next_save = WallClock::now() + kSavePeriod;
+  Result<void> result = writer->save();
+  for (const std::string& line : keep_quota_now()) say(print, line);
+  const std::optional<std::string> shortage = disk_shortage();
+  if (result.ok() && shortage) return touchline::failure(ErrorCode::kFull, "%s", shortage->c_str());
+  update_status(true, {});
+  return result;
+}
+
+// One file for each half. Between the halves, and before and after the game, nothing is recorded.
+void Recorder::Shared::follow_half(const Print& print) {
+  const std::uint8_t now = tap.half();
+  if (plan.settings.automatic != config::AutomaticRecording::kHalves || now == half) return;
+  if (writer) {
+    {
+      const std::scoped_lock lock(mutex);
+      wish = "the referee has announced another half";
+    }
+    end_file(print, {}, false);
+  }
+  half = now;
+  is_wanted = half > 0;
+}
+
+// Begins, writes or ends the file.
+void Recorder::Shared::write_file(const Print& print, bool is_last, bool& was_idle) {
+  follow_half(print);
+  Result<void> result;
+  if (is_wanted && !writer && !is_last) {
+    result = create_file();
+    if (result.ok()) say(print, "recording " + path);
+  } else if (!is_wanted && writer) {
+    end_file(print, {}, false);
+  }
+  for (const std::string& line : std::exchange(to_print, {})) say(print, line);
+  if (result.ok() && writer) result = write_waiting(was_idle);
+  if (result.ok() && writer) result = save_file(print);
+  if (!result.ok()) {
+    is_wanted = false;
+    end_file(print, result.text(), is_last);
+  }
+  // Nobody wants these any more.
+  while (!writer && !ring.front().empty()) ring.pop();
+}
+
+void Recorder::Shared::end_file(const Print& print, const std::string& failure, bool is_last) {
+  tap.end();
+  std::string why = failure;
+  bool was_idle = !why.empty();
+  while (!was_idle && why.empty()) why = write_waiting(was_idle).text();
+  {
+    const std::scoped_lock lock(mutex);
+    has_file = false;
+    notes.clear();
+  }
+  if (writer) {
+    const Result<void> closed = writer->close();
+    if (why.empty()) why = closed.text();
+  }
+  std::string text = writer ? text_of_file(why) : std::string();
+  std::string ended = why;
+  {
+    const std::scoped_lock lock(mutex);
+    if (ended.empty()) ended = std::exchange(wish, {});
+  }
+  if (ended.empty()) ended = "the program has ended";
+  update_status(false, ended);
+  writer.reset();
+  if (!why.empty()) say(print, "recording: ends: " + why);
+  // The run ends with the lines of its last recording, and with why that one ended early.
+  if (why.empty() && !is_last) {
+    text.pop_back();
+    say(print, text);
+    text.clear();
+  }
+  const std::scoped_lock lock(mutex);
+  summary = std::move(text);
+}
+
+void Recorder::Shared::update_status(bool is_on, const std::string& ended) {
+  const std::scoped_lock lock(mutex);
+  status.is_on = is_on;
+  status.ended = ended;
+  status.file = name;
+  if (!writer) return;
+  const RecordingCounts& counts = writer->counts();
+  status.duration_s = static_cast<double>(counts.duration_ns) * 1e-9;
+  status.frames = counts.steps;
+  status.pictures = counts.pictures;
+  status.bytes = counts.bytes;
+  status.lost_frames = tap.lost_steps() - lost_steps;
+  status.lost_pictures = tap.lost_pictures() - lost_pictures;
+}
+
 void Recorder::work(const std::shared_ptr<Shared>& shared, const Print& print) {
   // A limit of the file's size ends the recording, not the program.
   sigset_t signals;
@@ -258,33 +422,24 @@ void Recorder::work(const std::shared_ptr<Shared>& shared, const Print& print) {
   pthread_sigmask(SIG_BLOCK, &signals, nullptr);
   std::string failure;
   try {
-    for (const std::string& line : shared->first_lines) shared->say(print, line);
-    auto next_save = WallClock::now();
-    Result<void> result;
-    while (result.ok()) {
+    for (;;) {
       const bool is_last = shared->end.load(std::memory_order_acquire);
-      bool was_idle = false;
-      result = shared->write_waiting(was_idle);
-      if (result.ok() && WallClock::now() >= next_save) {
-        next_save = WallClock::now() + kSavePeriod;
-        result = shared->writer.save();
-        for (const std::string& line : shared->keep_quota_now()) shared->say(print, line);
-        const std::optional<std::string> shortage = shared->disk_shortage();
-        if (result.ok() && shortage) result = touchline::failure(ErrorCode::kFull, "%s", shortage->c_str());
-      }
+      bool was_idle = true;
+      shared->write_file(print, is_last, was_idle);
       if (was_idle && is_last) break;
       if (was_idle) std::this_thread::sleep_for(kIdlePause);
     }
-    failure = result.text();
-    const Result<void> closed = shared->writer.close();
-    if (failure.empty()) failure = closed.text();
+    if (shared->writer) shared->end_file(print, {}, true);
   } catch (const std::exception& error) {
     failure = error.what();
   }
   shared->tap.end();
-  if (!failure.empty()) shared->say(print, "recording: ends: " + failure);
+  if (!failure.empty()) {
+    shared->say(print, "recording: ends: " + failure);
+    shared->update_status(false, failure);
+  }
   const std::scoped_lock lock(shared->mutex);
-  shared->failure = failure;
+  if (!failure.empty()) shared->summary = "recording " + shared->path + " ended early: " + failure + "\n";
   shared->is_done = true;
   shared->notes.clear();
   shared->has_ended.notify_all();
@@ -307,16 +462,35 @@ void Recorder::finish() {
 std::string Recorder::summary() const {
   const std::scoped_lock lock(shared_->mutex);
   if (!shared_->is_done) return "recording " + shared_->path + ": the disk does not answer; the file has no end\n";
-  const RecordingCounts& counts = shared_->writer.counts();
+  return shared_->summary;
+}
+
+std::string Recorder::Shared::text_of_file(const std::string& failure) const {
+  const RecordingCounts& counts = writer->counts();
   std::array<char, 256> text{};
   std::snprintf(text.data(), text.size(), ": %" PRIu64 " steps, %" PRIu64 " pictures, %.1f MB", counts.steps,
                 counts.pictures, static_cast<double>(counts.bytes) / kMegabyte);
-  std::string line = "recording " + shared_->path + text.data();
-  const std::uint64_t steps = shared_->tap.lost_steps(), pictures = shared_->tap.lost_pictures();
+  std::string line = "recording " + path + text.data();
+  const std::uint64_t steps = tap.lost_steps() - lost_steps, pictures = tap.lost_pictures() - lost_pictures;
   if (pictures > 0) line += ", " + std::to_string(pictures) + " pictures lost";
   if (steps > 0) line += ", " + std::to_string(steps) + " steps lost";
-  if (!shared_->failure.empty()) line += "; it ended early: " + shared_->failure;
-  return line + "\n" + shared_->writer.hash().line();
+  if (!failure.empty()) line += "; it ended early: " + failure;
+  return line + "\n" + writer->hash().line();
+}
+
+std::function<console::RecordingStatus()> Recorder::status_reader() const {
+  return [shared = shared_] {
+    const std::scoped_lock lock(shared->mutex);
+    return shared->status;
+  };
+}
+
+std::function<void(bool, const std::string&)> Recorder::control() const {
+  return [shared = shared_](bool on, const std::string& who) {
+    const std::scoped_lock lock(shared->mutex);
+    shared->wish = on ? std::string() : who;
+    shared->is_wanted = on;
+  };
 }
 
 }  // namespace touchline::recording

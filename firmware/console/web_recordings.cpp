@@ -33,6 +33,9 @@ std::uint64_t number_of(lws* connection, const char* name, std::uint64_t missing
 }  // namespace
 
 int WebServer::Implementation::begin_recordings(lws* connection, std::string_view path) {
+  if (!hub_.recordings() && path == "/recordings") {
+    return answer(connection, HTTP_STATUS_OK, "application/json", R"({"folder":null,"recordings":[]})");
+  }
   if (!hub_.recordings()) {
     return answer(connection, HTTP_STATUS_NOT_FOUND, kPlainText,
                   "There is no folder for recordings: set recording.folder in the board file.\n");

@@ -39,10 +39,10 @@ struct StepHeader {
 /// A step on its way from the loop to the recorder: these parts follow each other in the ring, then the bytes of the
 /// picture. A stop has no snapshot.
 struct StepParts {
-  std::uint32_t recording = 0;  // StepTap::begin()
   StepHeader header;
   StepInputs inputs;
   OutgoingPackets packets;
+  std::uint32_t recording = 0;  // for which it was taken, see StepTap::begin()
 };
 static_assert(std::is_trivially_copyable_v<StepParts> && std::is_trivially_copyable_v<Snapshot>);
 

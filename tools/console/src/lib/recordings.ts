@@ -66,9 +66,9 @@ async function get(address: string, signal?: AbortSignal): Promise<Response> {
   return answer;
 }
 
-export async function listRecordings(): Promise<ListedRecording[]> {
-  const { recordings } = (await (await get('recordings')).json()) as { recordings: ListedRecording[] };
-  return recordings;
+/** `folder`: null: the board file names none. */
+export async function listRecordings(): Promise<{ folder: string | null; recordings: ListedRecording[] }> {
+  return (await (await get('recordings')).json()) as { folder: string | null; recordings: ListedRecording[] };
 }
 
 export async function openRecording(name: string): Promise<Recording> {

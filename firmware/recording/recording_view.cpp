@@ -41,10 +41,9 @@ Result<void> RecordingView::open(const std::string& path) {
   raw_ = index_.channel_of(kRawTopic);
   const std::uint16_t hello = index_.channel_of(kHelloTopic), events = index_.channel_of(kEventTopic);
   for (std::uint32_t i = 0; i < index_.chunks().size(); ++i) {
-    const hal::mcap::ChunkPlace& chunk = index_.chunks()[i];
     Result<void> added = add_frames(i);
-    if (added.ok() && scenes_.size() < kMaxScenes) added = add_parts(chunk, hello, scenes_);
-    if (added.ok() && events_.size() < kMaxEvents) added = add_parts(chunk, events, events_);
+    if (added.ok() && scenes_.size() < kMaxScenes) added = add_parts(i, hello, scenes_);
+    if (added.ok() && events_.size() < kMaxEvents) added = add_parts(i, events, events_);
     if (added.code() == ErrorCode::kCorruptFrame) {
       ++damaged_;
     } else if (!added.ok()) {
@@ -116,20 +115,22 @@ Result<void> RecordingView::add_frames(std::uint32_t chunk) {
   return {};
 }
 
-Result<void> RecordingView::add_parts(const hal::mcap::ChunkPlace& chunk, std::uint16_t channel,
-                                      std::vector<Part>& out) {
+Result<void> RecordingView::add_parts(std::uint32_t chunk, std::uint16_t channel, std::vector<Part>& out) {
   if (channel == 0) return {};
-  TOUCHLINE_TRY_ASSIGN(const std::vector<hal::mcap::MessagePlace> places, index_.messages(chunk, channel));
-  for (const hal::mcap::MessagePlace& place : places) {
-    TOUCHLINE_TRY_ASSIGN(std::string json, index_.read(chunk, place, channel));
-    out.push_back({place.time_ns, std::move(json)});
+  const hal::mcap::ChunkPlace& place = index_.chunks()[chunk];
+  TOUCHLINE_TRY_ASSIGN(const std::vector<hal::mcap::MessagePlace> messages, index_.messages(place, channel));
+  for (const hal::mcap::MessagePlace& message : messages) {
+    TOUCHLINE_TRY_ASSIGN(std::string json, index_.read(place, message, channel));
+    out.push_back({message.time_ns, chunk, static_cast<std::uint32_t>(message.offset), std::move(json)});
   }
   return {};
 }
 
-std::size_t RecordingView::frame_at(std::uint64_t time_ns) const {
-  const auto found = std::lower_bound(frames_.begin(), frames_.end(), time_ns,
-                                      [](const FramePlace& frame, std::uint64_t time) { return frame.time_ns < time; });
+// Times do not tell the order: a stop may have the time of the frame before it.
+std::size_t RecordingView::frame_after(const Part& part) const {
+  const auto found = std::lower_bound(frames_.begin(), frames_.end(), part, [](const FramePlace& a, const Part& b) {
+    return std::pair(a.chunk, a.state) < std::pair(b.chunk, b.offset);
+  });
   const auto number = static_cast<std::size_t>(found - frames_.begin());
   return frames_.empty() ? 0 : std::min(number, frames_.size() - 1);
 }
@@ -146,12 +147,12 @@ std::string RecordingView::description(const std::string& name) const {
            {"events", Json::array()}};
   for (const Part& part : scenes_) {
     Json hello = parse(part.json);
-    if (hello.is_object()) out["scenes"].push_back({{"frame", frame_at(part.time_ns)}, {"hello", std::move(hello)}});
+    if (hello.is_object()) out["scenes"].push_back({{"frame", frame_after(part)}, {"hello", std::move(hello)}});
   }
   for (const Part& part : events_) {
     Json event = parse(part.json);
     if (!event.is_object()) continue;
-    event["frame"] = frame_at(part.time_ns);
+    event["frame"] = frame_after(part);
     event["at_s"] = static_cast<double>(part.time_ns - std::min(part.time_ns, facts_.begin_ns)) * 1e-9;
     out["events"].push_back(std::move(event));
   }

@@ -48,14 +48,16 @@ class RecordingView {
   /// A scene or an event.
   struct Part {
     std::uint64_t time_ns = 0;
+    std::uint32_t chunk = 0, offset = 0;
     std::string json;
   };
 
   Result<void> add_frames(std::uint32_t chunk);
-  Result<void> add_parts(const hal::mcap::ChunkPlace& chunk, std::uint16_t channel, std::vector<Part>& out);
+  Result<void> add_parts(std::uint32_t chunk, std::uint16_t channel, std::vector<Part>& out);
   Result<void> load(std::uint32_t chunk);
   Result<std::string> picture_of(const FramePlace& frame);
-  [[nodiscard]] std::size_t frame_at(std::uint64_t time_ns) const;
+  /// Returns the number of the frame that the part precedes in the file, or of the last one.
+  [[nodiscard]] std::size_t frame_after(const Part& part) const;
 
   std::string path_;
   hal::mcap::McapIndex index_;

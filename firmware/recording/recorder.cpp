@@ -107,12 +107,14 @@ struct Recorder::Shared {
   void keep(const Note& note) {
     if (note.scene) {
       current = note;
+      reload = {};
     } else if (current.configuration) {
       ConfigurationText files = *note.configuration;
       files.reload = 0;
       files.camera = current.configuration->camera;
       files.is_calibrated = current.configuration->is_calibrated;
       current.configuration = std::move(files);
+      reload = note;
     }
   }
   Result<void> create_file();
@@ -155,7 +157,7 @@ struct Recorder::Shared {
   mutable std::mutex mutex;
   std::condition_variable has_ended;
   std::deque<Note> notes;
-  Note current;  // configuration of the session
+  Note current, reload;  // configuration of the session, with the last reload, which the loop may not have taken yet
   bool has_file = false, is_done = false, is_abandoned = false;
   console::RecordingStatus status;
   std::string wish;  // who has ended the recording
@@ -205,15 +207,17 @@ Result<void> Recorder::Shared::create_file() {
   lost_steps = tap.lost_steps();
   lost_pictures = tap.lost_pictures();
   update_status(true, {});
-  Note session;
+  Note session, last_reload;
   {
     const std::scoped_lock lock(mutex);
     has_file = true;
     notes.clear();
     session = current;
+    last_reload = reload;
     summary.clear();
   }
   if (session.configuration) TOUCHLINE_TRY(write_note(session));
+  if (last_reload.configuration) TOUCHLINE_TRY(write_note(last_reload));
   tap.begin(++number);
   return {};
 }

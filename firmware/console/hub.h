@@ -172,7 +172,6 @@ class Hub {
   void read_loop(Instant now);
   void watch(Client& client, const ClientMessage& message, Instant now);
   Result<void> move_object(const Client& client, const ClientMessage& message);
-  Result<void> control_recording(const Client& client, const ClientMessage& message);
   Result<void> change_adaptation(const Client& client, AdaptationMode wanted);
   void pass_on();
   void serve_setup(Instant now);
@@ -215,6 +214,9 @@ class Hub {
   Outgoing picture_message(Client& client, Instant now);
   void put_header(std::byte* to, const Frame& frame, std::uint8_t kind, std::uint16_t width, std::uint16_t height,
                   std::uint32_t special) const;
+
+  // Function in hub_recordings.cpp.
+  Result<void> control_recording(const Client& client, const ClientMessage& message);
 
   // Functions in hub_findings.cpp.
   Result<void> accept_probe(Client& client, const ClientMessage& message, Instant now);

@@ -17,6 +17,12 @@ struct LastOf<PatchRole> : LastIs<PatchRole::kIdentification> {};
 template <>
 struct LastOf<IdDoubt> : LastIs<IdDoubt::kOverload> {};
 template <>
+struct LastOf<TrackState> : LastIs<TrackState::kLost> {};
+template <>
+struct LastOf<CommandSource> : LastIs<CommandSource::kExpired> {};
+template <>
+struct LastOf<PlayRole> : LastIs<PlayRole::kSupporter> {};
+template <>
 struct LastOf<ExternalCommand::Kind> : LastIs<ExternalCommand::Kind::kPose> {};
 template <>
 struct LastOf<GamePhase> : LastIs<GamePhase::kRunning> {};

@@ -168,8 +168,9 @@ void fields(Archive& archive, Value& value) {
 }
 template <class Archive, Of<StepInputs> Value>
 void fields(Archive& archive, Value& value) {
-  auto& [now, action_delay, radio_delay, lateness, commands, teams, situation, halt, observing, picture_check, events] =
-      value;
+  // `was_unusable` is for a replay only, which takes it from StepHeader::is_unusable.
+  auto& [now, action_delay, radio_delay, lateness, commands, teams, situation, halt, observing, picture_check,
+         was_unusable, events] = value;
   archive(now, action_delay, radio_delay, lateness, commands, teams, situation, halt, observing, picture_check, events);
 }
 

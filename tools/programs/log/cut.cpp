@@ -45,27 +45,23 @@ class PassedConfiguration {
       reloads_.push_back(text);
     }
   }
-  void pass(const recording::StepHeader& header) {
-    if (header.reload != 0) applied_ = header.reload;
-  }
+  void pass(const recording::StepHeader& header) { applied_ = header.reload; }
   [[nodiscard]] bool has_session() const { return session_.session != 0; }
   /// Returns the configuration with which the session goes on, as if it began with it.
   Result<recording::ConfigurationText> now() const {
     if (applied_ == 0) return session_;
     TOUCHLINE_TRY_ASSIGN(const auto running, load_recorded(session_));
-    recording::ConfigurationText text = session_;
     for (const recording::ConfigurationText& reload : reloads_) {
       if (reload.reload > applied_) break;
       TOUCHLINE_TRY_ASSIGN(const auto read, load_recorded(reload));
       // A session keeps the values that only a restart changes.
-      TOUCHLINE_TRY_ASSIGN(const config::ReloadChanges changes, config::apply_reloadable(*read, *running));
-      static_cast<void>(changes);
-      text.light_map = reload.light_map;
+      TOUCHLINE_TRY(config::apply_reloadable(read->configuration, running->configuration));
     }
-    const recording::ConfigurationText merged = recording::text_of(*running);
-    text.board = merged.board;
-    text.venue = merged.venue;
-    text.team = merged.team;
+    recording::ConfigurationText text = recording::text_of(running->configuration);
+    text.session = session_.session;
+    text.version = session_.version;
+    text.camera = session_.camera;
+    text.is_calibrated = session_.is_calibrated;
     return text;
   }
   /// Returns the reloads that no step has used yet.

@@ -127,6 +127,7 @@ class RecordingSummary {
       session_ = header.session;
       next_ = 0;
       halt_ = 0;
+      reload_ = 0;
       note(time_ns, session_text_);
     }
     if (header.number != next_) {
@@ -139,7 +140,8 @@ class RecordingSummary {
     frames_ += is_frame ? 1U : 0U;
     stops_ += is_frame ? 0U : 1U;
     pictures_ += header.picture != recording::PictureKind::kNone ? 1U : 0U;
-    if (header.reload != 0) note(time_ns, "reload " + std::to_string(header.reload));
+    if (header.reload != reload_) note(time_ns, "reload " + std::to_string(header.reload));
+    reload_ = header.reload;
     if (step.inputs.halt != halt_) {
       halt_ = step.inputs.halt;
       note(time_ns, halt_ == 0 ? std::string("robots may drive") : "halt: " + halt_text(halt_));
@@ -157,7 +159,7 @@ class RecordingSummary {
   std::optional<std::int64_t> begin_ns_;
   std::int64_t last_ns_ = 0;
   unsigned long long frames_ = 0, pictures_ = 0, stops_ = 0, lost_ = 0;
-  std::uint32_t session_ = 0, halt_ = 0;
+  std::uint32_t session_ = 0, halt_ = 0, reload_ = 0;
   std::uint64_t next_ = 0;
   std::string session_text_;
   Lines happened_;

@@ -12,8 +12,8 @@ Result<void> RecordedFrames::take(const recording::ConfigurationText& text) {
   if (text.reload != 0) return {};
   is_calibrated_ = text.is_calibrated;
   if (!is_calibrated_) return {};
-  TOUCHLINE_TRY_ASSIGN(configuration_, load_recorded(text));
-  scene_ = network::published_scene(*configuration_);
+  TOUCHLINE_TRY_ASSIGN(loaded_, load_recorded(text));
+  scene_ = network::published_scene(loaded_->configuration);
   return {};
 }
 
@@ -25,7 +25,7 @@ Result<std::optional<RecordedFrame>> RecordedFrames::next() {
       if (const Result<void> taken = take(*message->configuration); !taken.ok()) return messages_.error_of(taken.error());
     }
     if (!message->is_frame() || !is_calibrated_) continue;
-    if (configuration_ == nullptr) {
+    if (loaded_ == nullptr) {
       return messages_.error_of(failure(ErrorCode::kInconsistent, "a step has no configuration"));
     }
     const recording::StepMessage& step = *message->step;
@@ -48,7 +48,7 @@ Result<std::optional<RecordedFrame>> RecordedFrames::next() {
       if (teams.height_m[i] > 0.0f) output_->robot_height_m[i] = teams.height_m[i];
     }
     return std::optional(RecordedFrame{*output_, snapshot_->commands, step.header.session,
-                                       static_cast<std::int64_t>(message->message.time_ns), *configuration_});
+                                       static_cast<std::int64_t>(message->message.time_ns), loaded_->configuration});
   }
 }
 

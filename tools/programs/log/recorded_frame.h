@@ -39,7 +39,7 @@ class RecordedFrames {
 
   RecordedMessages messages_;
   bool is_calibrated_ = true;
-  std::unique_ptr<config::Configuration> configuration_;
+  std::unique_ptr<LoadedConfiguration> loaded_;
   network::PublishedScene scene_;
   std::unique_ptr<Snapshot> snapshot_ = std::make_unique<Snapshot>();
   std::unique_ptr<Sightings> sightings_ = std::make_unique<Sightings>();

@@ -14,7 +14,7 @@ Result<void> RecordedMessages::open(const std::string& path) {
 }
 
 Error RecordedMessages::error_of(const Error& error) const {
-  return prefixed(path_ + ": byte " + std::to_string(reader_.offset()) + ": ", error);
+  return prefixed(path_ + ": byte " + std::to_string(reader_.offset()), error);
 }
 
 Result<std::optional<RecordedMessage>> RecordedMessages::next() {
@@ -30,8 +30,8 @@ Result<std::optional<RecordedMessage>> RecordedMessages::next() {
       }
       out.step = step_.get();
     } else if (channel->second.topic == recording::kConfigurationTopic) {
-      Result<recording::ConfigurationText> text = recording::decode_configuration(
-          {reinterpret_cast<const char*>(message->data.data()), message->data.size()});
+      Result<recording::ConfigurationText> text =
+          recording::decode_configuration({reinterpret_cast<const char*>(message->data.data()), message->data.size()});
       if (!text.ok()) return error_of(text.error());
       configuration_ = std::move(text).value();
       out.configuration = &configuration_;
@@ -40,12 +40,11 @@ Result<std::optional<RecordedMessage>> RecordedMessages::next() {
   }
 }
 
-Result<std::unique_ptr<config::Configuration>> load_recorded(const recording::ConfigurationText& text) {
-  recording::TemporaryFiles files;
-  TOUCHLINE_TRY(files.write(text));
-  auto configuration = std::make_unique<config::Configuration>();
-  TOUCHLINE_TRY(config::load(files.paths({}), *configuration));
-  return configuration;
+Result<std::unique_ptr<LoadedConfiguration>> load_recorded(const recording::ConfigurationText& text) {
+  auto loaded = std::make_unique<LoadedConfiguration>();
+  TOUCHLINE_TRY(loaded->files.write(text));
+  TOUCHLINE_TRY(config::load(loaded->files.paths({}), loaded->configuration));
+  return loaded;
 }
 
 std::string end_of(const hal::mcap::McapReader& file) {

@@ -46,8 +46,13 @@ class RecordedMessages {
   recording::ConfigurationText configuration_;
 };
 
+/// A recorded configuration, with the files from which it was read.
+struct LoadedConfiguration {
+  recording::TemporaryFiles files;
+  config::Configuration configuration;
+};
 /// Loads a recorded configuration. Errors of config::load().
-Result<std::unique_ptr<config::Configuration>> load_recorded(const recording::ConfigurationText& text);
+Result<std::unique_ptr<LoadedConfiguration>> load_recorded(const recording::ConfigurationText& text);
 
 /// Returns how the file ends, if that is not as it should: "cut off at byte 1234"; "": it is complete.
 std::string end_of(const hal::mcap::McapReader& file);

@@ -83,6 +83,8 @@ Result<void> decode(std::span<const std::byte> bytes, StepMessage& out) {
                    "its steps have format %d, this program replays format %d: use the version that recorded it",
                    int{format}, int{kStepFormat});
   }
+  // What a message does not hold, such as the settings of a reload, is not that of the former one.
+  out.inputs = {};
   archive(out.header, out.inputs);
   for (std::string& part : out.results) {
     std::uint32_t size = 0;

@@ -86,7 +86,7 @@ class JpegRecording : public ::testing::Test {
       inputs.now = frame.capture_time + std::chrono::milliseconds(20);
       inputs.action_delay = std::chrono::milliseconds(45);
       inputs.picture_check.unusable_frames = 2;
-      if (i == reload_at_) reload(inputs);
+      if (i == reload_at_ && tap.session() == 1) reload(inputs);
       const StepTrace& trace = pipeline_->step(frame, inputs);
       robots_ += trace.tracks.robots.size();
       copy_trace(trace, *snapshot);
@@ -197,6 +197,16 @@ TEST_F(JpegRecording, AReloadIsRepeated) {
   EXPECT_EQ(replayed.different, 0);
   EXPECT_EQ(replayed.not_compared, 0);
   EXPECT_EQ(replayed.max_speed_mps, kReloadedSpeed_mps);
+  EXPECT_EQ(replayed.hash, writer_.hash().line());
+}
+
+TEST_F(JpegRecording, AReloadEndsWithItsSession) {
+  reload_at_ = 10;
+  record(1, -1, 2);
+  const Replayed replayed = replay_all();
+  EXPECT_EQ(replayed.frames, 2 * kFrames);
+  EXPECT_EQ(replayed.different, 0);
+  EXPECT_NE(replayed.max_speed_mps, kReloadedSpeed_mps);
   EXPECT_EQ(replayed.hash, writer_.hash().line());
 }
 

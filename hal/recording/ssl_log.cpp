@@ -36,7 +36,9 @@ T from_big_endian(const std::byte* bytes) {
   return value;
 }
 
-std::int32_t int32_at(const std::byte* bytes) { return static_cast<std::int32_t>(from_big_endian<std::uint32_t>(bytes)); }
+std::int32_t int32_at(const std::byte* bytes) {
+  return static_cast<std::int32_t>(from_big_endian<std::uint32_t>(bytes));
+}
 
 }  // namespace
 

@@ -55,7 +55,10 @@ Result<Conversion> for_each_message(const std::string& input, const Take& take) 
 /// A game log in the container of recordings. A message keeps its bytes and time, and its topic tells its type.
 class SslMcapWriter {
  public:
+  SslMcapWriter() = default;
   ~SslMcapWriter() { file_.discard(); }
+  SslMcapWriter(const SslMcapWriter&) = delete;
+  SslMcapWriter& operator=(const SslMcapWriter&) = delete;
 
   Result<void> create(const std::string& path) { return file_.create(path, "touchline-log"); }
   Result<std::uint64_t> add(const hal::SslLogMessage& message) {
@@ -83,7 +86,8 @@ class SslMcapWriter {
 Result<Conversion> game_log_to_mcap(const std::string& input, const std::string& output) {
   SslMcapWriter writer;
   TOUCHLINE_TRY(writer.create(output));
-  TOUCHLINE_TRY_ASSIGN(Conversion done, for_each_message(input, [&](const auto& message) { return writer.add(message); }));
+  TOUCHLINE_TRY_ASSIGN(Conversion done,
+                       for_each_message(input, [&](const auto& message) { return writer.add(message); }));
   TOUCHLINE_TRY(writer.finish());
   return done;
 }

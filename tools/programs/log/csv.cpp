@@ -65,23 +65,23 @@ Result<void> CsvWriter::add_tracks(const Tracks& tracks, const RecordedFrame& fr
   for (const RobotTrack& robot : tracks.robots) {
     row.team = frame.color_of(robot.team);
     row.id = known(robot.id);
-    row.x_m = double{robot.pose.position.x_m};
-    row.y_m = double{robot.pose.position.y_m};
-    row.theta_rad = double{robot.pose.theta_rad};
-    row.v_mps = double{robot.twist.v_mps};
-    row.w_radps = double{robot.twist.w_radps};
-    row.confidence = double{robot.confidence};
+    row.x_m = static_cast<double>(robot.pose.position.x_m);
+    row.y_m = static_cast<double>(robot.pose.position.y_m);
+    row.theta_rad = static_cast<double>(robot.pose.theta_rad);
+    row.v_mps = static_cast<double>(robot.twist.v_mps);
+    row.w_radps = static_cast<double>(robot.twist.w_radps);
+    row.confidence = static_cast<double>(robot.confidence);
     row.state = word_of(robot.state);
     TOUCHLINE_TRY(write(row));
   }
   const BallTrack& ball = tracks.ball;
   if (ball.state == TrackState::kLost) return {};
   Row out{row.time_s, row.session, row.frame, "track", "ball"};
-  out.x_m = double{ball.position.x_m};
-  out.y_m = double{ball.position.y_m};
-  out.theta_rad = std::atan2(double{ball.velocity.y_m}, double{ball.velocity.x_m});
-  out.v_mps = std::hypot(double{ball.velocity.x_m}, double{ball.velocity.y_m});
-  out.confidence = double{ball.confidence};
+  out.x_m = static_cast<double>(ball.position.x_m);
+  out.y_m = static_cast<double>(ball.position.y_m);
+  out.theta_rad = std::atan2(static_cast<double>(ball.velocity.y_m), static_cast<double>(ball.velocity.x_m));
+  out.v_mps = std::hypot(static_cast<double>(ball.velocity.x_m), static_cast<double>(ball.velocity.y_m));
+  out.confidence = static_cast<double>(ball.confidence);
   out.state = word_of(ball.state);
   return write(out);
 }
@@ -94,18 +94,18 @@ Result<void> CsvWriter::add(const RecordedFrame& frame) {
     row.object = "robot";
     row.team = frame.color_of(robot.team);
     row.id = known(robot.id);
-    row.x_m = double{robot.pose.position.x_m};
-    row.y_m = double{robot.pose.position.y_m};
-    if (robot.has_heading) row.theta_rad = double{robot.pose.theta_rad};
-    row.confidence = double{robot.confidence};
+    row.x_m = static_cast<double>(robot.pose.position.x_m);
+    row.y_m = static_cast<double>(robot.pose.position.y_m);
+    if (robot.has_heading) row.theta_rad = static_cast<double>(robot.pose.theta_rad);
+    row.confidence = static_cast<double>(robot.confidence);
     TOUCHLINE_TRY(write(row));
   }
   if (snapshot.ball.seen) {
     Row row = base;
     row.object = "ball";
-    row.x_m = double{snapshot.ball.position.x_m};
-    row.y_m = double{snapshot.ball.position.y_m};
-    row.confidence = double{snapshot.ball.confidence};
+    row.x_m = static_cast<double>(snapshot.ball.position.x_m);
+    row.y_m = static_cast<double>(snapshot.ball.position.y_m);
+    row.confidence = static_cast<double>(snapshot.ball.confidence);
     TOUCHLINE_TRY(write(row));
   }
   TOUCHLINE_TRY(add_tracks(snapshot.tracks, frame, base));
@@ -116,8 +116,8 @@ Result<void> CsvWriter::add(const RecordedFrame& frame) {
     row.team = frame.color_of(Team::kOwn);
     row.id = known(command.id);
     // The robots got a stop instead of the velocities.
-    row.v_mps = frame.commands.stop ? 0.0 : double{command.twist.v_mps};
-    row.w_radps = frame.commands.stop ? 0.0 : double{command.twist.w_radps};
+    row.v_mps = frame.commands.stop ? 0.0 : static_cast<double>(command.twist.v_mps);
+    row.w_radps = frame.commands.stop ? 0.0 : static_cast<double>(command.twist.w_radps);
     TOUCHLINE_TRY(write(row));
   }
   return {};
@@ -137,18 +137,18 @@ Result<bool> CsvWriter::add(const hal::SslLogMessage& message) {
     row.object = "robot";
     row.team = robot.is_yellow ? "yellow" : "blue";
     row.id = known(robot.id);
-    row.x_m = double{robot.pose.position.x_m};
-    row.y_m = double{robot.pose.position.y_m};
-    if (robot.has_heading) row.theta_rad = double{robot.pose.theta_rad};
-    row.confidence = double{robot.confidence};
+    row.x_m = static_cast<double>(robot.pose.position.x_m);
+    row.y_m = static_cast<double>(robot.pose.position.y_m);
+    if (robot.has_heading) row.theta_rad = static_cast<double>(robot.pose.theta_rad);
+    row.confidence = static_cast<double>(robot.confidence);
     TOUCHLINE_TRY(write(row));
   }
   for (const hal::SentBall& ball : poses_.balls) {
     Row row = base;
     row.object = "ball";
-    row.x_m = double{ball.position.x_m};
-    row.y_m = double{ball.position.y_m};
-    row.confidence = double{ball.confidence};
+    row.x_m = static_cast<double>(ball.position.x_m);
+    row.y_m = static_cast<double>(ball.position.y_m);
+    row.confidence = static_cast<double>(ball.confidence);
     TOUCHLINE_TRY(write(row));
   }
   return true;

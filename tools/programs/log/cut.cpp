@@ -29,8 +29,8 @@ class Range {
 };
 
 Error nothing_in(const std::string& input, const Stretch& stretch) {
-  return failure(ErrorCode::kNotFound, "%s: nothing was recorded from %g to %g s; see touchline-log list", input.c_str(),
-                 stretch.from_s, stretch.to_s);
+  return failure(ErrorCode::kNotFound, "%s: nothing was recorded from %g to %g s; see touchline-log list",
+                 input.c_str(), stretch.from_s, stretch.to_s);
 }
 
 /// The configuration in force while the steps before the stretch pass by.

@@ -96,9 +96,9 @@ class RecordingSummary {
   }
   [[nodiscard]] std::string text(const RecordedMessages& messages) const {
     const std::string end = end_of(messages.file());
-    std::string out = formatted("%s: recording of %.1f MB, %s\n", messages.path().c_str(),
-                                static_cast<double>(messages.file().size()) * 1e-6,
-                                end.empty() ? "complete" : end.c_str());
+    std::string out =
+        formatted("%s: recording of %.1f MB, %s\n", messages.path().c_str(),
+                  static_cast<double>(messages.file().size()) * 1e-6, end.empty() ? "complete" : end.c_str());
     if (!begin_ns_) return out + "no steps\n";
     out += formatted("from %s, %.3f s: %llu frames, %llu of them with pictures, %llu stops, %llu steps lost\n",
                      utc(*begin_ns_).c_str(), since_begin_s(last_ns_), frames_, pictures_, stops_, lost_);
@@ -190,9 +190,8 @@ class GameLogSummary {
     if (message.type == hal::kSslReferee) add_referee(message);
   }
   [[nodiscard]] std::string text(const std::string& path, const hal::SslLogReader& reader) const {
-    const std::string end = reader.is_complete()
-                                ? "complete"
-                                : "cut off in the message at byte " + std::to_string(reader.position());
+    const std::string end =
+        reader.is_complete() ? "complete" : "cut off in the message at byte " + std::to_string(reader.position());
     std::string out = formatted("%s: game log of %.1f MB unpacked, %s\n", path.c_str(),
                                 static_cast<double>(reader.position()) * 1e-6, end.c_str());
     if (!begin_ns_) return out + "no messages\n";

@@ -18,7 +18,8 @@ Result<LogFormat> format_of(const std::string& path) {
   }
   if (error) return failure(ErrorCode::kIo, "%s: %s", path.c_str(), error.message().c_str());
   // A FIFO or device would wait for its writer.
-  if (!std::filesystem::is_regular_file(status)) return failure(ErrorCode::kUnsupported, "%s: is not a file", path.c_str());
+  if (!std::filesystem::is_regular_file(status))
+    return failure(ErrorCode::kUnsupported, "%s: is not a file", path.c_str());
   std::ifstream file(path, std::ios::binary);
   if (!file) return failure(ErrorCode::kPermission, "%s: cannot be opened", path.c_str());
   std::array<char, 12> bytes{};

@@ -22,7 +22,8 @@ Result<std::optional<RecordedFrame>> RecordedFrames::next() {
     TOUCHLINE_TRY_ASSIGN(const std::optional<RecordedMessage> message, messages_.next());
     if (!message) return std::optional<RecordedFrame>();
     if (message->configuration != nullptr) {
-      if (const Result<void> taken = take(*message->configuration); !taken.ok()) return messages_.error_of(taken.error());
+      if (const Result<void> taken = take(*message->configuration); !taken.ok())
+        return messages_.error_of(taken.error());
     }
     if (!message->is_frame() || !is_calibrated_) continue;
     if (loaded_ == nullptr) {

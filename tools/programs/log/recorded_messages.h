@@ -17,7 +17,7 @@ namespace touchline::log {
 struct RecordedMessage {
   hal::mcap::Message message;
   const hal::mcap::Channel* channel = nullptr;
-  recording::StepMessage* step = nullptr;                  // null: another message
+  recording::StepMessage* step = nullptr;                 // null: another message
   recording::ConfigurationText* configuration = nullptr;  // null: another message
 
   [[nodiscard]] bool is_picture() const;

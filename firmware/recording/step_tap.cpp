@@ -47,7 +47,8 @@ StepHeader StepTap::next_header(const StepInputs& inputs, StepKind kind) {
   StepHeader header;
   header.number = next_++;
   header.session = session_;
-  if (inputs.events.control) header.reload = ++reloads_;
+  if (inputs.events.control) ++reloads_;
+  header.reload = reloads_;
   header.kind = kind;
   return header;
 }

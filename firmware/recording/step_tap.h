@@ -22,7 +22,7 @@ enum class PictureKind : std::uint8_t { kNone, kJpeg, kRaw };
 struct StepHeader {
   std::uint64_t number = 0;   // of all steps and stops of the session, from 0 on; gaps are steps that were lost
   std::uint32_t session = 0;  // from 1 on
-  std::uint32_t reload = 0;   // number of the reload, from 1 on, whose settings apply from this step on; 0: none
+  std::uint32_t reload = 0;   // number of the last reload, from 1 on, whose settings apply in this step; 0: none
   StepKind kind = StepKind::kFrame;
   // The rest is that of a frame.
   PictureKind picture = PictureKind::kNone;

@@ -104,7 +104,20 @@ Result<void> RemoteCamera::check_hello(const StreamHello& hello) const {
 Result<void> RemoteCamera::do_start() {
   if (!socket_.is_open()) return failure(ErrorCode::kInconsistent, "%s: not open", name_.c_str());
   is_running_ = true;
-  if (lockstep_ != nullptr) lockstep_->set_driven(true);
+  if (lockstep_ != nullptr) {
+    lockstep_->set_driven(true);
+    return {};
+  }
+  // Pictures since the connection are old: a program needs up to a second from open() to start(). The limit is for a
+  // sender that is faster than this loop.
+  constexpr int kMostOldPictures = 100;
+  for (int i = 0; i < kMostOldPictures; ++i) {
+    TOUCHLINE_TRY(receive_pictures());
+    if (!oldest_ready()) break;
+    for (Slot& slot : slots_) {
+      if (slot.state == SlotState::kReady) slot.state = SlotState::kFree;
+    }
+  }
   return {};
 }
 

@@ -149,9 +149,11 @@ Result<void> serve_in_lockstep(const ServedArena& served) {
 Result<RealTimeStatistics> serve_in_real_time(const ServedArena& served) {
   ServedGame& game = served.game;
   Arena& arena = game.arena();
+  const Duration offset = hal::MonotonicClock::read() - arena.now();
+  served.pictures.set_clock_offset(offset);
   RenderThread rendering(served.pictures, arena);
   while (!is_over(served)) {
-    arena.advance_to(hal::MonotonicClock::read());
+    arena.advance_to(hal::MonotonicClock::read() - offset);
     TOUCHLINE_TRY(game.take_packets(served.robots));
     game.send_telemetry(served.robots);
     while (const std::optional<Exposure> exposure = arena.take_exposure()) {
@@ -159,7 +161,7 @@ Result<RealTimeStatistics> serve_in_real_time(const ServedArena& served) {
       TOUCHLINE_TRY(rendering.offer(*exposure));
     }
     const Instant due = std::min(arena.next_frame_ready().value_or(arena.now() + kStep), arena.now() + kStep);
-    const Duration left = due - hal::MonotonicClock::read();
+    const Duration left = due + offset - hal::MonotonicClock::read();
     if (left > Duration{}) wait_readable(served.robots.descriptor(), left);
   }
   return RealTimeStatistics{rendering.skipped()};

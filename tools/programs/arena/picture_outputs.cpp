@@ -39,7 +39,7 @@ Result<void> PictureOutputs::write(hal::mock::Arena& arena, const hal::mock::Exp
   if (camera_.format == hal::CameraFormat::kMjpg) {
     TOUCHLINE_TRY_ASSIGN(bytes, compressed());
   }
-  const Instant now = hal::MonotonicClock::read();
+  const Instant now = hal::MonotonicClock::read() - clock_offset_;
   largest_delay_ = std::max(largest_delay_, now - exposure.ready);
   hal::PictureHeader header;
   header.bytes = static_cast<std::uint32_t>(bytes.size());

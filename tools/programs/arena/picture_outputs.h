@@ -19,6 +19,8 @@ class PictureOutputs {
 
   [[nodiscard]] PictureSender& sender() { return sender_; }
   [[nodiscard]] LoopbackOutput& loopback() { return loopback_; }
+  /// Sets the machine's time minus the arena's, in real time.
+  void set_clock_offset(Duration offset) { clock_offset_ = offset; }
   /// Renders a picture and writes it. Errors of the device.
   Result<void> write(hal::mock::Arena& arena, const hal::mock::Exposure& exposure);
   /// Returns the longest time that a picture took from its exposure's readiness until it was ready to be sent; of
@@ -35,7 +37,7 @@ class PictureOutputs {
   std::vector<std::uint8_t> picture_;
   std::vector<std::byte> jpeg_;
   console::JpegEncoder encoder_;
-  Duration largest_delay_{};
+  Duration clock_offset_{}, largest_delay_{};
 };
 
 }  // namespace touchline::arena

@@ -1,12 +1,12 @@
 #include "tools/programs/arena/serve_command.h"
 
+#include <array>
 #include <cinttypes>
 #include <cmath>
 #include <cstdio>
 #include <memory>
 
 #include "firmware/signals.h"
-#include "hal/linux/monotonic_clock.h"
 #include "hal/linux/network/tcp_socket.h"
 #include "tools/programs/arena/arena_server.h"
 #include "tools/programs/command_line/command_line.h"
@@ -104,15 +104,14 @@ Result<void> run_serve(const ServeOptions& options) {
   const auto pictures = std::make_unique<PictureOutputs>(camera);
   TOUCHLINE_TRY(open(options, camera, *robots, *pictures));
   const std::atomic<bool>& stop = handle_stop_signals();
+  const auto game = std::make_unique<ServedGame>();
+  TOUCHLINE_TRY(game->make(*configuration, options.seed));
   print(first_line(options, camera, *robots));
   constexpr int kPoll_ms = 50;
   // In real time the game begins when somebody sees it.
   while (!options.lockstep && options.pictures != kNone && !stop && !pictures->sender().is_connected()) {
     pictures->sender().accept(kPoll_ms);
   }
-  const auto game = std::make_unique<ServedGame>();
-  TOUCHLINE_TRY(game->make(*configuration, options.seed,
-                           options.lockstep ? hal::mock::Arena::kBegin : hal::MonotonicClock::read()));
   const ServedArena served{*game, *robots, *pictures, stop, from_seconds(options.duration_s)};
   std::string text;
   if (options.lockstep) {

@@ -15,7 +15,7 @@ constexpr int kFastestBaud = 4000000;
 
 }  // namespace
 
-Result<void> ServedGame::make(const config::Configuration& configuration, std::uint64_t seed, Instant begin) {
+Result<void> ServedGame::make(const config::Configuration& configuration, std::uint64_t seed) {
   const config::BoardFile& board = configuration.board;
   layout_ = configuration.pipeline.radio;
   if (layout_.one_each && !layout_.names_robots()) {
@@ -27,7 +27,7 @@ Result<void> ServedGame::make(const config::Configuration& configuration, std::u
   hal::RadioSettings radio = board.radio;
   radio.baud = kFastestBaud;
   radio.pause_s = 0.0;
-  arena_ = std::make_unique<hal::mock::Arena>(board.arena, board.camera, radio, seed, begin);
+  arena_ = std::make_unique<hal::mock::Arena>(board.arena, board.camera, radio, seed);
   arena_->channel().set_layouts(layout_, configuration.pipeline.telemetry);
   TOUCHLINE_TRY_ASSIGN(opponents_, make_opponents(configuration, seed));
   arena_->game().set_side(hal::mock::Side::kOpponent, opponents_.side.get());

@@ -26,9 +26,9 @@ struct PacketCounters {
 /// A game of the arena whose own robots are driven through a port, by another program.
 class ServedGame {
  public:
-  /// `begin`: the instant of arena time 0. The line before the robots is real, so the simulated one takes no time.
+  /// The line before the robots is real, so the simulated one takes no time.
   /// kUnsupported: the packets do not tell for which robot they are; errors of make_opponents().
-  Result<void> make(const config::Configuration& configuration, std::uint64_t seed, Instant begin);
+  Result<void> make(const config::Configuration& configuration, std::uint64_t seed);
 
   [[nodiscard]] hal::mock::Arena& arena() { return *arena_; }
   [[nodiscard]] const PacketCounters& counters() const { return counters_; }

@@ -110,8 +110,8 @@ Result<void> RemoteCamera::do_start() {
   }
   // Pictures since the connection are old: a program needs up to a second from open() to start(). The limit is for a
   // sender that is faster than this loop.
-  constexpr int kMostOldPictures = 100;
-  for (int i = 0; i < kMostOldPictures; ++i) {
+  constexpr int kMaxOldRounds = 100;
+  for (int i = 0; i < kMaxOldRounds; ++i) {
     TOUCHLINE_TRY(receive_pictures());
     if (!oldest_ready()) break;
     for (Slot& slot : slots_) {

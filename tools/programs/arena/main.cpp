@@ -101,8 +101,8 @@ int main(int argc, char** argv) {
   app.add_option("--seed", options.seed, "Random seed of poses and noise")->capture_default_str();
   app.add_flag("--quiet", options.quiet, "Print only errors");
   touchline::add_examples(app,
-                          {{"touchline-arena samples --out samples", "pictures with clicks, to learn the colors from"},
-                           {"touchline-arena match --count 100 --seed 7 --out match", "100 pictures of a game"}},
+                          {{"touchline-arena --out samples samples", "pictures with clicks, to learn the colors from"},
+                           {"touchline-arena --out match --count 100 --seed 7 match", "100 pictures of a game"}},
                           scenes);
   arena::ServeOptions serve_options;
   const CLI::App* const serve = arena::add_serve_command(app, serve_options);

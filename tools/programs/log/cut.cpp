@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "firmware/config/reload.h"
+#include "firmware/recording/recording_writer.h"
 #include "hal/recording/ssl_log.h"
 #include "tools/programs/log/log_file.h"
 #include "tools/programs/log/recorded_messages.h"
@@ -125,7 +126,7 @@ Result<void> cut_recording(const std::string& input, const Stretch& stretch, con
   TOUCHLINE_TRY(copy.create(output));
   copy.begin(messages.file());
   PassedConfiguration passed;
-  KeptMessage configuration, picture;
+  KeptMessage configuration, hello, picture;
   bool has_begun = false;
   for (;;) {
     TOUCHLINE_TRY_ASSIGN(const std::optional<RecordedMessage> next, messages.next());
@@ -134,6 +135,11 @@ Result<void> cut_recording(const std::string& input, const Stretch& stretch, con
     if (next->configuration != nullptr && !has_begun) {
       passed.add(*next->configuration);
       configuration.keep(next->message);
+      continue;
+    }
+    // The page Recordings draws the field by it.
+    if (next->channel->topic == recording::kHelloTopic && !has_begun) {
+      hello.keep(next->message);
       continue;
     }
     // A picture precedes its step.
@@ -157,6 +163,7 @@ Result<void> cut_recording(const std::string& input, const Stretch& stretch, con
         for (const recording::ConfigurationText& reload : passed.waiting()) {
           TOUCHLINE_TRY(write_configuration(configuration, reload, copy));
         }
+        if (!hello.data.empty()) TOUCHLINE_TRY(copy.add(hello.kept()));
         has_begun = true;
       }
       if (!picture.data.empty() && picture.message.sequence == next->message.sequence) {

@@ -25,17 +25,16 @@ using namespace std::chrono_literals;
 
 ArenaParameters division_b() {
   ArenaParameters parameters;
+  apply_preset(ArenaPreset::kFirasim, parameters);
   parameters.field.length_m = 1.5;
   parameters.field.width_m = 1.3;
   parameters.field.goal_depth_m = 0.1;
   parameters.field.circle_radius_m = 0.2;
-  parameters.robot_side_m = 0.08;
-  parameters.physics.wheel_base_m = 0.085;
   parameters.opponents = Opponents::kStand;
-  // Beside the way to the goal, so that a short game has a goal.
-  parameters.robot = {{Side::kOwn, 0, -0.65, 0.0, 0.0, {}},      {Side::kOwn, 1, -0.3, 0.1, 0.0, {}},
-                      {Side::kOwn, 2, -0.4, -0.3, 0.0, {}},      {Side::kOpponent, 0, 0.3, 0.55, 3.1, {}},
-                      {Side::kOpponent, 1, 0.5, -0.55, 3.1, {}}, {Side::kOpponent, 2, 0.1, 0.55, 3.1, {}}};
+  // Beside the way to the goal and away from the walls, so that a short game has a goal.
+  parameters.robot = {{Side::kOwn, 0, -0.65, 0.0, 0.0, {}},       {Side::kOwn, 1, -0.3, 0.1, 0.0, {}},
+                      {Side::kOwn, 2, -0.4, -0.3, 0.0, {}},       {Side::kOpponent, 0, -0.1, 0.4, 3.1, {}},
+                      {Side::kOpponent, 1, -0.1, -0.45, 3.1, {}}, {Side::kOpponent, 2, 0.1, 0.45, 3.1, {}}};
   return parameters;
 }
 

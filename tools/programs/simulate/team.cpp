@@ -1,5 +1,6 @@
 #include "tools/programs/simulate/team.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "firmware/arena_sides.h"
@@ -22,6 +23,31 @@ const StrategyCatalog& catalog() {
     return made;
   }();
   return all;
+}
+
+// The game is played on the field that both sides know: that of the venue, whatever [arena.field] says. The robots of
+// the arena that the team file knows stand where they do there, in proportion.
+void move_to_venue(config::Configuration& configuration) {
+  hal::mock::ArenaParameters& arena = configuration.board.arena;
+  hal::mock::ArenaField& field = arena.field;
+  const FieldParameters& venue = configuration.venue.field;
+  const double length = static_cast<double>(venue.length_m) / field.length_m;
+  const double width = static_cast<double>(venue.width_m) / field.width_m;
+  field.length_m = static_cast<double>(venue.length_m);
+  field.width_m = static_cast<double>(venue.width_m);
+  field.goal_width_m = static_cast<double>(venue.goal_width_m);
+  field.goal_depth_m = static_cast<double>(venue.goal_depth_m);
+  field.circle_radius_m = static_cast<double>(venue.center_circle_m);
+  const auto is_unknown = [&](const hal::mock::ArenaRobot& robot) {
+    const auto& known = robot.team == hal::mock::Side::kOwn ? configuration.team.own : configuration.team.opponent;
+    return std::none_of(known.robot.begin(), known.robot.end(),
+                        [&](const config::RobotEntry& entry) { return entry.id == robot.id; });
+  };
+  std::erase_if(arena.robot, is_unknown);
+  for (hal::mock::ArenaRobot& robot : arena.robot) {
+    robot.x_m *= length;
+    robot.y_m *= width;
+  }
 }
 
 bool is_file(const std::string& team) { return team.ends_with(".toml"); }
@@ -70,6 +96,7 @@ Result<Team> load_team(const std::string& board, const std::string& team, const 
   settings.insert(settings.end(), overrides.begin(), overrides.end());
   auto configuration = std::make_shared<config::Configuration>();
   TOUCHLINE_TRY(config::load({board, "", is_file(team) ? team : "", settings}, *configuration));
+  move_to_venue(*configuration);
   out.configuration = std::move(configuration);
   return out;
 }

@@ -38,6 +38,17 @@ TEST(FairArena, TurnsTheOwnPlacesForTheOpponents) {
   EXPECT_FALSE(find_violation(arena).has_value());
 }
 
+TEST(FairArena, HasTheVenuesFieldAndTheTeamsRobots) {
+  const Result<Team> own = load_team(TOUCHLINE_BOARDS "/firasim/board.toml", "play", {});
+  ASSERT_OK(own);
+  const hal::mock::ArenaParameters arena = fair_arena(*own.value().configuration, 0);
+  EXPECT_NEAR(arena.field.length_m, 1.5, 1e-6);
+  EXPECT_NEAR(arena.field.width_m, 1.3, 1e-6);
+  EXPECT_NEAR(arena.field.goal_depth_m, 0.1, 1e-6);
+  EXPECT_EQ(arena.robot.size(), 6U) << "the team file knows three of the arena's five";
+  EXPECT_FALSE(find_violation(arena).has_value());
+}
+
 TEST(GameSeries, RepeatsBitForBitWhateverTheNumberOfThreads) {
   const Team own = team("play"), opponent = team("univector");
   const hal::mock::ArenaParameters arena = fair_arena(*own.configuration, 0);

@@ -53,6 +53,7 @@ Status Pipeline::configure(const PipelineParameters& parameters, StageClock cloc
   trace_.tracks.robots.clear();
   trace_.tracks.ball = {};
   trace_.picture = {};
+  is_unusable_ = false;
   teams_ = parameters.marker.teams;
   assignment_ = {};
   controller_.set_turned(false);
@@ -257,12 +258,12 @@ void Pipeline::adopt(const Sightings& sightings) {
 }
 
 void Pipeline::check_picture() {
-  const bool was_unusable = trace_.picture.is_unusable();
   const Instant now = trace_.frame.capture_time;
   const float field_share = trace_.frame.sightings == nullptr ? adaptation_.recognized_field() : -1.0f;
   picture_check_.check(trace_, field_share, [&](RobotId id) { return tracker_.command_at(now, id); });
+  const bool was_unusable = std::exchange(is_unusable_, inputs_.was_unusable.value_or(trace_.picture.is_unusable()));
   // The tracks of an unusable picture must not be continued.
-  if (was_unusable && !trace_.picture.is_unusable()) reset();
+  if (was_unusable && !is_unusable_) reset();
 }
 
 const OutgoingPackets& Pipeline::stop(const StepInputs& inputs) {

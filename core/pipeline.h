@@ -121,6 +121,7 @@ class Pipeline {
   DriveMonitor drives_;
   ControlParameters control_;  // as configured
   PictureCheck picture_check_;
+  bool is_unusable_ = false;  // the last picture
   StageClock clock_ = nullptr;
   StepInputs inputs_;  // of the last call
   ScanTables* released_tables_ = nullptr;

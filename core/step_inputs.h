@@ -89,6 +89,9 @@ struct StepInputs {
   bool observing = false;
   // Limits of the checks whose results are in StepTrace::picture.
   PictureCheckSettings picture_check;
+  // Whether the frame's picture was unusable (PictureTrace::is_unusable()), for a replay that does not have it; tracks
+  // begin anew after unusable pictures. nullopt: the checks tell.
+  std::optional<bool> was_unusable;
   StepEvents events;
 };
 static_assert(std::is_trivially_copyable_v<StepInputs>, "a recorder copies it");

@@ -1,5 +1,8 @@
 #include "firmware/arena_loop.h"
 
+#include <array>
+#include <cinttypes>
+#include <cstdio>
 #include <mutex>
 
 namespace touchline {
@@ -33,6 +36,23 @@ RefereeSource referee_of(hal::mock::Arena& arena) {
   return {
       [](void* context) { return read_game(context, [](hal::mock::Game& game) { return game.rules().referee(); }); },
       &arena};
+}
+
+std::string summary_of(const hal::mock::Arena& arena) {
+  const hal::mock::GameStatistics& game = arena.game().statistics();
+  const hal::mock::ChannelStatistics& air = arena.channel().statistics();
+  std::array<char, 512> text{};
+  std::snprintf(text.data(), text.size(),
+                "arena: ball touched %" PRIu64 " times and moved %.1f m, goals %" PRIu32 " : %" PRIu32
+                ", free balls %" PRIu32
+                "\n"
+                "robots' radio: %" PRIu64 " packets obeyed, %" PRIu64 " lost, %" PRIu64 " damaged, %" PRIu64
+                " out of order, %" PRIu64
+                " time-outs\n"
+                "arena state: %016" PRIx64 "\n",
+                game.touches[0], game.ball_path_m, game.goals_own, game.goals_opponent, game.free_balls, air.obeyed,
+                air.lost, air.corrupted, air.ignored, air.timeouts, arena.game().hash());
+  return text.data();
 }
 
 ArenaLoop::ArenaLoop(hal::mock::Arena& arena, hal::Clock& clock)

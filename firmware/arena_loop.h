@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <string>
 
 #include "firmware/arena_sides.h"
 #include "firmware/config/configuration.h"
@@ -15,6 +16,8 @@ namespace touchline {
 ScoreSource score_of(hal::mock::Arena& arena);
 JumpSource jumps_of(hal::mock::Arena& arena);
 RefereeSource referee_of(hal::mock::Arena& arena);
+/// Returns the result of the arena's game, several lines.
+std::string summary_of(const hal::mock::Arena& arena);
 
 /// The own side of a game with pictures: the firmware's loop with the camera, the radio and the GPIO of an arena, whose
 /// time passes as fast as the processor allows. Large: do not put it on the stack.

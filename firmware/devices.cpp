@@ -1,8 +1,6 @@
 #include "firmware/devices.h"
 
 #include <algorithm>
-#include <cinttypes>
-#include <cstdio>
 #include <utility>
 
 #include "firmware/arena_loop.h"
@@ -10,10 +8,13 @@
 #include "firmware/paced_clock.h"
 #include "firmware/pose_plan.h"
 #include "firmware/radio_group.h"
+#include "firmware/remote_plan.h"
 #include "hal/linux/gpio/gpiod_gpio.h"
 #include "hal/linux/libcamera/libcamera_camera.h"
 #include "hal/linux/monotonic_clock.h"
+#include "hal/linux/network/frame_clock.h"
 #include "hal/linux/network/pose_camera.h"
+#include "hal/linux/network/remote_camera.h"
 #include "hal/linux/serial/serial_radio.h"
 #include "hal/linux/v4l2/v4l2_camera.h"
 #include "hal/mock/arena.h"
@@ -79,6 +80,13 @@ Result<void> Devices::make(const config::Configuration& configuration, std::uint
   } else {
     clock_ = std::make_unique<hal::MonotonicClock>();
   }
+  hal::FrameClock* frame_clock = nullptr;
+  if (board.camera.backend == hal::CameraBackend::kRemote && board.camera.lockstep) {
+    auto clock = std::make_unique<hal::FrameClock>();
+    frame_clock = clock.get();
+    clock_ = std::move(clock);
+    simulated_time_ = true;
+  }
   if (simulated_time_ && time == ArenaTime::kPaced) {
     slowed_clock_ = std::move(clock_);
     clock_ = std::make_unique<PacedClock>(*slowed_clock_, arena_->pace());
@@ -110,6 +118,11 @@ Result<void> Devices::make(const config::Configuration& configuration, std::uint
     case hal::CameraBackend::kPoses: {
       TOUCHLINE_TRY_ASSIGN(const hal::PoseCameraSettings settings, plan_poses(configuration));
       camera_ = std::make_unique<hal::PoseCamera>(settings);
+      break;
+    }
+    case hal::CameraBackend::kRemote: {
+      TOUCHLINE_TRY_ASSIGN(const hal::TcpAddress address, plan_remote(configuration));
+      camera_ = std::make_unique<hal::RemoteCamera>(address, board.camera, frame_clock);
       break;
     }
   }
@@ -144,20 +157,7 @@ RefereeSource Devices::referee() const { return arena_ ? referee_of(*arena_) : R
 
 std::string Devices::summary() const {
   if (!arena_) return {};
-  const hal::mock::GameStatistics& game = arena_->game().statistics();
-  const hal::mock::ChannelStatistics& air = arena_->channel().statistics();
-  std::array<char, 512> text{};
-  std::snprintf(text.data(), text.size(),
-                "arena: ball touched %" PRIu64 " times and moved %.1f m, goals %" PRIu32 " : %" PRIu32
-                ", free balls %" PRIu32
-                "\n"
-                "robots' radio: %" PRIu64 " packets obeyed, %" PRIu64 " lost, %" PRIu64 " damaged, %" PRIu64
-                " out of order, %" PRIu64
-                " time-outs\n"
-                "arena state: %016" PRIx64 "\n",
-                game.touches[0], game.ball_path_m, game.goals_own, game.goals_opponent, game.free_balls, air.obeyed,
-                air.lost, air.corrupted, air.ignored, air.timeouts, arena_->game().hash());
-  return text.data();
+  return summary_of(*arena_);
 }
 
 }  // namespace touchline

@@ -15,16 +15,20 @@ Error refusal(const config::Configuration& configuration, const std::string& key
 
 }  // namespace
 
+hal::PoseTeams pose_teams(const config::TeamFile& team) {
+  hal::PoseTeams teams;
+  teams.own_is_yellow = config::own_is_yellow(team).value_or(false);
+  for (const config::RobotEntry& robot : team.own.robot) teams.own_ids.push_back(static_cast<RobotId>(robot.id));
+  return teams;
+}
+
 Result<hal::PoseCameraSettings> plan_poses(const config::Configuration& configuration) {
   const hal::CameraSettings& camera = configuration.board.camera;
   hal::PoseCameraSettings settings;
   settings.rate_hz = camera.rate_hz;
   settings.source.protocol = camera.poses;
   settings.source.delay = from_seconds(camera.source_delay_s);
-  settings.source.teams.own_is_yellow = config::own_is_yellow(configuration.team).value_or(false);
-  for (const config::RobotEntry& robot : configuration.team.own.robot) {
-    settings.source.teams.own_ids.push_back(static_cast<RobotId>(robot.id));
-  }
+  settings.source.teams = pose_teams(configuration.team);
   const std::string_view usual = hal::kPoseProtocolTable[static_cast<std::size_t>(camera.poses)].default_address;
   Result<hal::NetworkAddress> address = hal::parse_network_address(camera.address.empty() ? usual : camera.address);
   if (!address.ok()) return refusal(configuration, "camera.address", address.text());

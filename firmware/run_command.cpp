@@ -16,6 +16,7 @@
 #include "firmware/radio_plan.h"
 #include "firmware/realtime.h"
 #include "firmware/recording/recorder.h"
+#include "firmware/recording/recording_shelf.h"
 #include "firmware/report_printer.h"
 #include "firmware/run_marker.h"
 #include "firmware/service_notifier.h"
@@ -355,13 +356,14 @@ int run_command(const CommandLine& command_line) {
     return kExitBadFile;
   }
   std::unique_ptr<recording::Recorder> recorder;
-  if (const recording::RecordingPlan recording = recording::plan_recording(*configuration, command_line.recordings);
-      !recording.folder.empty()) {
+  const recording::RecordingPlan recording = recording::plan_recording(*configuration, command_line.recordings);
+  if (!recording.folder.empty()) {
     Result<std::unique_ptr<recording::Recorder>> opened = recording::Recorder::open(recording, TOUCHLINE_VERSION);
     if (!opened.ok()) output.print_error(opened.text() + "\n");
     // A missing disk keeps a board that records by its file from no game; who asks for a recording gets it or nothing.
     if (!opened.ok() && !command_line.recordings.empty()) return kExitBadFile;
     if (opened.ok()) recorder = std::move(opened).value();
+    console->set_recordings(std::make_shared<recording::RecordingShelf>(recording.folder, recorder.get()));
   }
   std::vector<std::string> refused = lock_memory(board.realtime);
   crash_stop::install_handlers();

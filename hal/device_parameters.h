@@ -15,12 +15,13 @@
 // Sections [camera], [radio] and [gpio] of the board file (docs/files.md), shared by the backends.
 namespace touchline::hal {
 
-enum class CameraBackend : std::uint8_t { kMock, kV4l2, kLibcamera, kReplay, kPoses };
-inline constexpr std::array<Choice<CameraBackend>, 5> kCameraBackends{{{"mock", CameraBackend::kMock},
+enum class CameraBackend : std::uint8_t { kMock, kV4l2, kLibcamera, kReplay, kPoses, kRemote };
+inline constexpr std::array<Choice<CameraBackend>, 6> kCameraBackends{{{"mock", CameraBackend::kMock},
                                                                        {"v4l2", CameraBackend::kV4l2},
                                                                        {"libcamera", CameraBackend::kLibcamera},
                                                                        {"replay", CameraBackend::kReplay},
-                                                                       {"poses", CameraBackend::kPoses}}};
+                                                                       {"poses", CameraBackend::kPoses},
+                                                                       {"remote", CameraBackend::kRemote}}};
 
 /// The format in which a camera sends pictures: a pixel format of core/pixel_format.h, or JPEG, which is decoded on
 /// arrival.
@@ -90,6 +91,7 @@ struct CameraSettings {
   PoseProtocol poses = PoseProtocol::kFirasim;
   std::string address, interface;
   double source_delay_s = 0.0;
+  bool lockstep = false;
 
   /// Copies the keys that Camera::adjust() can change.
   void take_controls(const CameraSettings& other) { copy_reloadable(other, *this, Reload::kCamera); }
@@ -149,7 +151,8 @@ struct CameraSettings {
                  {.name = "poses", .help = "poses: whose packets are received (docs/simulators.md)"});
     visit.text(self.address, {.name = "address",
                               .help = "poses: udp://ADDRESS:PORT, a multicast group or an address of this computer; "
-                                      "empty: the usual one of the packets"});
+                                      "empty: the usual one of the packets; remote: tcp://ADDRESS:PORT of the sender "
+                                      "of the pictures (docs/hil.md)"});
     visit.text(self.interface, {.name = "interface",
                                 .help = "poses: network interface, such as eth0; empty: as the system's routes say"});
     visit.number(self.source_delay_s,
@@ -157,6 +160,10 @@ struct CameraSettings {
                   .range = {0.0, 1.0},
                   .unit = "s",
                   .help = "poses: time from the capture until the packet is sent, if the packets do not tell it"});
+    visit.flag(self.lockstep,
+               {.name = "lockstep",
+                .help = "remote: the time passes with the pictures, and the sender waits for the packets "
+                        "of each (touchline-arena serve --lockstep)"});
   }
 };
 

@@ -1,5 +1,8 @@
 #include "firmware/config/light_map_file.h"
 
+#include <algorithm>
+#include <cmath>
+
 #include "hal/replay/picture.h"
 
 namespace touchline::config {
@@ -60,6 +63,19 @@ Result<void> read_light_reference(const std::string& path, std::uint16_t width_p
   out.columns = grid.columns;
   out.rows = grid.rows;
   return {};
+}
+
+Result<std::string> encode_light_map(const LightMap& map) {
+  hal::Picture picture;
+  picture.width_px = map.columns;
+  picture.height_px = map.rows;
+  const std::size_t cells = std::size_t{map.columns} * map.rows;
+  picture.rgb16.resize(3 * cells);
+  for (std::size_t i = 0; i < picture.rgb16.size(); ++i) {
+    const double value = std::round(kUnitIllumination * static_cast<double>(map.illumination[i % 3][i / 3]));
+    picture.rgb16[i] = static_cast<std::uint16_t>(std::clamp(value, 1.0, 65535.0));
+  }
+  return hal::encode_png(picture);
 }
 
 Result<std::string> encode_light_reference(const LightReference& reference) {

@@ -21,6 +21,8 @@ Result<void> read_light_map(const std::string& path, LightMap& out);
 /// kUnsupported also for 8 bits; kInconsistent: the number of cells belongs to pictures of another size.
 Result<void> read_light_reference(const std::string& path, std::uint16_t width_px, std::uint16_t height_px,
                                   LightReference& out);
+/// Returns the PNG file of a map, from which the same map is read. Errors of hal::encode_png().
+Result<std::string> encode_light_map(const LightMap& map);
 /// Returns the PNG file of a reference. Errors of hal::encode_png().
 Result<std::string> encode_light_reference(const LightReference& reference);
 

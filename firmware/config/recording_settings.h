@@ -1,14 +1,22 @@
 #pragma once
 
+#include <array>
+#include <cstdint>
 #include <string>
 
 #include "core/parameter.h"
 
 namespace touchline::config {
 
+/// When a run is recorded without a person's request.
+enum class AutomaticRecording : std::uint8_t { kOff, kOn, kHalves };
+inline constexpr std::array<Choice<AutomaticRecording>, 3> kAutomaticRecordingWords{
+    {{"off", AutomaticRecording::kOff}, {"on", AutomaticRecording::kOn}, {"halves", AutomaticRecording::kHalves}}};
+
 /// [recording] of the board file: recordings of whole games (docs/recordings.md).
 struct RecordingSettings {
   std::string folder;
+  AutomaticRecording automatic = AutomaticRecording::kOn;
   int every = 1;
   int memory_mb = 64;
   int reserve_mb = 500;
@@ -19,6 +27,10 @@ struct RecordingSettings {
     visit.text(self.folder, {.name = "folder",
                              .help = "Folder of the recordings, relative to this file; empty: nothing is recorded. "
                                      "--record overrides it"});
+    visit.choice(self.automatic, kAutomaticRecordingWords,
+                 {.name = "automatic",
+                  .help = "on: the whole run; halves: a file for each half that the referee announces; off: only what "
+                          "the page's button or --record begins"});
     visit.number(self.every, {.name = "every",
                               .range = {0, 1000},
                               .help = "Every n-th picture is recorded; 0: none. Inputs and results of all frames are "

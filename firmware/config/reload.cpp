@@ -47,6 +47,11 @@ Result<ReloadChanges> apply_reloadable(const Configuration& next, Configuration&
   const ScanParameters& scan = running.pipeline.scan;
   const InputFormat input{scan.format, scan.width_px, scan.height_px, "the running camera"};
   TOUCHLINE_TRY(resolve(input, running));
+  // The pictures are those that were read with the files: they may have changed since.
+  if (running.venue.light.map == next.venue.light.map) running.pipeline.scan.light = next.pipeline.scan.light;
+  if (running.venue.light.reference == next.venue.light.reference) {
+    running.pipeline.adaptation.reference = next.pipeline.adaptation.reference;
+  }
   return changes;
 }
 

@@ -17,7 +17,7 @@ struct MessageWord {
   std::string_view word;
   MessageKind kind;
 };
-constexpr std::array<MessageWord, 15> kMessageWords{{{"watch", MessageKind::kWatch},
+constexpr std::array<MessageWord, 16> kMessageWords{{{"watch", MessageKind::kWatch},
                                                      {"seen", MessageKind::kSeen},
                                                      {"stop", MessageKind::kStop},
                                                      {"start", MessageKind::kStart},
@@ -31,7 +31,8 @@ constexpr std::array<MessageWord, 15> kMessageWords{{{"watch", MessageKind::kWat
                                                      {"probe", MessageKind::kProbe},
                                                      {"score", MessageKind::kScore},
                                                      {"move", MessageKind::kMove},
-                                                     {"arena", MessageKind::kArena}}};
+                                                     {"arena", MessageKind::kArena},
+                                                     {"recording", MessageKind::kRecording}}};
 // Largest number of goals of a team in a game.
 constexpr std::int64_t kMaxGoals = 999;
 
@@ -178,6 +179,20 @@ void read_arena(MemberReader& reader, const Json& object, ClientMessage& out) {
   if (error) reader.fail(*std::move(error));
 }
 
+void read_recording(MemberReader& reader, ClientMessage& out) {
+  using Wish = ClientMessage::RecordingWish;
+  const std::string action = reader.text("action");
+  if (action == "stop") {
+    out.recording = Wish::kStop;
+  } else if (action == "delete") {
+    out.recording = Wish::kDelete;
+    out.name = reader.text("name");
+    if (!out.request) reader.fail(failure(ErrorCode::kInconsistent, "\"request\" is missing"));
+  } else if (action != "start") {
+    reader.fail(failure(ErrorCode::kOutOfRange, "\"action\" must be \"start\", \"stop\" or \"delete\""));
+  }
+}
+
 void read_score(MemberReader& reader, ClientMessage& out) {
   if (!reader.has("own") && !reader.has("opponent")) return;
   out.score = Score{static_cast<std::uint32_t>(reader.integer("own", 0, kMaxGoals)),
@@ -215,6 +230,7 @@ Result<ClientMessage> parse_client_message(std::string_view text) {
   if (out.kind == MessageKind::kScore) read_score(reader, out);
   if (out.kind == MessageKind::kMove) read_move(reader, out);
   if (out.kind == MessageKind::kArena) read_arena(reader, object, out);
+  if (out.kind == MessageKind::kRecording) read_recording(reader, out);
   if (reader.error()) return *reader.error();
   return out;
 }

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <string_view>
 
 #include "core/adaptation.h"
@@ -46,7 +47,8 @@ struct ClientMessage {
     kProbe,
     kScore,
     kMove,
-    kArena
+    kArena,
+    kRecording
   };
   Kind kind = Kind::kPing;
   std::optional<std::int64_t> request;  // number that the answer repeats
@@ -72,6 +74,10 @@ struct ClientMessage {
   bool gives_back = false;  // the client no longer drives this robot
 
   ArenaRequest arena;  // for kArena
+
+  enum class RecordingWish : std::uint8_t { kStart, kStop, kDelete };
+  RecordingWish recording = RecordingWish::kStart;  // for kRecording
+  std::string name;                                 // for RecordingWish::kDelete
 
   AdaptationMode adaptation = AdaptationMode::kFollow;  // for kAdaptation
 };

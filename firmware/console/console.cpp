@@ -65,9 +65,9 @@ Result<void> Console::open(Session& session, AdaptationRequests* adaptation, con
     settings.access.token = token_ = std::move(token).value();
   }
   version_ = version;
-  hub_ = std::make_unique<Hub>(
-      HubLinks{*snapshots_, pictures_, loop_, reports_, adaptation, print, use_files_, arena_objects_.get()},
-      scene_of(session, version), HubSettings{plan_.picture_rate_hz, plan_.setup_socket});
+  hub_ = std::make_unique<Hub>(HubLinks{*snapshots_, pictures_, loop_, reports_, adaptation, print, use_files_,
+                                        arena_objects_.get(), recordings_},
+                               scene_of(session, version), HubSettings{plan_.picture_rate_hz, plan_.setup_socket});
   for (const std::uint16_t first = plan_.port;; ++settings.port) {
     server_ = std::make_unique<WebServer>(*hub_, settings);
     Result<void> opened = server_->open();

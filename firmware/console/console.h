@@ -38,6 +38,8 @@ class Console {
   void begin_session(const Session& session, const std::string& error);
   /// Call it before start().
   void set_use_files(UseFiles use) { use_files_ = std::move(use); }
+  /// Call it before start().
+  void set_recordings(std::shared_ptr<Recordings> recordings) { recordings_ = std::move(recordings); }
   /// Ends the thread.
   void stop();
 
@@ -66,6 +68,7 @@ class Console {
   std::unique_ptr<Hub> hub_;
   std::unique_ptr<WebServer> server_;
   UseFiles use_files_;
+  std::shared_ptr<Recordings> recordings_;
   std::string version_, token_;
   std::mutex task_mutex_;
   std::condition_variable task_done_;

@@ -44,6 +44,7 @@ Hub::Hub(const HubLinks& links, Scene scene, const HubSettings& settings)
 
 void Hub::tick(Instant now) {
   files_.finish();
+  recordings_thread_.finish();
   pictures_.poll();
   feed_.read();
   read_loop(now);
@@ -57,6 +58,10 @@ void Hub::tick(Instant now) {
     for (Client& client : clients_) client.wants_status = true;
   }
   read_reports(now);
+  const std::optional<RecordingStatus> recording = links_.recordings ? links_.recordings->status() : std::nullopt;
+  if (std::exchange(is_recording_, recording && recording->is_on) != is_recording_) {
+    for (Client& client : clients_) client.wants_status = true;
+  }
   if (!pictures_.error().empty() && !std::exchange(is_picture_failure_reported_, true)) {
     links_.print("console: no pictures: " + pictures_.error());
   }
@@ -97,7 +102,8 @@ Outgoing Hub::status_message(Instant now) {
   const bool is_known = reports_read_ > 0 && now - heard_from_loop_ <= kLoopSilence;
   return text_message([&](auto& json) {
     write_status(json, scene_, feed_, report_, is_known ? std::optional(report_.halt) : std::nullopt,
-                 driving_.is_stopped(), monitor_.status(), clients(), unix_s(now));
+                 driving_.is_stopped(), monitor_.status(), clients(), unix_s(now),
+                 links_.recordings ? links_.recordings->status() : std::nullopt);
   });
 }
 
@@ -169,7 +175,9 @@ bool Hub::receive(Client& client, std::string_view text, Instant arrived, Instan
   } else if (message.ok()) {
     const Result<void> obeyed = obey(client, message.value(), arrived, now);
     const bool is_loading = message.value().kind == ClientMessage::Kind::kUseSaved && order_.has_value();
-    const bool is_answered_later = message.value().kind == ClientMessage::Kind::kProbe || is_loading;
+    const bool is_deleting = message.value().kind == ClientMessage::Kind::kRecording &&
+                             message.value().recording == ClientMessage::RecordingWish::kDelete;
+    const bool is_answered_later = message.value().kind == ClientMessage::Kind::kProbe || is_loading || is_deleting;
     is_answered = (message.value().request.has_value() && !is_answered_later) || !obeyed.ok();
     answer.to = message.value().request.value_or(0);
     if (!obeyed.ok()) answer.error = obeyed.text();
@@ -240,6 +248,9 @@ Result<void> Hub::obey(Client& client, const ClientMessage& message, Instant arr
     case Kind::kArena:
       TOUCHLINE_TRY(driving_.require_driver(client.number));
       return links_.arena != nullptr ? links_.arena->control(message.arena) : ArenaObjects().control(message.arena);
+    case Kind::kRecording:
+      TOUCHLINE_TRY(driving_.require_driver(client.number));
+      return control_recording(client, message);
     case Kind::kAdaptation:
       return change_adaptation(client, message.adaptation);
   }

@@ -23,6 +23,7 @@
 #include "firmware/console/machine_monitor.h"
 #include "firmware/console/messages.h"
 #include "firmware/console/picture_source.h"
+#include "firmware/console/recordings.h"
 #include "firmware/console/setup_relay.h"
 #include "firmware/network/reopening.h"
 #include "firmware/signals.h"
@@ -91,10 +92,11 @@ struct HubLinks {
   PictureExchange& pictures;
   ConsoleLink& loop;
   SharedReports& reports;
-  AdaptationRequests* adaptation;  // null: there is no adaptation
-  Print print;                     // prints a line of the log
-  UseFiles use_files{};            // empty: other files cannot be used
-  ArenaObjects* arena = nullptr;   // null: the field is real
+  AdaptationRequests* adaptation;            // null: there is no adaptation
+  Print print;                               // prints a line of the log
+  UseFiles use_files{};                      // empty: other files cannot be used
+  ArenaObjects* arena = nullptr;             // null: the field is real
+  std::shared_ptr<Recordings> recordings{};  // null: there is no folder for recordings
 };
 
 struct HubSettings {
@@ -160,6 +162,9 @@ class Hub {
   [[nodiscard]] const Driving& driving() const { return driving_; }
   /// Thread for work that may wait for a disk. tick() uses the results of its jobs.
   [[nodiscard]] FileThread& file_thread() { return files_; }
+  /// Null: there is no folder for recordings. What reads the disk is called on recordings_thread() only.
+  [[nodiscard]] const std::shared_ptr<Recordings>& recordings() const { return links_.recordings; }
+  [[nodiscard]] FileThread& recordings_thread() { return recordings_thread_; }
 
  private:
   [[nodiscard]] std::size_t count_clients(bool stop_lines) const;
@@ -210,6 +215,9 @@ class Hub {
   void put_header(std::byte* to, const Frame& frame, std::uint8_t kind, std::uint16_t width, std::uint16_t height,
                   std::uint32_t special) const;
 
+  // Function in hub_recordings.cpp.
+  Result<void> control_recording(const Client& client, const ClientMessage& message);
+
   // Functions in hub_findings.cpp.
   Result<void> accept_probe(Client& client, const ClientMessage& message, Instant now);
   /// Answers questions about pixels with an error if no picture has answered them in time.
@@ -240,6 +248,8 @@ class Hub {
   PictureSource pictures_;
   Driving driving_;
   FileThread files_;
+  FileThread recordings_thread_{FileThread::Priority::kLowest};
+  bool is_recording_ = false;  // as the clients know it
   MachineMonitor monitor_{files_};
   hal::UnixTimeOffset unix_time_ = hal::measure_unix_time_offset();
   const std::string session_name_;  // name for Foxglove, which differs after a restart

@@ -10,6 +10,7 @@
 #include "firmware/config/configuration.h"
 #include "firmware/console/event_log.h"
 #include "firmware/console/frame_feed.h"
+#include "firmware/console/recordings.h"
 #include "firmware/console_input.h"
 #include "firmware/loop_report.h"
 #include "firmware/report/json_writer.h"
@@ -66,9 +67,10 @@ void write_hello(report::JsonWriter& json, const Scene& scene, bool has_setup, s
 void write_state(report::JsonWriter& json, const Scene& scene, const Snapshot& snapshot, const ConsoleInput& console,
                  const hal::UnixTimeOffset& unix_time, const std::optional<Score>& told = {});
 /// `halt` has bits of Halt; nullopt: unknown. `waits_for_start`: whether a start ends at least one of these reasons.
+/// `recording`: nullopt: nothing can be recorded.
 void write_status(report::JsonWriter& json, const Scene& scene, const FrameFeed& feed, const StatusReport& report,
                   std::optional<std::uint32_t> halt, bool waits_for_start, const MachineStatus& machine,
-                  std::size_t clients, double now_unix_s);
+                  std::size_t clients, double now_unix_s, const std::optional<RecordingStatus>& recording);
 /// Returns the Unix time of the capture.
 double captured_unix_s(const Snapshot& snapshot, const hal::UnixTimeOffset& unix_time);
 void write_event(report::JsonWriter& json, const Event& event);

@@ -162,12 +162,36 @@ void add_histogram(std::string& text, const LatencyBins& latency) {
 
 }  // namespace
 
+namespace {
+
+void write_recording(JsonWriter& json, const std::optional<RecordingStatus>& recording) {
+  if (!recording) return json.null();
+  json.begin_object();
+  json.key("on");
+  json.boolean(recording->is_on);
+  json.key("file");
+  json.string(recording->file);
+  write_number(json, "duration_s", recording->duration_s, 1e-3);
+  write_count(json, "bytes", recording->bytes);
+  write_count(json, "frames", recording->frames);
+  write_count(json, "pictures", recording->pictures);
+  write_count(json, "lost_frames", recording->lost_frames);
+  write_count(json, "lost_pictures", recording->lost_pictures);
+  json.key("ended");
+  json.string(recording->ended);
+  json.end_object();
+}
+
+}  // namespace
+
 void write_status(JsonWriter& json, const Scene& scene, const FrameFeed& feed, const StatusReport& report,
                   std::optional<std::uint32_t> halt, bool waits_for_start, const MachineStatus& machine,
-                  std::size_t clients, double now_unix_s) {
+                  std::size_t clients, double now_unix_s, const std::optional<RecordingStatus>& recording) {
   json.begin_object();
   json.key("type");
   json.string("status");
+  json.key("recording");
+  write_recording(json, recording);
   write_number(json, "time_s", now_unix_s, report::kSecondStep);
   write_number(json, "elapsed_s", report.elapsed_s, 1e-3);
   write_number(json, "rate_hz", static_cast<double>(feed.rate_hz()), 1e-3);

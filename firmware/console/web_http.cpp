@@ -12,7 +12,6 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr const char* kPlainText = "text/plain; charset=utf-8";
 constexpr const char* kHtml = "text/html; charset=utf-8";
 // Longest wait for a picture; after that, none is shown.
 constexpr Duration kPictureWait = 3s;
@@ -79,6 +78,7 @@ int WebServer::Implementation::begin_request(lws* connection, std::string_view p
     });
   }
   if (path == "/ports") return begin_devices(connection, port_answer);
+  if (path == "/recordings" || path.starts_with("/recordings/")) return begin_recordings(connection, path);
   if (path == "/metrics") return answer(connection, HTTP_STATUS_OK, "text/plain; version=0.0.4", hub_.metrics());
   if (is_page) read_files_again();
   const PageFile* const file = files_->find(path);
@@ -114,19 +114,23 @@ int WebServer::Implementation::complete(lws* connection) {
   return lws_http_transaction_completed(connection) != 0 ? -1 : 0;
 }
 
-int WebServer::Implementation::answer(lws* connection, unsigned status, const char* type, std::string_view body,
-                                      const AnswerHeaders& further) {
+bool WebServer::Implementation::write_headers(lws* connection, unsigned status, const char* type,
+                                              std::uint64_t body_bytes, const AnswerHeaders& further) {
   HeaderBuffer headers;
   const auto add = [&](const char* name, std::string_view text) {
     return lws_add_http_header_by_name(connection, reinterpret_cast<const unsigned char*>(name),
                                        reinterpret_cast<const unsigned char*>(text.data()),
                                        static_cast<int>(text.size()), &headers.next, headers.end) != 0;
   };
-  if (lws_add_http_common_headers(connection, status, type, body.size(), &headers.next, headers.end) != 0 ||
-      add("cache-control:", further.cache_control) || (further.name != nullptr && add(further.name, further.value)) ||
-      lws_finalize_write_http_header(connection, headers.begin, &headers.next, headers.end) != 0) {
-    return -1;
-  }
+  return lws_add_http_common_headers(connection, status, type, body_bytes, &headers.next, headers.end) == 0 &&
+         !add("cache-control:", further.cache_control) &&
+         (further.name == nullptr || !add(further.name, further.value)) &&
+         lws_finalize_write_http_header(connection, headers.begin, &headers.next, headers.end) == 0;
+}
+
+int WebServer::Implementation::answer(lws* connection, unsigned status, const char* type, std::string_view body,
+                                      const AnswerHeaders& further) {
+  if (!write_headers(connection, status, type, body.size(), further)) return -1;
   HttpRequest& request = requests_[connection];
   request = {};
   request.body.assign(LWS_PRE, '\0');
@@ -233,6 +237,7 @@ bool WebServer::Implementation::is_waiting(const HttpRequest& request) const {
 
 bool WebServer::Implementation::is_ready(const HttpRequest& request, Instant now) {
   if (request.kind == HttpRequest::Kind::kDevices) return device_lister_.is_done();
+  if (request.kind == HttpRequest::Kind::kRecording) return request.made.has_value();
   if (request.is_made) return reporter_.is_done();
   const bool is_late = request.kind != HttpRequest::Kind::kStream && now - request.begin > kPictureWait;
   return is_late || hub_.has_picture(request.picture);
@@ -248,6 +253,7 @@ int WebServer::Implementation::write_request(lws* connection) {
   if (request.kind == HttpRequest::Kind::kBugReport)
     return write_bug_report(connection, request, hal::MonotonicClock::read());
   if (request.kind == HttpRequest::Kind::kDevices) return write_devices(connection, request);
+  if (request.kind == HttpRequest::Kind::kRecording) return write_recording(connection, request);
   return write_body(connection, request, kBodyPart);
 }
 

@@ -17,15 +17,23 @@ namespace touchline::console {
 
 static_assert(kMessagePrefix >= LWS_PRE, "libwebsockets writes its header in front of a message");
 
+inline constexpr const char* kPlainText = "text/plain; charset=utf-8";
+
 /// A request that is being answered.
 struct HttpRequest {
-  enum class Kind : std::uint8_t { kText, kSnapshot, kStream, kBugReport, kDevices };
+  enum class Kind : std::uint8_t { kText, kSnapshot, kStream, kBugReport, kDevices, kRecording };
   Kind kind = Kind::kText;
   std::string body;            // body of the answer with LWS_PRE bytes in front; unused if pictures are sent
   std::size_t sent = LWS_PRE;  // bytes of the body already sent
   std::uint64_t picture = 0;   // lowest number of the next picture
   Instant begin{};             // begin of the wait for a picture
   bool is_made = false;        // a slow answer is being made
+  // of kRecording
+  std::uint64_t job = 0;                      // number of the job that makes the answer, or its next part
+  std::optional<Result<std::string>> made{};  // by the job
+  const char* type = "";                      // of the content
+  std::string name;                           // of the file to be sent in parts; "": the answer is whole
+  std::uint64_t offset = 0, size = 0;         // of the file: what was sent, and all
 };
 
 /// Headers of an answer in addition to the usual ones.
@@ -96,6 +104,9 @@ class WebServer::Implementation {
   int begin_request(lws* connection, std::string_view path);
   void read_files_again();
   int serve_page(lws* connection, const PageFile& file, bool is_asset);
+  /// Writes status and headers of an answer with a body of so many bytes. Returns false if the connection must end.
+  bool write_headers(lws* connection, unsigned status, const char* type, std::uint64_t body_bytes,
+                     const AnswerHeaders& further);
   int answer(lws* connection, unsigned status, const char* type, std::string_view body,
              const AnswerHeaders& further = {});
   int begin_pictures(lws* connection, HttpRequest::Kind kind);
@@ -103,6 +114,15 @@ class WebServer::Implementation {
   int write_bug_report(lws* connection, HttpRequest& request, Instant now);
   int begin_devices(lws* connection, std::function<std::string()> list);
   int write_devices(lws* connection, HttpRequest& request);
+
+  // Functions in web_recordings.cpp.
+  int begin_recordings(lws* connection, std::string_view path);
+  /// Lets the thread for recordings make the answer or the next part of it.
+  void make_recording(lws* connection, HttpRequest& request,
+                      std::function<Result<std::string>(Recordings& recordings)> make);
+  int write_recording(lws* connection, HttpRequest& request);
+  int begin_file(lws* connection, HttpRequest& request, std::uint64_t size);
+
   [[nodiscard]] bool is_asked_for(HttpRequest::Kind kind) const;
   int write_body(lws* connection, HttpRequest& request, std::size_t most);
   int write_request(lws* connection);
@@ -133,6 +153,7 @@ class WebServer::Implementation {
   lws_vhost* host_ = nullptr;
   Timer timer_{};
   std::map<lws*, HttpRequest> requests_;
+  std::uint64_t last_job_ = 0;
   AnswerWorker reporter_;
   // Its queries lower their own priority, except those whose threads may serve the loop later.
   AnswerWorker device_lister_{FileThread::Priority::kNormal};

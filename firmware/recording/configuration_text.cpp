@@ -8,9 +8,9 @@
 #include <span>
 #include <utility>
 
+#include "firmware/config/light_map_file.h"
 #include "firmware/config/toml_writer.h"
 #include "firmware/report/base64.h"
-#include "hal/files/input_file.h"
 #include "hal/files/output_file.h"
 
 namespace touchline::recording {
@@ -18,13 +18,6 @@ namespace {
 
 constexpr const char* kLightMapFile = "light_map.png";
 constexpr const char* kLightReferenceFile = "light_reference.png";
-
-std::string picture_beside(const config::Locations& venue, const std::string& name) {
-  if (name.empty()) return {};
-  const std::filesystem::path path = std::filesystem::path(venue.file()).parent_path() / name;
-  Result<std::string> bytes = hal::read_file(path.string(), hal::kMaxDataFileBytes);
-  return bytes.ok() ? std::move(bytes).value() : std::string();
-}
 
 std::string base64(const std::string& bytes) { return report::base64_of(std::as_bytes(std::span(bytes))); }
 
@@ -35,8 +28,17 @@ ConfigurationText text_of(const config::Configuration& configuration) {
   text.board = config::TomlWriter::text_of(configuration.board, false);
   text.venue = config::TomlWriter::text_of(configuration.venue, false);
   text.team = config::TomlWriter::text_of(configuration.team, false);
-  text.light_map = picture_beside(configuration.venue_where, configuration.venue.light.map);
-  text.light_reference = picture_beside(configuration.venue_where, configuration.venue.light.reference);
+  // Encoding fails for lack of memory only; then a replay says that the picture is missing.
+  const auto encoded = [](const std::string& name, const auto& encode_picture) {
+    if (name.empty()) return std::string();
+    Result<std::string> bytes = encode_picture();
+    return bytes.ok() ? std::move(bytes).value() : std::string();
+  };
+  const PipelineParameters& read = configuration.pipeline;
+  const config::LightEntry& light = configuration.venue.light;
+  text.light_map = encoded(light.map, [&] { return config::encode_light_map(read.scan.light); });
+  text.light_reference =
+      encoded(light.reference, [&] { return config::encode_light_reference(read.adaptation.reference); });
   return text;
 }
 

@@ -23,8 +23,7 @@ struct ConfigurationText {
   std::string light_map, light_reference;  // PNG files
 };
 
-/// Takes the texts of a configuration, and reads the pictures that it names. A picture that cannot be read any more is
-/// left out: then a replay says so.
+/// Takes the texts of a configuration, and the pictures as they were read with it: their files may have changed since.
 ConfigurationText text_of(const config::Configuration& configuration);
 /// Returns one JSON object.
 std::string encode(const ConfigurationText& text);

@@ -57,6 +57,14 @@ class CdrReader {
     if (ok_) position_ += bytes;
   }
   void skip_text() { skip(number()); }
+  /// Without the byte 0 at its end.
+  std::string_view text() {
+    const std::size_t bytes = number();
+    const std::size_t begin = position_;
+    skip(bytes);
+    if (!ok_ || bytes == 0) return {};
+    return {reinterpret_cast<const char*>(message_.data()) + begin, bytes - 1};
+  }
   [[nodiscard]] bool ok() const { return ok_; }
   [[nodiscard]] std::span<const std::byte> rest() const { return message_.subspan(position_); }
 
@@ -124,6 +132,40 @@ void write_picture_head(const StepHeader& step, std::uint64_t time_ns, std::size
     writer.number(static_cast<std::uint32_t>(row_bytes(step.format, 0, step.width_px)));
   }
   writer.number(static_cast<std::uint32_t>(bytes));
+}
+
+std::optional<RawPicture> raw_picture_of(std::span<const std::byte> message) {
+  if (message.size() < kEncapsulation.size()) return std::nullopt;
+  CdrReader reader(message);
+  static_cast<void>(reader.number());  // time
+  static_cast<void>(reader.number());
+  reader.skip_text();
+  const std::uint32_t height = reader.number(), width = reader.number();
+  const std::string_view encoding = reader.text();
+  const std::optional<std::span<const std::byte>> bytes = picture_of(PictureKind::kRaw, message);
+  if (!reader.ok() || !bytes || width == 0 || height == 0 || width > kMaxFrameWidth || height > kMaxFrameHeight) {
+    return std::nullopt;
+  }
+  for (const PixelFormatInfo& info : kPixelFormatTable) {
+    const PixelFormat format = info.format;
+    if (ros_encoding(format) != encoding || picture_layout(format, width, height).bytes != bytes->size()) continue;
+    return RawPicture{format, static_cast<std::uint16_t>(width), static_cast<std::uint16_t>(height), *bytes};
+  }
+  return std::nullopt;
+}
+
+Frame frame_of(const RawPicture& picture) {
+  Frame frame;
+  frame.format = picture.format;
+  frame.width_px = picture.width_px;
+  frame.height_px = picture.height_px;
+  const PictureLayout layout = picture_layout(picture.format, picture.width_px, picture.height_px);
+  const auto* const begin = reinterpret_cast<const std::uint8_t*>(picture.bytes.data());
+  for (std::size_t plane = 0; plane < info_of(picture.format).planes; ++plane) {
+    frame.plane[plane] = begin + layout.offset_bytes[plane];
+    frame.stride_bytes[plane] = layout.stride_bytes[plane];
+  }
+  return frame;
 }
 
 std::optional<std::span<const std::byte>> picture_of(PictureKind kind, std::span<const std::byte> message) {

@@ -26,4 +26,15 @@ void write_picture_head(const StepHeader& step, std::uint64_t time_ns, std::size
 /// Returns the bytes of the picture in a message; nullopt: it is no such message.
 std::optional<std::span<const std::byte>> picture_of(PictureKind kind, std::span<const std::byte> message);
 
+/// A raw picture in a message.
+struct RawPicture {
+  PixelFormat format = PixelFormat::kRgb24;
+  std::uint16_t width_px = 0, height_px = 0;
+  std::span<const std::byte> bytes;  // rows without padding, one plane after the other
+};
+/// Returns the raw picture in a message; nullopt: it is no such message, or its bytes are not those of its size.
+std::optional<RawPicture> raw_picture_of(std::span<const std::byte> message);
+/// Returns the picture as a frame, whose planes are in its bytes.
+Frame frame_of(const RawPicture& picture);
+
 }  // namespace touchline::recording

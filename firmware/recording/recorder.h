@@ -7,6 +7,7 @@
 #include <string>
 
 #include "firmware/config/configuration.h"
+#include "firmware/console/recordings.h"
 #include "firmware/recording/step_tap.h"
 #include "firmware/session.h"
 #include "hal/result.h"
@@ -21,16 +22,16 @@ struct RecordingPlan {
 /// `folder`: of --record; empty: the board file decides.
 RecordingPlan plan_recording(const config::Configuration& configuration, const std::string& folder);
 
-/// Records a run, with all of its sessions, into one file. It has a thread of its own and a fixed memory for the loop's
-/// steps; the loop never waits for it, except in simulated time. When the disk is full or fails, the recording ends and
-/// the run goes on.
+/// Records a run, with all of its sessions, into one file, or parts of it into several: `recording.automatic` and a
+/// person decide. It has a thread of its own and a fixed memory for the loop's steps; the loop never waits for it,
+/// except in simulated time. When the disk is full or fails, the recording ends and the run goes on.
 class Recorder {
  public:
   using Print = std::function<void(const std::string& line)>;
 
-  /// Creates the file, after the quota's deletions. Errors of McapWriter::create(); kNotFound: the folder does not
-  /// exist; kPermission, kIo: it cannot be reached; kInconsistent: it is no folder; kFull: the disk has less free space
-  /// than the reserve, or there is not enough memory.
+  /// If the whole run is to be recorded, creates the file, after the quota's deletions. Errors of McapWriter::create();
+  /// kNotFound: the folder does not exist; kPermission, kIo: it cannot be reached; kInconsistent: it is no folder;
+  /// kFull: the disk has less free space than the reserve, or there is not enough memory.
   static Result<std::unique_ptr<Recorder>> open(const RecordingPlan& plan, const std::string& version);
   /// Calls finish(). If start() was never called, there is nothing to keep, and the file is removed.
   ~Recorder();
@@ -39,8 +40,8 @@ class Recorder {
 
   /// The loop's side; it exists as long as the recorder.
   [[nodiscard]] StepTap& tap();
-  /// Starts the thread, once, before the calling thread gets its real-time priority. `print` is called on it when the
-  /// recording ends early, and for each file that the quota deletes.
+  /// Starts the thread, once, before the calling thread gets its real-time priority. `print` is called on it when a
+  /// recording begins or ends while the run goes on, and for each file that the quota deletes.
   void start(const Print& print);
   /// Call it before the session's loop runs, and after Session::open(). `waits`: the session has simulated time, which
   /// waits for the recorder.
@@ -53,9 +54,14 @@ class Recorder {
   /// some seconds: then the file has no end, and is readable nevertheless.
   void finish();
 
-  [[nodiscard]] const std::string& path() const;
-  /// Returns lines of the summary, the last of them "recording hash: ..."; call it after finish().
+  /// Returns lines about the recording that ended with the run, or early, the last of them "recording hash: ...";
+  /// empty: there was none. Call it after finish().
   [[nodiscard]] std::string summary() const;
+
+  // These functions are for any thread, and may outlive this object.
+  [[nodiscard]] std::function<console::RecordingStatus()> status_reader() const;
+  /// Returns a function that begins or ends a recording; its text says who has ended it.
+  [[nodiscard]] std::function<void(bool, const std::string&)> control() const;
 
  private:
   struct Shared;

@@ -47,15 +47,6 @@ std::optional<std::uint64_t> number_of(std::string_view name) {
   return number;
 }
 
-// Returns whether a program is writing the file.
-bool is_locked(const std::string& path) {
-  const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK);
-  if (file < 0) return false;
-  const bool is_locked = ::flock(file, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK;
-  ::close(file);
-  return is_locked;
-}
-
 // "-20261128-173005" in UTC; empty if nobody has set the clock.
 std::string date_of_now() {
   if (!hal::measure_unix_time_offset().synchronized) return {};
@@ -85,6 +76,44 @@ std::vector<RecordingFile> recordings_in(const std::string& folder) {
   return files;
 }
 
+bool is_recording_name(std::string_view name) {
+  return name.ends_with(kSuffix) && name.size() > kSuffix.size() && !name.starts_with('.') &&
+         name.find('/') == std::string_view::npos && name.find('\0') == std::string_view::npos;
+}
+
+std::vector<std::string> names_in(const std::string& folder) {
+  std::vector<std::string> names, others;
+  for (const RecordingFile& file : recordings_in(folder)) names.push_back(file.name);
+  std::reverse(names.begin(), names.end());
+  std::error_code error;
+  for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
+    std::string name = entry->path().filename().string();
+    std::error_code unknown;
+    const bool is_shown = is_recording_name(name) && fs::is_regular_file(entry->symlink_status(unknown));
+    if (is_shown && !number_of(name)) others.push_back(std::move(name));
+  }
+  std::sort(others.begin(), others.end());
+  names.insert(names.end(), others.begin(), others.end());
+  return names;
+}
+
+std::string date_of(std::string_view name) {
+  if (!number_of(name)) return {};
+  name.remove_suffix(kSuffix.size());
+  if (name.size() < kDateShape.size() || !is_date(name.substr(name.size() - kDateShape.size()))) return {};
+  const std::string digits(name.substr(name.size() - kDateShape.size() + 1));
+  return digits.substr(0, 4) + "-" + digits.substr(4, 2) + "-" + digits.substr(6, 2) + " " + digits.substr(9, 2) + ":" +
+         digits.substr(11, 2) + ":" + digits.substr(13, 2);
+}
+
+bool is_being_written(const std::string& path) {
+  const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK);
+  if (file < 0) return false;
+  const bool is_locked = ::flock(file, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK;
+  ::close(file);
+  return is_locked;
+}
+
 std::string next_name(const std::vector<RecordingFile>& recordings) {
   const std::uint64_t number = recordings.empty() ? 1 : recordings.back().number + 1;
   std::array<char, 32> digits{};
@@ -100,7 +129,7 @@ QuotaRemovals keep_quota(const std::string& folder, const std::string& current, 
   for (const RecordingFile& file : files) {
     if (total <= quota_bytes) break;
     const std::string path = (fs::path(folder) / file.name).string();
-    if (file.name == current || is_locked(path)) continue;
+    if (file.name == current || is_being_written(path)) continue;
     std::error_code error;
     if (fs::remove(path, error)) {
       total -= file.bytes;

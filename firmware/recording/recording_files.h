@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "hal/result.h"
@@ -20,6 +21,16 @@ struct RecordingFile {
 std::vector<RecordingFile> recordings_in(const std::string& folder);
 /// Returns the name of the next recording.
 std::string next_name(const std::vector<RecordingFile>& recordings);
+/// Returns whether a file with this name may be shown: a name of ours or another one of a recording (renamed ones are
+/// kept), which does not lead out of its folder.
+bool is_recording_name(std::string_view name);
+/// Returns the names of all recordings in the folder, ours first, newest first.
+std::vector<std::string> names_in(const std::string& folder);
+/// Returns the date in a name, "2026-11-28 17:30:05" (UTC); "": it has none.
+std::string date_of(std::string_view name);
+/// Returns whether a program is writing the file.
+bool is_being_written(const std::string& path);
+
 struct QuotaRemovals {
   std::vector<std::string> deleted;  // names
   std::string failure;               // the first file that could not be deleted, and why; empty: none

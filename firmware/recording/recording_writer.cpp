@@ -15,7 +15,7 @@ namespace {
 
 using report::JsonWriter;
 
-// A state of 22 robots has up to 20 KB.
+// A state of 22 robots has up to 20 KB, the projection of the largest field 60 KB.
 constexpr std::size_t kJsonBytes = std::size_t{1} << 17;
 
 constexpr std::string_view kLogSchema =
@@ -25,6 +25,12 @@ constexpr std::string_view kLogSchema =
 constexpr std::string_view kPacketsSchema =
     R"({"type":"object","title":"touchline.Packets","properties":{"packets":{"type":"array","items":{"type":"object",)"
     R"("properties":{"receiver":{"type":"integer"},"bytes":{"type":"string","contentEncoding":"base64"}}}}}})";
+constexpr std::string_view kHelloSchema =
+    R"({"type":"object","title":"touchline.Hello","description":"`hello` of docs/console-protocol.md"})";
+constexpr std::string_view kEventSchema =
+    R"({"type":"object","title":"touchline.Event","properties":{"kind":{"type":"string"},"team":{"type":"string"},)"
+    R"("by":{"type":"string"},"own":{"type":"integer"},"opponent":{"type":"integer"},"halt":{"type":"array","items":)"
+    R"({"type":"string"}},"id":{"type":"integer"},"latency_ms":{"type":"number"}}})";
 constexpr std::string_view kConfigurationSchema =
     R"({"type":"object","title":"touchline.Configuration","properties":{"session":{"type":"integer"},)"
     R"("reload":{"type":"integer"},"version":{"type":"string"},"camera":{"type":"string"},"calibrated":)"
@@ -76,6 +82,8 @@ Result<void> RecordingWriter::add_channels() {
   TOUCHLINE_TRY_ASSIGN(channels_.raw, add_ros(kRawTopic, PictureKind::kRaw));
   TOUCHLINE_TRY_ASSIGN(channels_.log, add_json_channel("/log", "foxglove.Log", kLogSchema));
   TOUCHLINE_TRY_ASSIGN(channels_.packets, add_json_channel("/radio/packets", "touchline.Packets", kPacketsSchema));
+  TOUCHLINE_TRY_ASSIGN(channels_.hello, add_json_channel(kHelloTopic, "touchline.Hello", kHelloSchema));
+  TOUCHLINE_TRY_ASSIGN(channels_.events, add_json_channel(kEventTopic, "touchline.Event", kEventSchema));
   TOUCHLINE_TRY_ASSIGN(channels_.state, add_foxglove(console::FoxgloveChannel::kState));
   TOUCHLINE_TRY_ASSIGN(channels_.scene, add_foxglove(console::FoxgloveChannel::kScene));
   TOUCHLINE_TRY_ASSIGN(channels_.annotations, add_foxglove(console::FoxgloveChannel::kAnnotations));
@@ -97,6 +105,16 @@ Result<void> RecordingWriter::add(const ConfigurationText& text) {
   if (!text.is_calibrated) hash_.leave_out(text.session);
   add_bytes(channels_.configuration, std::max(unix_now_ns(), last_time_ns_), encode(text));
   return flush();
+}
+
+void RecordingWriter::begin_session(std::shared_ptr<const console::Scene> scene) {
+  scene_ = std::move(scene);
+  const MarkerParameters& marker = scene_->configuration->pipeline.marker;
+  events_.emplace(marker.field, marker.ball.radius_m);
+  const std::uint64_t time_ns = std::max(unix_now_ns(), last_time_ns_);
+  add_json(channels_.hello, time_ns, [&](JsonWriter& json) {
+    console::write_hello(json, *scene_, false, 0, static_cast<double>(time_ns) * 1e-9);
+  });
 }
 
 Result<void> RecordingWriter::add_line(std::string_view level, std::string_view line) {
@@ -133,6 +151,8 @@ std::uint64_t RecordingWriter::time_of(Instant instant) {
     unix_offset_ = Duration(static_cast<Duration::rep>(std::max(unix_now_ns(), last_time_ns_))) - since;
   }
   last_time_ns_ = std::max(last_time_ns_, static_cast<std::uint64_t>((since + unix_offset_).count()));
+  if (counts_.steps == 0) first_time_ns_ = last_time_ns_;
+  counts_.duration_ns = last_time_ns_ - first_time_ns_;
   return last_time_ns_;
 }
 
@@ -163,6 +183,10 @@ Result<void> RecordingWriter::add_step(std::span<const std::byte> record) {
   }
   encode(message, bytes_);
   add_bytes(channels_.step, time_ns, bytes_);
+  if (events_) {
+    const bool is_frame = parts.header.kind == StepKind::kFrame;
+    add_events(is_frame ? events_->add(*snapshot_) : events_->add_stop(parts.inputs.halt), time_ns);
+  }
   if (parts.header.kind == StepKind::kFrame) add_shown(*snapshot_, time_ns);
   add_packets(parts.packets, time_ns);
   if (hash_.covers(parts.header)) hash_.add(message.results);
@@ -188,6 +212,12 @@ void RecordingWriter::add_shown(const Snapshot& snapshot, std::uint64_t time_ns)
   });
   add_json(channels_.annotations, time_ns,
            [&](JsonWriter& json) { console::write_foxglove_annotations(json, frame, 1); });
+}
+
+void RecordingWriter::add_events(const FrameEvents& events, std::uint64_t time_ns) {
+  for (const GameEvent& event : events) {
+    add_json(channels_.events, time_ns, [&](JsonWriter& json) { write_event(json, event); });
+  }
 }
 
 void RecordingWriter::add_packets(const OutgoingPackets& packets, std::uint64_t time_ns) {

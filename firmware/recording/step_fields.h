@@ -17,6 +17,12 @@ struct LastOf<PatchRole> : LastIs<PatchRole::kIdentification> {};
 template <>
 struct LastOf<IdDoubt> : LastIs<IdDoubt::kOverload> {};
 template <>
+struct LastOf<TrackState> : LastIs<TrackState::kLost> {};
+template <>
+struct LastOf<CommandSource> : LastIs<CommandSource::kExpired> {};
+template <>
+struct LastOf<PlayRole> : LastIs<PlayRole::kSupporter> {};
+template <>
 struct LastOf<ExternalCommand::Kind> : LastIs<ExternalCommand::Kind::kPose> {};
 template <>
 struct LastOf<GamePhase> : LastIs<GamePhase::kRunning> {};
@@ -162,8 +168,9 @@ void fields(Archive& archive, Value& value) {
 }
 template <class Archive, Of<StepInputs> Value>
 void fields(Archive& archive, Value& value) {
-  auto& [now, action_delay, radio_delay, lateness, commands, teams, situation, halt, observing, picture_check, events] =
-      value;
+  // `was_unusable` is for a replay only, which takes it from StepHeader::is_unusable.
+  auto& [now, action_delay, radio_delay, lateness, commands, teams, situation, halt, observing, picture_check,
+         was_unusable, events] = value;
   archive(now, action_delay, radio_delay, lateness, commands, teams, situation, halt, observing, picture_check, events);
 }
 

@@ -18,6 +18,14 @@ void write(std::string& out, const Values&... values) {
 
 Error unreadable() { return failure(ErrorCode::kCorruptFrame, "the message of a step cannot be read"); }
 
+template <class Value>
+Result<void> read(const StepResults& results, ResultPart part, Value& out) {
+  ArchiveReader archive(std::as_bytes(std::span(results[static_cast<std::size_t>(part)])));
+  archive(out);
+  if (!archive.ok() || !archive.rest().empty()) return unreadable();
+  return {};
+}
+
 }  // namespace
 
 template <>
@@ -75,6 +83,8 @@ Result<void> decode(std::span<const std::byte> bytes, StepMessage& out) {
                    "its steps have format %d, this program replays format %d: use the version that recorded it",
                    int{format}, int{kStepFormat});
   }
+  // What a message does not hold, such as the settings of a reload, is not that of the former one.
+  out.inputs = {};
   archive(out.header, out.inputs);
   for (std::string& part : out.results) {
     std::uint32_t size = 0;
@@ -89,11 +99,14 @@ Result<void> decode(std::span<const std::byte> bytes, StepMessage& out) {
 }
 
 Result<void> decode_sightings(const StepResults& results, Sightings& out) {
-  ArchiveReader archive(std::as_bytes(std::span(results[static_cast<std::size_t>(ResultPart::kSightings)])));
   out.verdicts.clear();
-  archive(out);
-  if (!archive.ok() || !archive.rest().empty()) return unreadable();
-  return {};
+  return read(results, ResultPart::kSightings, out);
+}
+
+Result<void> decode_results(const StepResults& results, Sightings& sightings, Tracks& tracks, Commands& commands) {
+  TOUCHLINE_TRY(decode_sightings(results, sightings));
+  TOUCHLINE_TRY(read(results, ResultPart::kTracks, tracks));
+  return read(results, ResultPart::kCommands, commands);
 }
 
 }  // namespace touchline::recording

@@ -51,5 +51,7 @@ void encode(const StepMessage& message, std::string& out);
 Result<void> decode(std::span<const std::byte> bytes, StepMessage& out);
 /// Returns the recorded sightings. kCorruptFrame: they cannot be read.
 Result<void> decode_sightings(const StepResults& results, Sightings& out);
+/// Returns all recorded results of a frame but its packets. kCorruptFrame: they cannot be read.
+Result<void> decode_results(const StepResults& results, Sightings& sightings, Tracks& tracks, Commands& commands);
 
 }  // namespace touchline::recording

@@ -47,16 +47,20 @@ StepHeader StepTap::next_header(const StepInputs& inputs, StepKind kind) {
   StepHeader header;
   header.number = next_++;
   header.session = session_;
-  if (inputs.events.control) header.reload = ++reloads_;
+  if (inputs.events.control) ++reloads_;
+  header.reload = reloads_;
   header.kind = kind;
   return header;
 }
 
 void StepTap::add(const StepTrace& trace, const Snapshot& snapshot, const hal::FrameLease& lease) {
-  if (has_ended()) return;
+  half_.store(snapshot.referee.half, std::memory_order_relaxed);
   const Frame& frame = trace.frame;
   StepHeader& header = parts_.header;
+  // Counts also while nothing is recorded: what begins later begins with a gap.
   header = next_header(*trace.inputs, StepKind::kFrame);
+  parts_.recording = recording_.load(std::memory_order_acquire);
+  if (parts_.recording == 0) return;
   header.format = frame.format;
   header.width_px = frame.width_px;
   header.height_px = frame.height_px;
@@ -74,8 +78,9 @@ void StepTap::add(const StepTrace& trace, const Snapshot& snapshot, const hal::F
 }
 
 void StepTap::add_stop(const StepInputs& inputs, const OutgoingPackets& packets) {
-  if (has_ended()) return;
   parts_.header = next_header(inputs, StepKind::kStop);
+  parts_.recording = recording_.load(std::memory_order_acquire);
+  if (parts_.recording == 0) return;
   parts_.header.captured = inputs.now;
   parts_.inputs = inputs;
   parts_.packets = packets;

@@ -22,7 +22,7 @@ enum class PictureKind : std::uint8_t { kNone, kJpeg, kRaw };
 struct StepHeader {
   std::uint64_t number = 0;   // of all steps and stops of the session, from 0 on; gaps are steps that were lost
   std::uint32_t session = 0;  // from 1 on
-  std::uint32_t reload = 0;   // number of the reload, from 1 on, whose settings apply from this step on; 0: none
+  std::uint32_t reload = 0;   // number of the last reload, from 1 on, whose settings apply in this step; 0: none
   StepKind kind = StepKind::kFrame;
   // The rest is that of a frame.
   PictureKind picture = PictureKind::kNone;
@@ -42,6 +42,7 @@ struct StepParts {
   StepHeader header;
   StepInputs inputs;
   OutgoingPackets packets;
+  std::uint32_t recording = 0;  // for which it was taken, see StepTap::begin()
 };
 static_assert(std::is_trivially_copyable_v<StepParts> && std::is_trivially_copyable_v<Snapshot>);
 
@@ -58,19 +59,23 @@ class StepTap {
   void begin_session(bool waits);
   /// Number of the session, from 1 on.
   [[nodiscard]] std::uint32_t session() const { return session_; }
-  /// The recorder no longer takes anything. Any thread may call it.
-  void end() { has_ended_.store(true, std::memory_order_release); }
+  /// The recorder takes steps for the recording with this number, from 1 on. Any thread may call it.
+  void begin(std::uint32_t recording) { recording_.store(recording, std::memory_order_release); }
+  /// The recorder no longer takes anything. Any thread may call it. A step on its way may still follow.
+  void end() { begin(0); }
 
   // The loop calls these.
   void add(const StepTrace& trace, const Snapshot& snapshot, const hal::FrameLease& lease);
   void add_stop(const StepInputs& inputs, const OutgoingPackets& packets);
 
   // Any thread may call these.
+  /// Returns the half of the game that the referee announces, from 1 on; 0: none. Also if nothing is recorded.
+  [[nodiscard]] std::uint8_t half() const { return half_.load(std::memory_order_relaxed); }
   [[nodiscard]] std::uint64_t lost_steps() const { return lost_steps_.load(std::memory_order_relaxed); }
   [[nodiscard]] std::uint64_t lost_pictures() const { return lost_pictures_.load(std::memory_order_relaxed); }
 
  private:
-  [[nodiscard]] bool has_ended() const { return has_ended_.load(std::memory_order_acquire); }
+  [[nodiscard]] bool has_ended() const { return recording_.load(std::memory_order_acquire) == 0; }
   [[nodiscard]] StepHeader next_header(const StepInputs& inputs, StepKind kind);
   /// In simulated time, waits until so many bytes are free, but not for a recorder that makes no room any more.
   void wait_for(std::size_t bytes);
@@ -85,7 +90,8 @@ class StepTap {
   // Free bytes after a wait in vain: until there are more, nothing waits, as in real time.
   std::optional<std::size_t> stalled_free_;
   StepParts parts_;  // too large for the stack
-  std::atomic<bool> has_ended_{false};
+  std::atomic<std::uint32_t> recording_{1};
+  std::atomic<std::uint8_t> half_{0};
   std::atomic<std::uint64_t> lost_steps_{0}, lost_pictures_{0};
 };
 

@@ -215,7 +215,7 @@ std::span<const std::uint16_t> Arena::with_led(std::span<const std::uint16_t> pi
 }
 
 void Arena::render(const Exposure& exposure, std::span<std::uint8_t> out) {
-  const std::span<const std::uint16_t> light = fault_active(FaultKind::kDark)
+  const std::span<const std::uint16_t> light = fault_active(FaultKind::kDark, exposure.ready)
                                                    ? renderer_.render_dark()
                                                    : renderer_.render(exposure.begin, exposure.end, exposure.rows);
   const auto is_active = [&](FaultKind kind) { return fault_active(kind, exposure.capture_time); };

@@ -104,7 +104,8 @@ class Arena {
   [[nodiscard]] std::optional<Instant> next_frame_ready() const;
   /// Removes and returns the oldest frame that is in memory; empty if there is none.
   std::optional<Exposure> take_exposure();
-  /// Renders the frame into `out`, which holds the bytes of picture_layout().
+  /// Renders the frame into `out`, which holds the bytes of picture_layout(). Another thread than that which
+  /// lets the time pass may call it, if nothing injects faults meanwhile.
   void render(const Exposure& exposure, std::span<std::uint8_t> out);
 
   /// Moves the robot or ball that the camera shows at `from` to where it shows `to`, within the walls, and stops it.

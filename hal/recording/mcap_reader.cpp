@@ -47,6 +47,7 @@ void McapReader::rewind() {
   position_ = kMagic.size();
   chunk_.clear();
   in_chunk_ = 0;
+  offset_ = 0;
   is_complete_ = is_damaged_ = is_at_end_ = false;
 }
 
@@ -145,6 +146,7 @@ Result<std::optional<Message>> McapReader::next() {
       if (content.ok()) return std::optional(message);
     }
     chunk_.clear();
+    offset_ = position_;
     TOUCHLINE_TRY_ASSIGN(const bool is_whole, next_record());
     is_at_end_ = !is_whole;
     if (!is_whole) break;

@@ -35,6 +35,10 @@ class McapReader {
   /// Returns the channel's number; 0: there is no such channel up to the last message.
   [[nodiscard]] std::uint16_t channel_of(std::string_view topic) const;
 
+  /// Returns the byte of the file at which the last message's chunk begins; after the last message, the byte from which
+  /// on nothing was read.
+  [[nodiscard]] std::uint64_t offset() const { return offset_; }
+
   // Valid after the last message.
   /// Returns whether the file has its end.
   [[nodiscard]] bool is_complete() const { return is_complete_; }
@@ -54,6 +58,7 @@ class McapReader {
   std::string path_;
   int file_ = -1;
   std::uint64_t size_ = 0, position_ = 0;  // of the file; of the record after the last whole one
+  std::uint64_t offset_ = 0;
   std::string record_, chunk_;
   std::size_t in_chunk_ = 0;  // position of the next record in chunk_
   bool is_complete_ = false, is_damaged_ = false, is_at_end_ = false;

@@ -57,7 +57,7 @@ std::vector<std::string> real_boards() {
   std::vector<std::string> names;
   for (const auto& entry : std::filesystem::directory_iterator(TOUCHLINE_BOARDS)) {
     const std::string name = entry.path().filename();
-    if (name != "mock" && name != "firasim" && name != "radios") names.push_back(name);
+    if (name != "mock" && name != "firasim" && name != "hil" && name != "radios") names.push_back(name);
   }
   std::sort(names.begin(), names.end());
   return names;

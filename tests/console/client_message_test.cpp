@@ -45,6 +45,13 @@ TEST(ClientMessageParser, ReadsEachType) {
   EXPECT_EQ(message.pixel.v_px, 0.0f);
   EXPECT_EQ(parsed(R"({"type":"score","own":3,"opponent":0})").score, (Score{3, 0}));
   EXPECT_FALSE(parsed(R"({"type":"score"})").score.has_value());
+  using Wish = ClientMessage::RecordingWish;
+  EXPECT_EQ(parsed(R"({"type":"recording","action":"start"})").recording, Wish::kStart);
+  EXPECT_EQ(parsed(R"({"type":"recording","action":"stop"})").recording, Wish::kStop);
+  message = parsed(R"({"type":"recording","action":"delete","name":"a b.mcap","request":3})");
+  EXPECT_EQ(message.kind, Kind::kRecording);
+  EXPECT_EQ(message.recording, Wish::kDelete);
+  EXPECT_EQ(message.name, "a b.mcap");
   message = parsed(R"({"type":"arena","do":{"step":{"frames":3}}})");
   EXPECT_EQ(message.kind, Kind::kArena);
   EXPECT_EQ(message.arena.frames, 3);
@@ -88,6 +95,9 @@ TEST(ClientMessageParser, RefusesEverythingElseAndNamesTheMember) {
   EXPECT_EQ(error(R"({"type":"score","own":3})"), "\"opponent\" is missing");
   EXPECT_EQ(error(R"({"type":"move","u_px":1,"v_px":2,"to_u_px":3})"), "\"to_v_px\" is missing");
   EXPECT_EQ(error(R"({"type":"arena"})"), "\"do\" is missing");
+  EXPECT_EQ(error(R"({"type":"recording","action":"pause"})"), "\"action\" must be \"start\", \"stop\" or \"delete\"");
+  EXPECT_EQ(error(R"({"type":"recording","action":"delete","request":1})"), "\"name\" is missing");
+  EXPECT_EQ(error(R"({"type":"recording","action":"delete","name":"x.mcap"})"), "\"request\" is missing");
   EXPECT_EQ(error(R"({"type":"arena","do":{"speed":{"factor":1000}}})"),
             "do.speed.factor = 1000 is not within 0.01 to 100");
   EXPECT_EQ(error(R"({"type":"score","own":1000,"opponent":0})"), "\"own\" is out of range");

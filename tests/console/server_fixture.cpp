@@ -30,8 +30,9 @@ void ConsoleServer::start() {
   camera.rate_hz = 100.0;
   pictures_.allocate(std::size_t{3} * kWidth * kHeight);
   const Print print = [this](const std::string& line) { reports.events.add("info", line); };
-  hub_ = std::make_unique<Hub>(HubLinks{*snapshots_, pictures_, link_, reports, &adaptation, print, use_files},
-                               scene_of(configuration_, camera, "1.2.3"), HubSettings{picture_rate_hz, setup_socket});
+  hub_ = std::make_unique<Hub>(
+      HubLinks{*snapshots_, pictures_, link_, reports, &adaptation, print, use_files, nullptr, recordings},
+      scene_of(configuration_, camera, "1.2.3"), HubSettings{picture_rate_hz, setup_socket});
   server_ = std::make_unique<WebServer>(*hub_, settings);
   const Result<void> opened = server_->open();
   ASSERT_TRUE(opened.ok()) << opened.text();

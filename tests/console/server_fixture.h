@@ -51,6 +51,7 @@ class ConsoleServer : public ::testing::Test {
   std::string setup_socket;
   /// function that the hub calls to load files; empty: it cannot load any
   UseFiles use_files;
+  std::shared_ptr<Recordings> recordings;
   std::atomic<bool> camera_delivers{true};
   /// Set it before start(): pictures then have a rectangle of the ball's color, kPatch, and a pipeline examines them.
   bool is_examined = false;

@@ -48,7 +48,7 @@ case $1 in
     programs=$(sed -n 's~^./bin/~~p' "$work/board-files" | xargs)
     [ "$programs" = "touchline touchline-calibrate touchline-devices touchline-setup" ] || fail "touchline contains $programs"
     programs=$(sed -n 's~^./bin/~~p' "$work/tools-files" | xargs)
-    [ "$programs" = "touchline-arena touchline-control touchline-evaluate touchline-latency touchline-radio touchline-rectify touchline-relight touchline-replay touchline-simulate" ] ||
+    [ "$programs" = "touchline-arena touchline-control touchline-evaluate touchline-latency touchline-log touchline-radio touchline-rectify touchline-relight touchline-replay touchline-simulate" ] ||
       fail "touchline-tools contains $programs"
     [ -z "$(comm -12 "$work/board-files" "$work/tools-files")" ] || fail "in both packages: $(comm -12 "$work/board-files" "$work/tools-files")"
     # All that is installed is in one of the packages.

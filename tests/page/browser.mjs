@@ -5,7 +5,7 @@ const require = createRequire(new URL('../../tools/console/package.json', import
 const { chromium } = require('playwright-core');
 const axeSource = require('axe-core').source;
 
-export const PAGES = ['live', 'play', 'timing', 'setup'];
+export const PAGES = ['live', 'play', 'recordings', 'timing', 'setup'];
 export const PATIENCE_MS = Number(process.env.PATIENCE_MS ?? 60_000);
 
 export const launch = () => chromium.launch({ executablePath: process.env.CHROMIUM ?? '/usr/bin/chromium', args: ['--no-sandbox'] });

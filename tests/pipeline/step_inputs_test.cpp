@@ -143,12 +143,13 @@ class StepInputsTest : public ::testing::Test {
   std::vector<Case> cases() {
     const StepInputs inputs;
     const auto& [now, action_delay, radio_delay, lateness, commands, teams, situation, halt, observing, picture_check,
-                 events] = inputs;
+                 was_unusable, events] = inputs;
     const auto& [colors, sides, heights] = teams;
     const auto& [phase, restart, ours, lines_up] = situation;
     const auto& [oldest, unusable_frames] = picture_check;
     const auto& [tables, adaptation, mode, control, reset, acknowledged, opened, telemetry, parts, received] = events;
     EXPECT_EQ(now, Instant{});
+    EXPECT_FALSE(was_unusable) << "the checks tell";
     EXPECT_FALSE(colors || ours || reset || oldest == 0s) << "the bindings are only counted";
     const auto always = [](auto set) { return [set](int, StepInputs& in) { set(in); }; };
     // The robot lines up if no other program drives it.
@@ -189,6 +190,8 @@ class StepInputsTest : public ::testing::Test {
         {"observing", always([](StepInputs& in) { in.observing = true; })},
         {"picture_check.oldest", always([](StepInputs& in) { in.picture_check.oldest = 5s; })},
         {"picture_check.unusable_frames", always([](StepInputs& in) { in.picture_check.unusable_frames = 12; })},
+        // Tracks begin anew after it.
+        {"was_unusable", [](int frame, StepInputs& in) { in.was_unusable = frame == kEventFrame; }},
         {"events.tables, adaptation", once([this](StepInputs& in) {
            in.events.tables = tables_.get();
            in.events.adaptation = adaptation_.get();

@@ -1,10 +1,15 @@
 // A recording with the JPEG files of a camera is replayed from them; without some of them, from the recorded sightings.
 #include <unistd.h>
 
+#include <cstring>
 #include <filesystem>
+#include <random>
 
+#include "firmware/config/light_map_file.h"
+#include "firmware/config/reload.h"
 #include "firmware/console/jpeg_encoder.h"
 #include "firmware/recording/recording_writer.h"
+#include "hal/files/output_file.h"
 #include "hal/mock/mock_devices.h"
 #include "tools/programs/replay/recording_source.h"
 
@@ -63,6 +68,11 @@ class JpegRecording : public ::testing::Test {
       const Result<hal::FrameLease> rendered = camera.wait(clock.now() + std::chrono::seconds(1));
       ASSERT_TRUE(rendered.ok()) << rendered.text();
       Frame frame = rendered.value().frame();
+      std::vector<std::uint8_t> noise(picture_layout(frame.format, frame.width_px, frame.height_px).bytes);
+      if (i >= noise_from_ && i < noise_to_) {
+        for (std::uint8_t& value : noise) value = static_cast<std::uint8_t>(random_());
+        for (std::size_t plane = 0; plane < info_of(frame.format).planes; ++plane) frame.plane[plane] = noise.data();
+      }
       const Result<std::size_t> size = encoder.encode(frame, 1, 80, jpeg);
       ASSERT_TRUE(size.ok()) << size.text();
       hal::FrameLease lease;
@@ -75,22 +85,48 @@ class JpegRecording : public ::testing::Test {
       StepInputs inputs;
       inputs.now = frame.capture_time + std::chrono::milliseconds(20);
       inputs.action_delay = std::chrono::milliseconds(45);
+      inputs.picture_check.unusable_frames = 2;
+      if (i == reload_at_ && tap.session() == 1) reload(inputs);
       const StepTrace& trace = pipeline_->step(frame, inputs);
       robots_ += trace.tracks.robots.size();
       copy_trace(trace, *snapshot);
       snapshot->number = static_cast<std::uint64_t>(i);
       tap.add(trace, *snapshot, lease);
       pipeline_->adapt();
-      if (i != lost) {
-        ASSERT_TRUE(writer_.add_step(ring.front()).ok());
-      }
+      unusable_ += trace.picture.is_unusable() ? 1U : 0U;
+      if (i != lost) write_step(ring.front(), i < pictures_until_);
       ring.pop();
     }
+  }
+
+  void write_step(std::span<const std::byte> record, bool with_picture) {
+    if (with_picture) {
+      ASSERT_TRUE(writer_.add_step(record).ok());
+      return;
+    }
+    // As StepTap puts it if there is no memory for the picture.
+    std::vector<std::byte> bytes(record.begin(), record.begin() + sizeof(StepParts) + sizeof(Snapshot));
+    StepHeader header;
+    std::memcpy(&header, bytes.data(), sizeof header);
+    header.picture = PictureKind::kNone;
+    std::memcpy(bytes.data(), &header, sizeof header);
+    ASSERT_TRUE(writer_.add_step(bytes).ok());
+  }
+
+  /// A reload that makes the robots slower.
+  void reload(StepInputs& inputs) {
+    const auto files = std::make_unique<config::Configuration>(*configuration_);
+    files->team.control.drive.max_speed_mps = kReloadedSpeed_mps;
+    ConfigurationText text = text_of(*files);
+    text.session = text.reload = 1;
+    ASSERT_TRUE(writer_.add(text).ok());
+    inputs.events.control = files->team.control;
   }
 
   struct Replayed {
     int frames = 0, from_pictures = 0, different = 0, not_compared = 0;
     std::string notes, hash;
+    double max_speed_mps = 0.0;  // at the end
   };
   [[nodiscard]] Replayed replay_all() const {
     Replayed out;
@@ -108,6 +144,7 @@ class JpegRecording : public ::testing::Test {
       for (const bool differs : step.value()->differs) out.different += differs && step.value()->is_compared ? 1 : 0;
     }
     out.hash = source.hash().line();
+    out.max_speed_mps = source.configuration().team.control.drive.max_speed_mps;
     return out;
   }
 
@@ -115,7 +152,11 @@ class JpegRecording : public ::testing::Test {
   std::unique_ptr<config::Configuration> configuration_ = std::make_unique<config::Configuration>();
   std::unique_ptr<Pipeline> pipeline_ = std::make_unique<Pipeline>();
   RecordingWriter writer_;
-  std::size_t robots_ = 0;
+  std::size_t robots_ = 0, unusable_ = 0;
+  std::mt19937 random_{1};
+  static constexpr double kReloadedSpeed_mps = 0.31;
+  // Steps: those whose picture is noise, the one that uses a reload, the first one whose picture is lost.
+  int noise_from_ = kFrames, noise_to_ = kFrames, reload_at_ = -1, pictures_until_ = kFrames;
 };
 
 TEST_F(JpegRecording, IsReplayedFromItsPictures) {
@@ -147,6 +188,101 @@ TEST_F(JpegRecording, ALostStepEndsTheHash) {
   EXPECT_EQ(replayed.hash, writer_.hash().line());
   EXPECT_EQ(writer_.hash().steps(), 10U);
   EXPECT_NE(replayed.notes.find("frame 11: 1 step before it not recorded"), std::string::npos) << replayed.notes;
+}
+
+TEST_F(JpegRecording, AReloadIsRepeated) {
+  reload_at_ = 10;
+  record(1);
+  const Replayed replayed = replay_all();
+  EXPECT_EQ(replayed.different, 0);
+  EXPECT_EQ(replayed.not_compared, 0);
+  EXPECT_EQ(replayed.max_speed_mps, kReloadedSpeed_mps);
+  EXPECT_EQ(replayed.hash, writer_.hash().line());
+}
+
+TEST_F(JpegRecording, AReloadEndsWithItsSession) {
+  reload_at_ = 10;
+  record(1, -1, 2);
+  const Replayed replayed = replay_all();
+  EXPECT_EQ(replayed.frames, 2 * kFrames);
+  EXPECT_EQ(replayed.different, 0);
+  EXPECT_NE(replayed.max_speed_mps, kReloadedSpeed_mps);
+  EXPECT_EQ(replayed.hash, writer_.hash().line());
+}
+
+// The step was dropped because the recorder's memory was full.
+TEST_F(JpegRecording, AReloadWhoseStepIsLostTakesEffectInTheNextOneAndNothingIsCalledEqual) {
+  reload_at_ = 10;
+  record(1, 10);
+  const Replayed replayed = replay_all();
+  EXPECT_EQ(replayed.max_speed_mps, kReloadedSpeed_mps);
+  EXPECT_NE(replayed.notes.find("frame 11: reload 1 took effect in a step that was not recorded"), std::string::npos)
+      << replayed.notes;
+  EXPECT_EQ(replayed.not_compared, kFrames - 11);
+  EXPECT_EQ(replayed.hash, writer_.hash().line());
+  EXPECT_EQ(writer_.hash().steps(), 10U);
+}
+
+// The last pictures are lost while noise hides the field: tracks begin anew after them, and not where the
+// recorded sightings replace the pictures.
+TEST_F(JpegRecording, AnUnusablePictureIsUnusableInTheReplayWithoutIt) {
+  noise_from_ = 8;
+  noise_to_ = 16;
+  pictures_until_ = 12;
+  record(1);
+  EXPECT_GE(unusable_, 6U);
+  const Replayed replayed = replay_all();
+  EXPECT_EQ(replayed.from_pictures, 12);
+  EXPECT_EQ(replayed.different, 0);
+  EXPECT_EQ(replayed.not_compared, 0);
+  EXPECT_EQ(replayed.hash, writer_.hash().line());
+}
+
+// What is recorded is what the program has read, not what the file holds later.
+TEST_F(JpegRecording, TheLightIsRecordedAsItWasRead) {
+  const std::filesystem::path folder = path_.string() + "-files";
+  std::filesystem::copy(TOUCHLINE_MOCK_FOLDER, folder);
+  const auto load = [&] {
+    auto files = std::make_unique<config::Configuration>();
+    const Result<void> loaded = config::load({(folder / "board.toml").string(), {}, {}, {}}, *files);
+    EXPECT_TRUE(loaded.ok()) << loaded.text();
+    return files;
+  };
+  const auto read_back = [](const ConfigurationText& text) {
+    TemporaryFiles files;
+    EXPECT_TRUE(files.write(text).ok());
+    auto read = std::make_unique<config::Configuration>();
+    const Result<void> loaded = config::load(files.paths({}), *read);
+    EXPECT_TRUE(loaded.ok()) << loaded.text();
+    return read;
+  };
+  const auto same_light = [](const config::Configuration& a, const config::Configuration& b) {
+    const LightMap &x = a.pipeline.scan.light, &y = b.pipeline.scan.light;
+    return x.columns == y.columns && x.rows == y.rows && x.illumination == y.illumination &&
+           a.pipeline.adaptation.reference.colors.sum == b.pipeline.adaptation.reference.colors.sum;
+  };
+  const auto running = load();
+  ASSERT_FALSE(running->venue.light.map.empty());
+  const auto write_map = [&](float factor) {
+    LightMap map = running->pipeline.scan.light;
+    for (auto& plane : map.illumination) {
+      for (float& value : plane) value *= factor;
+    }
+    const Result<std::string> png = config::encode_light_map(map);
+    ASSERT_TRUE(png.ok()) << png.text();
+    ASSERT_TRUE(hal::write_file((folder / running->venue.light.map).string(), png.value()).ok());
+  };
+  write_map(0.75f);
+  const auto next = load();
+  EXPECT_FALSE(same_light(*next, *running)) << "the file has changed";
+  EXPECT_TRUE(same_light(*read_back(text_of(*running)), *running)) << "a session";
+  // A reload: both ends use what was read with its files.
+  write_map(0.5f);
+  const auto applied = std::make_unique<config::Configuration>(*running);
+  ASSERT_TRUE(config::apply_reloadable(*next, *applied).ok());
+  EXPECT_TRUE(same_light(*applied, *next)) << "the program";
+  EXPECT_TRUE(same_light(*read_back(text_of(*next)), *next)) << "the recording";
+  std::filesystem::remove_all(folder);
 }
 
 TEST_F(JpegRecording, ASessionBeginsAnewAndHasAWholeStretchAgain) {

@@ -56,6 +56,28 @@ TEST_F(StepTapTest, RecordsFramesAndStopsInTheirOrder) {
   EXPECT_EQ(tap.lost_steps() + tap.lost_pictures(), 0U);
 }
 
+TEST_F(StepTapTest, CountsStepsThatNobodyRecords) {
+  ByteRing memory(std::size_t{8} << 20);
+  StepTap tap(memory, 0);
+  tap.begin_session(false);
+  tap.end();
+  settings.recording = &tap;
+  start();
+  run_until(0.5);
+  EXPECT_TRUE(take_headers(memory).empty());
+  const std::uint64_t frames = loop->statistics().frames;
+  tap.begin(7);
+  run_until(1.0);
+  StepParts parts;
+  std::memcpy(&parts, memory.front().data(), sizeof(StepParts));
+  EXPECT_EQ(parts.recording, 7U);
+  const std::vector<StepHeader> headers = take_headers(memory);
+  ASSERT_GT(headers.size(), 10U);
+  EXPECT_GE(headers.front().number, frames) << "a recording that begins later begins with a gap";
+  EXPECT_EQ(headers.front().frame_number, frames);
+  loop->close();
+}
+
 TEST_F(StepTapTest, AllocatesNothing) {
   ByteRing memory(std::size_t{16} << 20);
   StepTap tap(memory, 1);

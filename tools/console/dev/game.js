@@ -139,6 +139,7 @@ export class Game {
     return {
       type: 'status', time_s: Date.now() / 1000, elapsed_s: this.time, rate_hz: 60, latency: { start: summary(this.number), minute: summary(Math.min(3600, this.number)) },
       deadline_ms: 16.67, deadlines_missed: 0, frames: this.number, frames_lost: 0, overloads: 0, faults: 0, cpu_percent: 18, temperature_c: null, memory_mb: 46,
+      recording: { on: true, file: 'touchline-0044-20261128-173005.mcap', duration_s: this.time, bytes: 2.7e6 * this.time, frames: this.number, pictures: this.number, lost_frames: 0, lost_pictures: 12, ended: '' },
       lost: this.lost, radio: { packets: this.number, dropped: 0, refused: 0, stop_packets: 5 }, adaptation: this.adaptation, clients, halt: [...this.halt], stop_number: this.stops, waits_for_start: this.halt.has('console'),
       telemetry: [0, 1, 2, 3, 4].map((id) => ({ id, battery_v: 7.9 - id * 0.12, battery_low: id === 4, link_percent: 99 - id, age_s: 0.2 + 0.1 * id })),
     };

@@ -1,8 +1,8 @@
-// Screenshots of every page: node dev/look.js URL FOLDER [light,dark] [360,768,1280,1920] [live,play,timing,setup]
+// Screenshots of every page: node dev/look.js URL FOLDER [light,dark] [360,768,1280,1920] [live,play,recordings,timing,setup]
 import { mkdirSync } from 'node:fs';
 import { chromium } from 'playwright-core';
 
-const [url, folder, themes = 'light,dark', widths = '360,768,1280,1920', pages = 'live,play,timing,setup'] = process.argv.slice(2);
+const [url, folder, themes = 'light,dark', widths = '360,768,1280,1920', pages = 'live,play,recordings,timing,setup'] = process.argv.slice(2);
 const heights = { 360: 740, 768: 1024, 1280: 800, 1920: 1080 };
 mkdirSync(folder, { recursive: true });
 const browser = await chromium.launch({ executablePath: process.env.CHROMIUM ?? '/usr/bin/chromium', args: ['--no-sandbox'] });

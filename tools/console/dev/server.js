@@ -16,6 +16,13 @@ import { version } from './version.js';
 const { values } = parseArgs({
   options: { port: { type: 'string', default: '8642' }, protocol: { type: 'string', default: '1' }, version: { type: 'string', default: version }, hello: { type: 'string', default: '{}' }, setup: { type: 'string', default: 'true' }, camera: { type: 'string', default: 'true' } },
 });
+const recording = { bytes: 1674.2e6, growing: false, complete: true, date: '', duration_s: 612.4, frames: 36744, goals: 3, stops: 7, lost: 2, score: { own: 2, opponent: 1, by: 'referee' }, problem: '' };
+const recordings = [
+  { ...recording, name: 'touchline-0044-20261128-173005.mcap', date: '2026-11-28 17:30:05', growing: true, complete: false },
+  { ...recording, name: 'touchline-0043.mcap', complete: false, score: { own: 0, opponent: 1, by: 'rule' } },
+  { ...recording, name: 'touchline-0042.mcap', problem: '/var/lib/touchline/recordings/touchline-0042.mcap: is not a recording (MCAP)', frames: 0, score: null },
+  { ...recording, name: 'final against the neighbors.mcap' },
+];
 const dist = fileURLToPath(new URL('../dist/', import.meta.url));
 const game = new Game();
 // Without a camera there are no pictures until somebody chooses one.
@@ -26,6 +33,10 @@ const server = createServer((request, response) => {
   const path = normalize(decodeURIComponent(new URL(request.url, 'http://localhost').pathname));
   if (path === '/devices' || path === '/ports') {
     response.writeHead(200, { 'Content-Type': 'application/json' }).end(JSON.stringify(path === '/ports' ? ports : devices(game)));
+    return;
+  }
+  if (path === '/recordings') {
+    response.writeHead(200, { 'Content-Type': 'application/json' }).end(JSON.stringify({ folder: '/var/lib/touchline/recordings', recordings }));
     return;
   }
   const file = join(dist, path === '/' ? 'index.html' : path);

@@ -9,6 +9,7 @@
 #include "hal/mock/sensor.h"
 #include "hal/replay/picture.h"
 #include "tools/programs/arena/scene_files.h"
+#include "tools/programs/arena/serve_command.h"
 #include "tools/programs/command_line/command_line.h"
 
 namespace {
@@ -77,18 +78,19 @@ int write_scene(const config::BoardFile& board, const arena::SceneType& scene,
 
 int main(int argc, char** argv) {
   Options options;
-  CLI::App app{"Renders pictures of the mock arena with their truth, for calibration and for measuring recognition",
-               "touchline-arena"};
+  CLI::App app{
+      "Renders pictures of the mock arena with their truth, for calibration and for measuring recognition;\n"
+      "`serve` lets another program play in the arena",
+      "touchline-arena"};
   std::string scenes = "Scenes:";
   std::vector<std::string> words;
   for (const arena::SceneType& scene : arena::scene_types()) {
     scenes += "\n  " + std::string(scene.name) + ": " + std::string(scene.help);
     words.emplace_back(scene.name);
   }
-  app.add_option("scene", options.scene, "What the pictures show")->required()->check(touchline::one_of(words));
+  app.add_option("scene", options.scene, "What the pictures show")->check(touchline::one_of(words));
   app.add_option("--out", options.out,
                  "Folder for pictures, truth.jsonl, scene.json, field-points.txt (samples: also clicks.json)")
-      ->required()
       ->type_name("DIR");
   app.add_option("--board", options.board, "Board file with the sections [camera] and [arena]")
       ->type_name("FILE")
@@ -99,10 +101,25 @@ int main(int argc, char** argv) {
   app.add_option("--seed", options.seed, "Random seed of poses and noise")->capture_default_str();
   app.add_flag("--quiet", options.quiet, "Print only errors");
   touchline::add_examples(app,
-                          {{"touchline-arena samples --out samples", "pictures with clicks, to learn the colors from"},
-                           {"touchline-arena match --count 100 --seed 7 --out match", "100 pictures of a game"}},
+                          {{"touchline-arena --out samples samples", "pictures with clicks, to learn the colors from"},
+                           {"touchline-arena --out match --count 100 --seed 7 match", "100 pictures of a game"}},
                           scenes);
+  arena::ServeOptions serve_options;
+  const CLI::App* const serve = arena::add_serve_command(app, serve_options);
+  app.require_subcommand(0, 1);
+  app.parse_complete_callback([&] {
+    if (serve->parsed()) return;
+    if (options.scene.empty()) throw CLI::RequiredError("scene");
+    if (options.out.empty()) throw CLI::RequiredError("--out");
+  });
   if (const auto exit_code = touchline::parse_arguments(app, argc, argv)) return *exit_code;
+  if (const std::string ignored = touchline::ignored_option(app, *serve); !ignored.empty()) {
+    return touchline::fail("touchline-arena", ignored, touchline::kExitBadCommandLine);
+  }
+  if (serve->parsed()) {
+    const Result<void> served = arena::run_serve(serve_options);
+    return served.ok() ? touchline::kExitOk : fail(served.text());
+  }
 
   const arena::SceneType* const scene = arena::find_scene(options.scene);
   const auto configuration = std::make_unique<config::Configuration>();

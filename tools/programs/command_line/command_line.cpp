@@ -45,4 +45,13 @@ CLI::Validator name_ending(std::vector<std::string> endings) {
           ""};
 }
 
+std::string ignored_option(const CLI::App& app, const CLI::App& command) {
+  if (!command.parsed()) return {};
+  for (const CLI::Option* option : app.get_options()) {
+    if (option->count() > 0)
+      return option->get_name() + " stands before " + command.get_name() + ", which does not use it";
+  }
+  return {};
+}
+
 }  // namespace touchline

@@ -17,6 +17,9 @@ int fail(std::string_view program, std::string_view message, int exit_code = kEx
 /// "the board file".
 CLI::Option* add_overrides(CLI::App& app, std::vector<std::string>& overrides, const std::string& files);
 
+/// Returns what is wrong if options of the program stand before `command`, which does not use them; "" if none do.
+std::string ignored_option(const CLI::App& app, const CLI::App& command);
+
 /// Accepts a number from `low` to `high`. Unlike CLI::Range it rejects "nan", which is not below or above any limit.
 CLI::Validator number_range(double low, double high);
 

@@ -1,5 +1,6 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <array>
 #include <filesystem>
 #include <iostream>
 #include <memory>
@@ -11,6 +12,7 @@
 #include "tools/programs/evaluate/cramer_rao_bound.h"
 #include "tools/programs/evaluate/motion_evaluation.h"
 #include "tools/programs/evaluate/report.h"
+#include "tools/programs/evaluate/result_comparison.h"
 
 namespace {
 
@@ -86,10 +88,24 @@ Result<void> add_bounds(const Options& options, std::string& json) {
   return {};
 }
 
+Result<void> compare_two_results(const Options& options, const NameMap& names) {
+  std::array<std::vector<FrameRecord>, 2> results;
+  for (std::size_t i = 0; i < results.size(); ++i) {
+    TOUCHLINE_TRY_ASSIGN(results[i], read_result(options.files[i], names));
+  }
+  TOUCHLINE_TRY_ASSIGN(const ResultComparison comparison,
+                       compare_results(results[0], results[1], options.seen_within_m));
+  print(comparison, std::cout);
+  return write_json(options.json, to_json(comparison));
+}
+
 Result<void> compare_with_truth(const Options& options, const NameMap& names) {
   if (options.files.size() != 2) {
-    return failure(ErrorCode::kOutOfRange, "needs two files, TRUTH.jsonl and RESULT.jsonl (see --help)");
+    return failure(ErrorCode::kOutOfRange,
+                   "needs two files, TRUTH.jsonl or RESULT.jsonl, and RESULT.jsonl (see --help)");
   }
+  TOUCHLINE_TRY_ASSIGN(const bool has_no_truth, is_result(options.files[0]));
+  if (has_no_truth && options.pictures.empty()) return compare_two_results(options, names);
   TOUCHLINE_TRY_ASSIGN(const std::vector<FrameRecord> truth, read_truth(options.files[0]));
   TOUCHLINE_TRY_ASSIGN(const std::vector<FrameRecord> result, read_result(options.files[1], names));
   TOUCHLINE_TRY_ASSIGN(const PoseReport report, evaluate_poses(truth, result, options.seen_within_m));
@@ -161,13 +177,14 @@ Result<void> play_game(const Options& options) {
 
 int main(int argc, char** argv) {
   Options options;
-  CLI::App app{"Compares the results of touchline-replay with the truth.", "touchline-evaluate"};
-  app.add_option("files", options.files, "TRUTH.jsonl and RESULT.jsonl, or only results")->type_name("FILE");
+  CLI::App app{"Compares the results of touchline-replay with the truth, or with each other.", "touchline-evaluate"};
+  app.add_option("files", options.files, "TRUTH.jsonl and RESULT.jsonl, two results, or only results")
+      ->type_name("FILE");
   app.add_option("--annotated", options.annotated, "An annotated picture (json), or a folder of them")
       ->type_name("PATH");
   app.add_flag("--spread", options.spread, "RMS and largest deviation of each id from its mean");
   app.add_option("--seen-within", options.seen_within_m,
-                 "Largest distance of a report from its robot or ball in m (0.02)")
+                 "Largest distance of a report from its robot or ball, or from the other result's, in m (0.02)")
       ->check(number_range(1e-6, 10.0));
   app.add_option("--same-robot", options.tolerance.same_robot_px,
                  "Largest distance of a report from its patch in px (8)")
@@ -197,6 +214,7 @@ int main(int argc, char** argv) {
   app.add_option("--json", options.json, "Write the numbers into this file")->type_name("FILE");
   add_examples(
       app, {{"touchline-evaluate truth.jsonl result.jsonl", "compare poses of rendered or measured scenes"},
+            {"touchline-evaluate before.jsonl after.jsonl", "compare two results of a game without a truth"},
             {"touchline-evaluate --annotated truth.json result.jsonl", "compare pixels of pictures annotated by hand"},
             {"touchline-evaluate --spread result.jsonl", "measure the noise of stationary robots, without a truth"},
             {"touchline-evaluate --game board.toml", "compare tracks and sightings of a game in the arena"}});

@@ -6,6 +6,7 @@
 #include <set>
 
 #include "core/geometry/angle.h"
+#include "tools/programs/evaluate/frame_names.h"
 #include "tools/programs/evaluate/greedy_matching.h"
 
 namespace touchline::evaluate {
@@ -74,12 +75,6 @@ void finish(PoseSummary& sum, Errors& errors) {
   sum.ball = statistics::summarize(std::move(errors.ball));
 }
 
-bool names_are_unique(const std::vector<FrameRecord>& records) {
-  std::set<std::string> names;
-  return std::all_of(records.begin(), records.end(),
-                     [&names](const FrameRecord& r) { return !r.file.empty() && names.insert(r.file).second; });
-}
-
 bool is_stationary(const std::vector<FrameRecord>& truth) {
   constexpr std::size_t kMinFrames = 3;  // least number of frames for a meaningful spread
   const auto same = [](Vector2 p, Vector2 q) { return distance(p, q) < 1e-9; };
@@ -139,11 +134,10 @@ PoseSpread spread_about_mean(const std::string& name, const Observations& seen) 
 Result<PoseReport> evaluate_poses(const std::vector<FrameRecord>& truth, const std::vector<FrameRecord>& result,
                                   double seen_within_m) {
   PoseReport out;
-  const bool by_name = names_are_unique(truth) && names_are_unique(result);
-  const auto key = [by_name](const FrameRecord& r) { return by_name ? r.file : std::to_string(r.frame); };
+  const FrameNames names(truth, result);
   std::map<std::string, const FrameRecord*> results;
   for (const FrameRecord& record : result) {
-    if (!results.emplace(key(record), &record).second) {
+    if (!results.emplace(names.of(record), &record).second) {
       return failure(ErrorCode::kInconsistent, "frame %lld occurs twice in the result",
                      static_cast<long long>(record.frame));
     }
@@ -152,10 +146,10 @@ Result<PoseReport> evaluate_poses(const std::vector<FrameRecord>& truth, const s
   const SceneRecord nothing;
   std::set<std::string> used;
   for (const FrameRecord& record : truth) {
-    if (!used.insert(key(record)).second) {
-      return failure(ErrorCode::kInconsistent, "frame %s occurs twice in the truth", key(record).c_str());
+    if (!used.insert(names.of(record)).second) {
+      return failure(ErrorCode::kInconsistent, "frame %s occurs twice in the truth", names.of(record).c_str());
     }
-    const auto found = results.find(key(record));
+    const auto found = results.find(names.of(record));
     ++out.frames;
     if (found == results.end()) ++out.frames_without_result;
     const FrameRecord* frame = found == results.end() ? nullptr : found->second;
@@ -166,7 +160,7 @@ Result<PoseReport> evaluate_poses(const std::vector<FrameRecord>& truth, const s
   const std::size_t paired = out.frames - out.frames_without_result;
   if (paired == 0) {
     return failure(ErrorCode::kInconsistent, "no frame of the truth is in the result (compared by %s)",
-                   by_name ? "file name" : "frame number");
+                   names.uses_files() ? "file name" : "frame number");
   }
   out.results_without_truth = result.size() - paired;
   finish(out.sightings, sighting_errors);
@@ -174,7 +168,7 @@ Result<PoseReport> evaluate_poses(const std::vector<FrameRecord>& truth, const s
   if (is_stationary(truth)) {
     std::vector<FrameRecord> paired_results;
     for (const FrameRecord& record : result) {
-      if (used.count(key(record)) != 0) paired_results.push_back(record);
+      if (used.count(names.of(record)) != 0) paired_results.push_back(record);
     }
     out.spread = pose_spreads(paired_results);
   }

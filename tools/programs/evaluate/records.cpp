@@ -182,6 +182,14 @@ Result<std::vector<FrameRecord>> read_result(const std::string& path, const Name
   return read_lines(path, read);
 }
 
+Result<bool> is_result(const std::string& path) {
+  TOUCHLINE_TRY_ASSIGN(std::ifstream file, open_file(path));
+  std::string line;
+  std::getline(file, line);
+  const json value = json::parse(line, nullptr, false);
+  return value.is_object() && value.contains("sightings");
+}
+
 Result<AnnotatedPicture> read_annotated(const std::string& path) {
   TOUCHLINE_TRY_ASSIGN(std::ifstream file, open_file(path));
   const json value = json::parse(file, nullptr, false);

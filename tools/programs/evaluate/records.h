@@ -69,6 +69,8 @@ using NameMap = std::map<std::string, std::string>;
 /// "file:line: problem".
 Result<std::vector<FrameRecord>> read_truth(const std::string& path);
 Result<std::vector<FrameRecord>> read_result(const std::string& path, const NameMap& names);
+/// Returns whether the first line is that of a result, not of a truth. Errors as for the other readers.
+Result<bool> is_result(const std::string& path);
 Result<AnnotatedPicture> read_annotated(const std::string& path);
 
 }  // namespace touchline::evaluate

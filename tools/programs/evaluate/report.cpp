@@ -3,22 +3,13 @@
 #include <algorithm>
 #include <cstdio>
 #include <nlohmann/json.hpp>
-#include <numbers>
+
+#include "tools/programs/evaluate/report_text.h"
 
 namespace touchline::evaluate {
 namespace {
 
 using nlohmann::ordered_json;
-
-constexpr double kMillimeters = 1000.0;
-constexpr double kDegrees = 180.0 / std::numbers::pi;
-
-template <class... Values>
-void line(std::ostream& out, const char* format, Values... values) {
-  char text[256];
-  std::snprintf(text, sizeof text, format, values...);
-  out << text << '\n';
-}
 
 // Returns text such as "118 (98.3 %)"; without percentage if `whole` is 0.
 std::string share(std::size_t part, std::size_t whole) {
@@ -40,10 +31,6 @@ void print_errors(std::ostream& out, const char* name, const statistics::ErrorSu
     return e.count == 0 ? std::string("       -        -        -") : std::string(text);
   };
   line(out, "%-26s %s   %s  %s", name, cell(s).c_str(), cell(t).c_str(), unit);
-}
-
-ordered_json json_of(const statistics::ErrorSummary& e) {
-  return {{"count", e.count}, {"rms", e.rms}, {"p95", e.p95}, {"max", e.max}};
 }
 
 ordered_json json_of(const Reliability& reliability) {
@@ -115,9 +102,9 @@ ordered_json json_of(const PoseSummary& s) {
           {"balls_seen", s.balls_seen},
           {"balls_missed", s.balls_missed},
           {"ball_ghosts", s.ball_ghosts},
-          {"position_m", json_of(s.position)},
-          {"angle_rad", json_of(s.angle)},
-          {"ball_m", json_of(s.ball)},
+          {"position_m", json_of_errors(s.position)},
+          {"angle_rad", json_of_errors(s.angle)},
+          {"ball_m", json_of_errors(s.ball)},
           {"reliability", json_of(s.reliability)}};
 }
 
@@ -243,9 +230,9 @@ std::string to_json(const std::vector<PictureReport>& pictures, const PictureTol
                     {"balls_found", p.balls_found},
                     {"balls_good", p.balls_good},
                     {"ball_ghosts", p.ball_ghosts},
-                    {"team_px", json_of(p.team_px)},
-                    {"identification_px", json_of(p.identification_px)},
-                    {"ball_px", json_of(p.ball_px)}});
+                    {"team_px", json_of_errors(p.team_px)},
+                    {"identification_px", json_of_errors(p.identification_px)},
+                    {"ball_px", json_of_errors(p.ball_px)}});
   }
   return ordered_json{{"good_px", tolerance.good_px},
                       {"same_robot_px", tolerance.same_robot_px},

@@ -63,7 +63,8 @@ std::string text_of(const ReplaySummary& s, double elapsed_s) {
       static_cast<unsigned long long>(s.frames), elapsed_s, static_cast<double>(s.frames) / std::max(1e-9, elapsed_s),
       static_cast<double>(s.robots) / frames, static_cast<double>(s.robots_with_id) / frames,
       100.0 * static_cast<double>(s.frames_with_ball) / frames, static_cast<unsigned long long>(s.frames_overloaded));
-  if (s.damaged > 0) text += formatted("; %llu damaged pictures skipped", static_cast<unsigned long long>(s.damaged));
+  if (s.damaged > 0)
+    text += formatted("; %llu damaged pictures or packets skipped", static_cast<unsigned long long>(s.damaged));
   return text + "\n";
 }
 
@@ -76,6 +77,10 @@ std::string wrong_use(const ReplayOptions& options) {
     return options.skip_damaged ? "--skip-damaged: a recording is repeated with all of its pictures" : "";
   }
   if (!options.what_if.empty()) return "--what-if needs a recording (NAME.mcap); for pictures there is --set";
+  if (is_game_log(options.input)) {
+    if (options.rate_hz > 0.0) return "--rate: a game log has its own time stamps";
+    if (!options.annotate.empty()) return "--annotate: a game log has no pictures";
+  }
   const char* const missing = options.venue.empty()  ? "--venue"
                               : options.team.empty() ? "--team"
                               : options.out.empty()  ? "--out"
@@ -114,6 +119,7 @@ int run_pictures(const ReplayOptions& options, bool quiet, ProgressBar& bar, Tex
     output.print_error("touchline-replay: " + summary.text() + "\n");
     return touchline::kExitBadFile;
   }
+  for (const std::string& note : summary.value().notes) output.print_error("touchline-replay: " + note + "\n");
   const std::string text = text_of(summary.value(), seconds_since(begin));
   // With --out -, standard output carries only the result.
   if (!quiet && options.out == "-") output.print_error(text);
@@ -130,12 +136,14 @@ int main(int argc, char** argv) {
                "touchline-replay"};
   app.add_option(
          "input", options.input,
-         "A recording NAME.mcap (touchline run --record), a folder of pictures (png, ppm, jpg), one picture, or "
-         "a video")
+         "A recording NAME.mcap (touchline run --record), a folder of pictures (png, ppm, jpg), one picture, a video, "
+         "or a game log NAME.log or NAME.log.gz of the Small Size League")
       ->required()
       ->type_name("PATH");
-  app.add_option("--venue", options.venue, "Venue file, for pictures; a recording has its own")->type_name("FILE");
-  app.add_option("--team", options.team, "Team file, for pictures; a recording has its own")->type_name("FILE");
+  app.add_option("--venue", options.venue, "Venue file, for pictures and game logs; a recording has its own")
+      ->type_name("FILE");
+  app.add_option("--team", options.team, "Team file, for pictures and game logs; a recording has its own")
+      ->type_name("FILE");
   app.add_option("--out", options.out, "Result file, JSON lines; -: standard output. Only a recording needs none")
       ->type_name("FILE");
   app.add_option("--annotate", options.annotate,
@@ -157,12 +165,15 @@ int main(int argc, char** argv) {
       ->type_name("KEY=VALUE")
       ->expected(1)
       ->take_all();
-  app.add_flag("--skip-damaged", options.skip_damaged, "Skip pictures that cannot be decoded instead of stopping");
+  app.add_flag("--skip-damaged", options.skip_damaged,
+               "Skip pictures or packets that cannot be decoded instead of stopping");
   app.add_flag("--quiet", quiet, "Print neither progress nor summary; for a recording only the summary");
   touchline::add_examples(
       app, {{"touchline-replay touchline-0042.mcap", "repeat a recorded game, and compare all results"},
             {"touchline-replay touchline-0042.mcap --what-if control.drive.max_speed_mps=0.5", "what would differ"},
             {"touchline-replay game.mp4 --venue venue.toml --team team.toml --out game.jsonl", "write the results"},
+            {"touchline-replay game.log.gz --venue venue.toml --team team.toml --out game.jsonl",
+             "track the poses of a game log"},
             {"touchline-replay pictures --venue venue.toml --team team.toml --out - --annotate seen",
              "print the results, and draw them into copies of the pictures"}});
   if (const auto exit_code = touchline::parse_arguments(app, argc, argv)) return *exit_code;

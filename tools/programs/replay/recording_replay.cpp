@@ -81,7 +81,9 @@ std::string text_of(const RecordingSummary& summary, bool has_overrides) {
                      number(summary.stops) + " stops\n";
   const std::uint64_t steps = summary.frames + summary.stops;
   const std::string compared = number(steps - summary.not_compared) + " of " + number(steps) + " steps were compared";
-  if (summary.different == 0 && summary.not_compared > 0) {
+  if (summary.not_compared == steps) {
+    text += "no step was compared with the recording\n";
+  } else if (summary.different == 0 && summary.not_compared > 0) {
     text += compared + "; all equal\n";
   } else if (summary.different == 0) {
     text += "all results are those of the recording, bit for bit\n";

@@ -60,7 +60,8 @@ Result<std::optional<RecordingSource::Step>> RecordingSource::next() {
 
 void RecordingSource::note_end() {
   if (reader_.is_damaged()) {
-    notes_.push_back(path_ + ": a part of the file is damaged; the replay ends before it");
+    notes_.push_back(path_ + ": the file is damaged at byte " + std::to_string(reader_.offset()) +
+                     "; the replay ends before it");
   } else if (!reader_.is_complete()) {
     const std::string rest = reader_.rest() == 0 ? ""
                                                  : "; its last " + std::to_string(reader_.rest()) +
@@ -79,8 +80,9 @@ Result<void> RecordingSource::begin_session(const recording::ConfigurationText& 
   session_ = text.session;
   is_calibrated_ = text.is_calibrated;
   prepared_reload_ = 0;
+  applied_reload_.reset();
   next_number_ = 0;
-  was_unusable_ = had_gap_ = false;
+  had_gap_ = false;
   const std::string name = "session " + std::to_string(session_);
   if (!is_calibrated_) {
     notes_.push_back(name + " is not calibrated: nothing was recognized, and nothing is replayed");
@@ -117,9 +119,13 @@ Result<void> RecordingSource::prepare_reload(const recording::ConfigurationText&
   return {};
 }
 
-Result<void> RecordingSource::take_reload() {
+// Returns whether the settings of a reload apply from this step on.
+Result<bool> RecordingSource::take_reload() {
   const recording::StepHeader& header = message_->header;
-  if (header.reload == 0) return {};
+  // What begins in the middle of a session has the configuration that was in force there.
+  const bool begins = !applied_reload_ && header.number > 0 && header.reload != prepared_reload_;
+  if (begins) applied_reload_ = header.reload;
+  if (header.reload == applied_reload_.value_or(0)) return false;
   if (header.reload != prepared_reload_) {
     return failure(ErrorCode::kInconsistent, "%s uses reload %u, whose files are not recorded",
                    frame_text(header).c_str(), header.reload);
@@ -132,7 +138,15 @@ Result<void> RecordingSource::take_reload() {
     events.tables = settings.tables;
     events.adaptation = &settings.adaptation;
   }
-  return {};
+  return true;
+}
+
+void RecordingSource::finish_reload() {
+  LiveSettings& settings = live_settings_.settings();
+  if (settings.tables != nullptr) settings.tables = pipeline_->released_tables();
+  live_settings_.on_taken();
+  running_ = std::move(next_);
+  applied_reload_ = std::exchange(prepared_reload_, 0);
 }
 
 void RecordingSource::note_gap() {
@@ -170,7 +184,7 @@ Result<bool> RecordingSource::decode_picture(Frame& frame) {
     layout = decoder_.layout();
     decoded_.resize(layout.bytes);
     const Result<void> decoded = decoder_.decode({begin, picture_.size()}, decoded_.data());
-    if (!decoded.ok()) return prefixed(frame_text(header) + ": ", decoded.error());
+    if (!decoded.ok()) return prefixed(frame_text(header), decoded.error());
     begin = decoded_.data();
   } else if (picture_.size() != layout.bytes) {
     return failure(ErrorCode::kCorruptFrame, "%s: its picture has %zu bytes instead of %zu", frame_text(header).c_str(),
@@ -198,8 +212,7 @@ Result<void> RecordingSource::fill_frame(Frame& frame) {
   TOUCHLINE_TRY(recording::decode_sightings(message_->results, *sightings_));
   if (message_->inputs.teams.colors_exchanged) exchange_teams(*sightings_);
   frame.sightings = sightings_.get();
-  // Pictures that could not be used tell the pipeline to begin anew after them; it does not see them now.
-  if (was_unusable_ && !header.is_unusable) message_->inputs.events.reset = true;
+  message_->inputs.was_unusable = header.is_unusable;
   return {};
 }
 
@@ -210,8 +223,13 @@ Result<std::optional<RecordingSource::Step>> RecordingSource::run(std::span<cons
   if (header.session != session_ || pipeline_ == nullptr) {
     return failure(ErrorCode::kInconsistent, "the configuration of session %u is not recorded", header.session);
   }
+  const bool had_steps = header.number == next_number_;
   note_gap();
-  TOUCHLINE_TRY(take_reload());
+  TOUCHLINE_TRY_ASSIGN(const bool reloads, take_reload());
+  if (reloads && !had_steps) {
+    notes_.push_back(frame_text(header) + ": reload " + std::to_string(header.reload) +
+                     " took effect in a step that was not recorded; it takes effect here");
+  }
   Step step{header};
   if (header.kind == StepKind::kFrame) {
     Frame frame;
@@ -223,19 +241,12 @@ Result<std::optional<RecordingSource::Step>> RecordingSource::run(std::span<cons
     seen_->cut_short = trace.sightings.cut_short;
     recording::write_results(*seen_, trace.tracks, trace.commands, trace.packets, results_);
     pipeline_->adapt();
-    was_unusable_ = header.is_unusable;
     step.trace = &trace;
     step.has_picture = frame.plane[0] != nullptr;
   } else {
     recording::write_results(pipeline_->stop(message_->inputs), results_);
   }
-  if (header.reload != 0) {
-    LiveSettings& settings = live_settings_.settings();
-    if (settings.tables != nullptr) settings.tables = pipeline_->released_tables();
-    live_settings_.on_taken();
-    running_ = std::move(next_);
-    prepared_reload_ = 0;
-  }
+  if (reloads) finish_reload();
   if (hash_.covers(header)) hash_.add(results_);
   for (std::size_t i = 0; i < recording::kResultParts; ++i) step.differs[i] = results_[i] != message_->results[i];
   step.is_compared = !had_gap_;

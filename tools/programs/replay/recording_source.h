@@ -61,9 +61,12 @@ class RecordingSource {
   void note_gap();
   Result<void> fill_frame(Frame& frame);
   Result<bool> decode_picture(Frame& frame);
-  Result<void> take_reload();
+  Result<bool> take_reload();
+  void finish_reload();
   void note_end();
-  [[nodiscard]] Error error_of(const Error& error) const { return prefixed(path_ + ": ", error); }
+  [[nodiscard]] Error error_of(const Error& error) const {
+    return prefixed(path_ + ": byte " + std::to_string(reader_.offset()), error);
+  }
 
   const std::vector<std::string> overrides_;
   std::string path_;
@@ -72,7 +75,8 @@ class RecordingSource {
   std::unique_ptr<Pipeline> pipeline_;
   LiveSettingsBuilder live_settings_;
   std::uint32_t session_ = 0, prepared_reload_ = 0;
-  bool is_calibrated_ = true, uses_pictures_ = true, was_unusable_ = false, had_gap_ = false;
+  std::optional<std::uint32_t> applied_reload_;  // nullopt: before the session's first step
+  bool is_calibrated_ = true, uses_pictures_ = true, had_gap_ = false;
   std::uint64_t next_number_ = 0;
   std::unique_ptr<recording::StepMessage> message_ = std::make_unique<recording::StepMessage>();
   std::unique_ptr<Sightings> sightings_ = std::make_unique<Sightings>();

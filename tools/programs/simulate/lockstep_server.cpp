@@ -10,13 +10,13 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "hal/linux/network/tcp_socket.h"
 #include "hal/linux/system_error.h"
 
 namespace touchline::simulate {
 namespace {
 
 constexpr std::string_view kTcp = "tcp://";
-constexpr int kSocketType = SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC;
 constexpr std::size_t kReadBytes = 65536;
 
 std::string error_line(const Error& error, bool ends_game = false) {
@@ -32,7 +32,7 @@ const char* name_of(std::size_t index) { return index == 0 ? "the program" : "th
 
 std::string StreamAddress::text() const {
   if (address.kind == hal::NetworkAddress::Kind::kUnix) return address.text();
-  return std::string(kTcp) + hal::ipv4_text(address.ipv4) + ":" + std::to_string(address.port);
+  return hal::TcpAddress{address.ipv4, address.port}.text();
 }
 
 Result<StreamAddress> parse_stream_address(const std::string& text) {
@@ -51,26 +51,8 @@ Result<StreamAddress> parse_stream_address(const std::string& text) {
 Result<void> LockstepServer::open(const StreamAddress& address) {
   address_ = address;
   if (address.address.kind == hal::NetworkAddress::Kind::kUnix) return unix_.open(address.address.path);
-  const auto refuse = [&](const char* doing) {
-    const int error = errno;
-    return failure(hal::open_error(error), "%s: %s failed: %s", address_.text().c_str(), doing,
-                   hal::system_text(error));
-  };
-  hal::Descriptor socket(::socket(AF_INET, kSocketType, 0));
-  if (!socket.is_open()) return refuse("making a socket");
-  const int on = 1;
-  ::setsockopt(socket.get(), SOL_SOCKET, SO_REUSEADDR, &on, sizeof(on));
-  sockaddr_in at{};
-  at.sin_family = AF_INET;
-  at.sin_addr.s_addr = htonl(address.address.ipv4);
-  at.sin_port = htons(address.address.port);
-  if (::bind(socket.get(), reinterpret_cast<const sockaddr*>(&at), sizeof(at)) != 0) return refuse("binding");
-  if (::listen(socket.get(), 2) != 0) return refuse("listening");
-  socklen_t size = sizeof(at);
-  if (::getsockname(socket.get(), reinterpret_cast<sockaddr*>(&at), &size) == 0) {
-    address_.address.port = ntohs(at.sin_port);
-  }
-  tcp_ = std::move(socket);
+  TOUCHLINE_TRY_ASSIGN(tcp_, hal::listen_tcp({address.address.ipv4, address.address.port}));
+  if (const std::uint16_t port = hal::local_port(tcp_); port != 0) address_.address.port = port;
   return {};
 }
 

@@ -204,16 +204,6 @@ void add_options(CLI::App& app, Options& options) {
            "--table", "--scenarios", "--video", "--jobs", "--json", "--preset", "--set"});
 }
 
-// Names an option that a subcommand would ignore; "" if there is none.
-std::string ignored_option(const CLI::App& app, const CLI::App& command) {
-  if (!command.parsed()) return {};
-  for (const CLI::Option* option : app.get_options()) {
-    if (option->count() > 0)
-      return option->get_name() + " stands before " + command.get_name() + ", which does not use it";
-  }
-  return {};
-}
-
 }  // namespace
 }  // namespace touchline::simulate
 
@@ -236,7 +226,7 @@ int main(int argc, char** argv) {
   const CLI::App* const serve = simulate::add_serve_command(app, serve_options);
   app.require_subcommand(0, 1);
   if (const auto exit_code = parse_arguments(app, argc, argv)) return *exit_code;
-  if (const std::string ignored = simulate::ignored_option(app, *serve); !ignored.empty()) {
+  if (const std::string ignored = ignored_option(app, *serve); !ignored.empty()) {
     return fail("touchline-simulate", ignored, kExitBadCommandLine);
   }
   const Result<void> done = serve->parsed() ? simulate::run_serve(serve_options) : simulate::run(options);

@@ -47,3 +47,15 @@ export function cssColor(rgb: readonly number[] | undefined, fallback: string): 
 export function rounded(value: number): number {
   return Number(value.toPrecision(6));
 }
+
+/** 12345678 -> "12.3 MB" */
+export function megabytes(bytes: number): string {
+  return bytes >= 1e9 ? `${fixed(bytes / 1e9, 2)} GB` : `${fixed(bytes / 1e6, 1)} MB`;
+}
+
+/** 75.25 -> "1:15.3" */
+export function clock(seconds: number): string {
+  const tenths = Math.max(0, Math.round(10 * seconds));
+  const rest = (tenths % 600) / 10;
+  return `${Math.floor(tenths / 600)}:${rest < 10 ? '0' : ''}${rest.toFixed(1)}`;
+}

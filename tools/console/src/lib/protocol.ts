@@ -257,8 +257,22 @@ export interface LostDevice {
   reason: string;
 }
 
+/** What the recorder does. */
+export interface RecordingStatus {
+  on: boolean;
+  file: string; // that is being written, else the last one; '': none yet
+  duration_s: number;
+  bytes: number;
+  frames: number;
+  pictures: number;
+  lost_frames: number;
+  lost_pictures: number;
+  ended: string; // why the last one ended
+}
+
 export interface Status {
   type: 'status';
+  recording?: RecordingStatus | null; // null: nothing can be recorded
   time_s: number;
   elapsed_s: number;
   halt?: string[] | null; // also without frames; null: the board's loop is silent
@@ -331,6 +345,8 @@ export type ClientMessage =
   | { type: 'drive'; id: number; give_back: true }
   | { type: 'adaptation'; action: 'freeze' | 'follow' | 'reset' }
   | { type: 'arena'; do: ArenaRequest }
+  | { type: 'recording'; action: 'start' | 'stop' }
+  | { type: 'recording'; action: 'delete'; name: string }
   | { type: 'move'; u_px: number; v_px: number; to_u_px: number; to_v_px: number };
 
 /** Header of a binary message: 32 bytes, little-endian; the content follows: a JPEG of the camera, or a picture of the setup. */

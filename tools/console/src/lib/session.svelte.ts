@@ -1,9 +1,10 @@
 import { Connection } from './connection';
-import { paintClasses, paintLight, type ValueGrid } from './findings';
+import { paintClasses, paintLight } from './findings';
 import { pageVersion } from './page_version';
 import { PixelMap } from './projection';
-import { PROTOCOL, type ArenaRequest, type ClientMessage, type Driver, type EventLine, type FindingsName, type Hello, type PictureHeader, type ProbeResult, type Regions, type ServerMessage, type State, type Status } from './protocol';
+import { PROTOCOL, type ArenaRequest, type ClientMessage, type Driver, type EventLine, type FindingsName, type Hello, type PictureHeader, type ProbeResult, type ServerMessage, type State, type Status } from './protocol';
 import { Setup } from './setup.svelte';
+import type { Findings, Picture } from './shown';
 import { StopRequest } from './stop_request';
 import { Trails } from './trails';
 
@@ -18,22 +19,6 @@ const MAX_LATENCY_SAMPLES = 600;
 const MAX_WAITING_STATES = 30;
 // Of a new frame in the mean of the stages' times: about two seconds at 15 Hz.
 const STAGE_WEIGHT = 1 / 30;
-
-export interface Picture {
-  image: ImageBitmap;
-  header: PictureHeader;
-  state: State | null; // of the same frame
-  findings: Findings;
-}
-
-/** How a picture was understood, as far as it was asked for. */
-export interface Findings {
-  regions?: Regions;
-  classes?: HTMLCanvasElement;
-  classesGrid?: ValueGrid;
-  light?: HTMLCanvasElement;
-  lightGrid?: ValueGrid;
-}
 
 export interface Notice {
   time_s: number | null;
@@ -94,6 +79,7 @@ class Session {
   private findings = new Map<number, Findings>(); // of pictures that follow
   private probes = new Map<number, (result: ProbeResult | null) => void>();
   private requests = new Map<number, string>();
+  private deletions = new Map<number, (error: string) => void>();
   private decoding = false;
   private next: { header: PictureHeader; jpeg: Blob } | null = null;
   private wanted: Extract<ClientMessage, { type: 'watch' }> = { type: 'watch', picture: null, state_hz: 15, setup: false };
@@ -219,6 +205,18 @@ class Session {
     this.ask({ type: 'arena', do: request }, what);
   }
 
+  /** Begins or ends a recording. */
+  record(on: boolean): void {
+    this.ask({ type: 'recording', action: on ? 'start' : 'stop' }, 'Recording');
+  }
+
+  /** Returns the server's error, or "". */
+  deleteRecording(name: string): Promise<string> {
+    const number = this.connection.send({ type: 'recording', action: 'delete', name });
+    if (number <= 0) return Promise.resolve('no connection');
+    return new Promise((resolve) => this.deletions.set(number, resolve));
+  }
+
   tell(message: ClientMessage): void {
     this.connection.tell(message);
   }
@@ -250,6 +248,8 @@ class Session {
       this.requests.clear();
       for (const resolve of this.probes.values()) resolve(null);
       this.probes.clear();
+      for (const resolve of this.deletions.values()) resolve('the connection was lost');
+      this.deletions.clear();
       this.setup.forget();
       this.phase = this.hello ? 'lost' : 'connecting';
     }
@@ -311,6 +311,11 @@ class Session {
         if (probe) {
           this.probes.delete(message.to);
           return probe(message.ok ? ((message.result as ProbeResult | undefined) ?? null) : null);
+        }
+        const deletion = this.deletions.get(message.to);
+        if (deletion) {
+          this.deletions.delete(message.to);
+          return deletion(message.ok ? '' : (message.error ?? 'refused'));
         }
         if (this.setup.accept(message)) return;
         if (message.ok && this.stop?.request.number === message.to) this.stop.request.answered = true;

@@ -150,14 +150,13 @@ std::string bash_words(const CLI::App& app, const std::string& command) {
     for (const std::string& name : names_of(*option)) options.push_back(name);
   }
   std::string text = "    '" + command + "')\n        options=" + quoted(joined(options, " ")) + "\n";
-  const std::vector<const CLI::App*> commands = app.get_subcommands(nullptr);
   const std::vector<const CLI::Option*> positionals = positionals_of(app);
-  std::string other;
-  if (!commands.empty()) {
-    other = "kind=words words=" + quoted(joined(names_of(commands), " "));
-  } else if (!positionals.empty()) {
-    other = bash_value(value_of(*positionals.front()));
+  Value value = positionals.empty() ? Value{} : value_of(*positionals.front());
+  if (const std::vector<const CLI::App*> commands = app.get_subcommands(nullptr); !commands.empty()) {
+    value.kind = ValueKind::kWords;
+    for (const std::string& name : names_of(commands)) value.words.push_back(name);
   }
+  const std::string other = bash_value(value);
   if (!other.empty()) text += "        [[ $kind ]] || { " + other + "; }\n";
   return text + "        ;;\n";
 }
@@ -188,10 +187,14 @@ std::string zsh_escaped(const std::string& text, std::string_view special) {
   return out;
 }
 
-// Returns the arguments of zsh's _arguments for the options and the positional arguments of a command.
-std::string zsh_arguments(const CLI::App& app, const std::string& indent) {
+// Returns one argument of zsh's _arguments.
+std::string zsh_argument(const std::string& argument, const std::string& indent) {
+  return " \\\n" + indent + quoted(argument);
+}
+
+// Returns the arguments of zsh's _arguments for the options of a command.
+std::string zsh_options(const CLI::App& app, const std::string& indent) {
   std::string text;
-  const auto add = [&](const std::string& argument) { text += " \\\n" + indent + quoted(argument); };
   for (const CLI::Option* option : options_shown(app)) {
     const Value value = value_of(*option);
     const bool repeats =
@@ -205,13 +208,19 @@ std::string zsh_arguments(const CLI::App& app, const std::string& indent) {
         argument +=
             zsh_escaped(value.kind == ValueKind::kWords ? "choice" : value.type, "\\:") + ":" + zsh_action(value);
       }
-      add(argument);
+      text += zsh_argument(argument, indent);
     }
   }
+  return text;
+}
+
+// Returns the arguments of zsh's _arguments for the options and the positional arguments of a command.
+std::string zsh_arguments(const CLI::App& app, const std::string& indent) {
+  std::string text = zsh_options(app, indent);
   for (const CLI::Option* option : positionals_of(app)) {
-    const Value value = value_of(*option);
-    add((option->get_items_expected_max() > 1 ? "*:" : ":") + zsh_escaped(option->get_name(), "\\:") + ":" +
-        zsh_action(value));
+    text += zsh_argument((option->get_items_expected_max() > 1 ? "*:" : ":") + zsh_escaped(option->get_name(), "\\:") +
+                             ":" + zsh_action(value_of(*option)),
+                         indent);
   }
   return text;
 }
@@ -265,11 +274,15 @@ std::string zsh_completion(const CLI::App& program) {
         "    local curcontext=$curcontext context state state_descr\n    local -a line commands\n    typeset -A "
         "opt_args\n"
         "    _arguments -S -C" +
-        zsh_arguments(program, "        ") +
+        zsh_options(program, "        ") +
         " \\\n        '1:command:->command' '*::argument:->argument'\n"
         "    case $state in\n    command)\n        commands=(\n";
     for (const CLI::App* command : commands) {
       text += "            " + quoted(command->get_name() + ":" + brief(command->get_description())) + "\n";
+    }
+    // A program with commands may do something else if the first word is none of them.
+    for (const CLI::Option* option : positionals_of(program)) {
+      for (const std::string& word : value_of(*option).words) text += "            " + quoted(word) + "\n";
     }
     text +=
         "        )\n        _describe -t commands command commands\n        ;;\n    argument)\n        case $words[1] "
@@ -278,7 +291,8 @@ std::string zsh_completion(const CLI::App& program) {
       text += "        " + command->get_name() + ")\n            _arguments -S" +
               zsh_arguments(*command, "                ") + "\n            ;;\n";
     }
-    text += "        esac\n        ;;\n    esac\n}\n";
+    text += "        *)\n            _arguments -S" + zsh_options(program, "                ") +
+            "\n            ;;\n        esac\n        ;;\n    esac\n}\n";
   }
   // The script may be called as a function that zsh found in fpath, or read with `source`.
   return text + "if [[ ${funcstack[1]} == _" + name + " ]]; then\n    " + function + " \"$@\"\nelse\n    compdef " +

@@ -121,8 +121,11 @@ def CompletesEveryOption(program):
             if listed != options_of(page):
                 fail(f"{shlex.join(words)}: zsh offers {listed}, --help {options_of(page)}")
         commands = set(pages) - {""}
-        if commands and bash_words(script, [name, ""]) != commands:
-            fail(f"bash offers {bash_words(script, [name, ''])} as commands")
+        # A program with commands can have words to choose from in the place of the command.
+        words = re.search(r"^ +[a-z]+ TEXT:\{(.*)\}", pages[""], re.MULTILINE)
+        expected = commands | set(words[1].split(",") if words else [])
+        if commands and bash_words(script, [name, ""]) != expected:
+            fail(f"bash offers {bash_words(script, [name, ''])} as first words instead of {expected}")
 
 
 class Terminal:
@@ -171,6 +174,7 @@ TYPED = [
     ("touchline --comp\tz\t", "--completion zsh"),
     ("touchline-calibrate fi\t--pict\tmock\t", "field --picture mock.toml"),
     ("touchline-arena lay\t--out fold\t", "layouts --out folder"),
+    ("touchline-arena ser\t--pic\tnone --lockst\t", "serve --pictures none --lockstep"),
     ("touchline-replay mock\t--venue mock\t", "mock.toml --venue mock.toml"),
     ("touchline-latency --plant pree\t5", "--plant preemption=5"),
     ("touchline-devices --gp\t--json", "--gpio --json"),

@@ -17,7 +17,7 @@ Result<hal::TcpAddress> plan_remote(const config::Configuration& configuration) 
   if (board.camera.address.empty()) {
     return refuse("camera.address", "is missing: tcp://ADDRESS:PORT of the program that sends the pictures");
   }
-  const Result<hal::TcpAddress> address = hal::parse_tcp_address(board.camera.address);
+  Result<hal::TcpAddress> address = hal::parse_tcp_address(board.camera.address);
   if (!address.ok()) return refuse("camera.address", address.text());
   const bool has_mock_radio =
       board.radio.backend == hal::RadioBackend::kMock ||

@@ -9,7 +9,7 @@ namespace touchline::console {
 namespace {
 
 // A page asks for one answer after the other, and for a file beside it; further requests would only wait for the disk.
-constexpr std::ptrdiff_t kMaxRequests = 6;
+constexpr std::ptrdiff_t kMaxWaiting = 6;
 // Part of a file that is read and sent at once: a part waits for the next turn of the server, so this bounds the rate
 // of a download to 30 MB/s, and its memory.
 constexpr std::uint64_t kPartBytes = std::uint64_t{256} * 1024;
@@ -43,7 +43,7 @@ int WebServer::Implementation::begin_recordings(lws* connection, std::string_vie
   const auto waiting = std::count_if(requests_.begin(), requests_.end(), [](const auto& entry) {
     return entry.second.kind == HttpRequest::Kind::kRecording;
   });
-  if (waiting >= kMaxRequests) {
+  if (waiting >= kMaxWaiting) {
     return answer(connection, HTTP_STATUS_SERVICE_UNAVAILABLE, kPlainText, "Too many recordings are being read.\n");
   }
   constexpr std::string_view kBase = "/recordings";

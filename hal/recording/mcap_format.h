@@ -20,6 +20,8 @@ static_assert(std::endian::native == std::endian::little, "numbers of the file a
 inline constexpr std::string_view kMagic{"\x89MCAP0\r\n", 8};
 /// Bytes before the content of each record: operation code and length.
 inline constexpr std::size_t kRecordHeaderBytes = 9;
+// Offset of the summary, of its offsets, and the checksum.
+inline constexpr std::uint64_t kFooterBytes = 8 + 8 + 4;
 
 enum class Opcode : std::uint8_t {
   kHeader = 0x01,

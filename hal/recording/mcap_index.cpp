@@ -17,7 +17,6 @@ namespace {
 constexpr std::uint64_t kMaxChunkBytes = std::uint64_t{64} << 20, kMaxSummaryBytes = std::uint64_t{64} << 20;
 // Begin, end, size, checksum, an empty compression, and the length of the records.
 constexpr std::uint64_t kChunkHeadBytes = 8 + 8 + 8 + 4 + 4 + 8;
-constexpr std::uint64_t kFooterBytes = 8 + 8 + 4;
 constexpr std::uint64_t kMessageHeadBytes = 2 + 4 + 8 + 8;
 
 }  // namespace

@@ -285,7 +285,6 @@ Result<void> McapWriter::write_summary() {
   const std::uint64_t offsets_begin = size_ + out.size();
   out += offsets;
   RecordWriter writer(out);
-  constexpr std::uint64_t kFooterBytes = 8 + 8 + 4;
   writer.number(static_cast<std::uint8_t>(Opcode::kFooter));
   writer.number(kFooterBytes);
   writer.number(summary_begin);

@@ -30,6 +30,8 @@ class RemoteCamera final : public Camera {
   /// clock, which this camera advances; null: real time. It must outlive the camera.
   RemoteCamera(const TcpAddress& address, const CameraSettings& settings, FrameClock* lockstep);
   ~RemoteCamera() override { RemoteCamera::do_close(); }
+  RemoteCamera(const RemoteCamera&) = delete;
+  RemoteCamera& operator=(const RemoteCamera&) = delete;
 
   [[nodiscard]] const CameraInfo& info() const override { return info_; }
 

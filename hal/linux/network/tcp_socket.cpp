@@ -15,7 +15,7 @@ namespace touchline::hal {
 namespace {
 
 constexpr std::string_view kTcp = "tcp://";
-constexpr int kSocketType = SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC;
+constexpr int kTcpSocketType = SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC;
 
 Error refusal(const TcpAddress& address, ErrorCode code, const char* doing, int error) {
   return failure(code, "%s: %s failed: %s", address.text().c_str(), doing, system_text(error));
@@ -51,7 +51,7 @@ Result<TcpAddress> parse_tcp_address(std::string_view text) {
 
 Result<Descriptor> listen_tcp(const TcpAddress& address) {
   const auto refuse = [&](const char* doing) { return refusal(address, open_error(errno), doing, errno); };
-  Descriptor socket(::socket(AF_INET, kSocketType, 0));
+  Descriptor socket(::socket(AF_INET, kTcpSocketType, 0));
   if (!socket.is_open()) return refuse("making a socket");
   const int on = 1;
   ::setsockopt(socket.get(), SOL_SOCKET, SO_REUSEADDR, &on, sizeof(on));
@@ -69,7 +69,7 @@ std::uint16_t local_port(const Descriptor& socket) {
 }
 
 Result<Descriptor> connect_tcp(const TcpAddress& address, int patience_ms) {
-  Descriptor socket(::socket(AF_INET, kSocketType, 0));
+  Descriptor socket(::socket(AF_INET, kTcpSocketType, 0));
   if (!socket.is_open()) return refusal(address, open_error(errno), "making a socket", errno);
   const int on = 1;
   ::setsockopt(socket.get(), IPPROTO_TCP, TCP_NODELAY, &on, sizeof(on));

@@ -19,6 +19,10 @@ double time_to(const Player& robot, const SkillGoal& goal, const Pitch& pitch, c
   return time_to(state_of(robot), motion_goal(goal), limits, area_of(pitch));
 }
 
+double least_time_to(const Player& robot, Vector2 place, const DriveParameters& limits) {
+  return least_time_through(state_of(robot), place, limits);
+}
+
 Twist drive(const Player& robot, const SkillGoal& goal, const RoundObstacles& obstacles, const Pitch& pitch,
             double period_s, const DriveParameters& limits) {
   const MotionState state = state_of(robot);

@@ -9,7 +9,10 @@
 namespace touchline {
 namespace {
 
-// A robot that needs so much longer to the ball than the soonest one will not attack: its contact is not planned.
+// Contacts are planned for so many robots, the soonest ones and the attacker: all that a team of five has in the field.
+// Planning for all of eleven would take twice as long as everything else in the play.
+constexpr std::size_t kPlanned = 4;
+// A robot that needs so much longer to the ball than the soonest one will not attack, either.
 constexpr double kFarS = 0.8;
 
 // Lower bounds of the times in which robots meet the ball.
@@ -70,8 +73,9 @@ void Play::look(const Tracks& tracks, const Players& players) {
       if (robot.id >= 0 && robot.id == scene_.parameters.play.goalkeeper_id) goalkeeper_seen_ = scene_.now;
       continue;
     }
-    scene_.opponents.push_back({position(robot.pose_at_action), static_cast<double>(robot.twist_at_action.v_mps) *
-                                                                    unit_vector(heading(robot.pose_at_action))});
+    const auto v = static_cast<double>(robot.twist_at_action.v_mps);
+    scene_.opponents.push_back(
+        {position(robot.pose_at_action), v * unit_vector(heading(robot.pose_at_action)), std::abs(v)});
   }
   if (!scene_.ball_known) return;
   if (seen) scene_.ball = to_vector(tracks.ball.position_at_action);
@@ -151,7 +155,9 @@ void Play::assign_jobs() {
     return options_.best_for(player, player.id == attacker_ ? &strike_.direction_rad : nullptr, scene_);
   };
   const std::array<double, kMaxRobotsPerTeam> reach_s = times_to_reach(others, scene_);
-  const double least_reach_s = *std::min_element(reach_s.begin(), reach_s.end());
+  std::array<double, kPlanned> soonest_s{};
+  std::partial_sort_copy(reach_s.begin(), reach_s.end(), soonest_s.begin(), soonest_s.end());
+  const double least_reach_s = soonest_s.front(), planned_s = std::min(soonest_s.back(), least_reach_s + kFarS);
   double least_cost_s = 1e9;
   std::array<Strike, kMaxRobotsPerTeam> strikes{};
   for (const JobLine& line : job_table()) {
@@ -167,7 +173,7 @@ void Play::assign_jobs() {
         opening.time_s[k] = time_to(others[k], {.place = opening.place}, scene_.pitch, scene_.parameters.drive);
         continue;
       }
-      if (reach_s[k] > least_reach_s + kFarS && others[k].id != attacker_) continue;
+      if (reach_s[k] > planned_s && others[k].id != attacker_) continue;
       strikes[k] = strike_of(others[k]);
       least_cost_s = std::min(least_cost_s, strikes[k].cost_s);
       opening.time_s[k] = strikes[k].cost_s + blocked_time(others[k], strikes[k].goal.place);

@@ -10,6 +10,7 @@ namespace touchline {
 
 struct Opponent {
   Vector2 position, velocity;
+  double speed_mps = 0.0;
 };
 
 /// What the play knows in a frame. Everything is predicted to the time at which the commands act.

@@ -33,4 +33,7 @@ Twist drive(const Player& robot, const SkillGoal& goal, const RoundObstacles& ob
 /// Estimates the time in s until the robot is at its goal, without obstacles.
 double time_to(const Player& robot, const SkillGoal& goal, const Pitch& pitch, const DriveParameters& limits);
 
+/// Returns a lower bound of time_to() for goals at this place with a speed, in any direction.
+double least_time_to(const Player& robot, Vector2 place, const DriveParameters& limits);
+
 }  // namespace touchline

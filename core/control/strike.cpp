@@ -46,25 +46,34 @@ double time_to_goal(BallState ball, const Scene& scene) {
   double danger = 0.0;
   const bool was_in_area = pitch.in_own_area(ball.position, 0.0);
   constexpr int kSteps = static_cast<int>(kHorizon / kStep);
+  constexpr double kReach = 0.055, kMostReach = kReach + 0.12;
+  // Until then an opponent is too far away to reach the ball: most are so all the time.
+  std::array<double, kMaxRobots> far_until{};
   for (int i = 0; i < kSteps; ++i) {
     const double t = i * kStep;
     const Vector2 from = ball.position;
+    const double speed = std::sqrt(dot(ball.velocity, ball.velocity));  // which becomes only less
     // A wall so near leaves the ball no way back: the robot behind it keeps it there.
     BallState next = rolled(ball, kStep, pitch);
     if (t < 0.5 * kStep && dot(next.velocity, ball.velocity) < 0.5 * dot(ball.velocity, ball.velocity))
       next.velocity = {};
     ball = next;
     // Opponents move towards the ball while it rolls.
-    const double reach = 0.055 + std::min(0.12, 0.3 * std::max(0.0, t - 0.1));
+    const double reach = std::min(kMostReach, kReach + 0.3 * std::max(0.0, t - 0.1));
     const Vector2 way = ball.position - from;
     const double length2 = dot(way, way);
-    for (const Opponent& opponent : scene.opponents) {
+    for (std::size_t k = 0; k < scene.opponents.size(); ++k) {
+      if (t < far_until[k]) continue;
+      const Opponent& opponent = scene.opponents[k];
       const Vector2 p = opponent.position + t * opponent.velocity;
       const double part = length2 > 1e-12 ? std::clamp(dot(p - from, way) / length2, 0.0, 1.0) : 0.0;
       const Vector2 off = from + part * way - p;
-      if (t + part * kStep > 0.05 && dot(off, off) < reach * reach) {
+      const double off2 = dot(off, off);
+      if (t + part * kStep > 0.05 && off2 < reach * reach) {
         return danger + t + kLost + rest_time(from + part * way, pitch);
       }
+      const double spare = std::sqrt(off2) - kMostReach - kStep * speed;
+      if (spare > 0.0) far_until[k] = t + spare / (speed + opponent.speed_mps + 1e-6);
     }
     if (ball.position.x > pitch.end_m) {
       return danger + t + kStep * (pitch.end_m - from.x) / (ball.position.x - from.x);
@@ -146,16 +155,15 @@ Strike StrikeOptions::best_for(const Player& robot, const double* former, const 
   best = {goal, ball.position, straight, straight_s,
           straight_s + disturbed_s(straight_s) + time_to_goal(after_strike(ball, straight, scene), scene)};
 
-  // The options in the order of their lower bounds, until none can be better. The straight way at full speed is a lower
-  // bound of the way's time.
+  // The options in the order of their lower bounds, until none can be better.
   constexpr double kNever = 1e9;
-  std::array<double, kTimes*(kAims + kRound)> bound;
-  const auto least_s = [&](const Option& option) { return distance(option.place, here) / limits.max_speed_mps; };
+  std::array<double, kTimes*(kAims + kRound)> soonest, bound;
   for (std::size_t i = 0; i < options_.size(); ++i) {
     const Option& option = options_[i];
-    const double least = least_s(option);
+    const double least = least_time_to(robot, option.place, limits);
     const bool rolls = dot(option.ball.velocity, option.ball.velocity) > 0.01;
-    bound[i] = rolls && least > option.from_s + kLateS ? kNever : std::max(option.from_s, least) + option.after_s;
+    soonest[i] = std::max(option.from_s, least);
+    bound[i] = rolls && least > option.from_s + kLateS ? kNever : soonest[i] + option.after_s;
   }
   while (options_.size() > 0) {
     const auto next = static_cast<std::size_t>(
@@ -164,7 +172,7 @@ Strike StrikeOptions::best_for(const Player& robot, const double* former, const 
     Option& option = options_[next];
     if (option.is_bound) {
       complete(option, scene);
-      bound[next] = std::max(option.from_s, least_s(option)) + option.after_s;
+      bound[next] = soonest[next] + option.after_s;
       continue;
     }
     bound[next] = kNever;

@@ -131,6 +131,9 @@ double travel_time(double way_m, double speed, double top, double acceleration) 
   return (std::sqrt(std::max(0.0, speed * std::abs(speed) + 2.0 * acceleration * way_m)) - speed) / acceleration;
 }
 
+// The part of the acceleration that plans use.
+double accelerating(const DriveParameters& limits) { return 0.8 * limits.max_wheel_acceleration_mps2; }
+
 struct Plan {
   double time_s = 1e9;
   bool backward = false;
@@ -186,9 +189,8 @@ class FastestWay {
     const double error = wrap_angle(way.direction - rover_.heading + (backward ? pi : 0.0));
     const double top = way.arc_m > way.line_m ? curve_speed(way.radius_m, limits_) : limits_.max_speed_mps;
     const double speed = backward ? -rover_.speed : rover_.speed;
-    const double time =
-        extra_s + turn_time(error, limits_) +
-        travel_time(way.line_m + way.arc_m, speed * std::cos(error), top, 0.8 * limits_.max_wheel_acceleration_mps2);
+    const double time = extra_s + turn_time(error, limits_) +
+                        travel_time(way.line_m + way.arc_m, speed * std::cos(error), top, accelerating(limits_));
     if (time < best_.time_s) best_ = {time, backward, way};
   }
 
@@ -230,6 +232,12 @@ Twist drive_through(const MotionState& robot, const MotionGoal& goal, const Driv
     v = std::min(
         v, std::max(0.0, std::min(curve_grip(limits) / w, limits.max_wheel_speed_mps - 0.5 * limits.wheel_base_m * w)));
   return {static_cast<float>(sign * v), static_cast<float>(turn + v * plan.way.curvature)};
+}
+
+double least_time_through(const MotionState& robot, Vector2 place, const DriveParameters& limits) {
+  // The shortest ways are straight. A way that begins inside the tightest circle counts as up to half a radius less.
+  const double way = std::max(0.0, length(place - robot.place) - 0.5 * kTightM);
+  return kResponseS + travel_time(way, std::abs(robot.v_mps), limits.max_speed_mps, accelerating(limits));
 }
 
 double time_through(const MotionState& robot, const MotionGoal& goal, const DriveParameters& limits,

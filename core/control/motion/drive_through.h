@@ -16,6 +16,9 @@ inline constexpr double kResponseS = 0.08;
 Twist drive_through(const MotionState& robot, const MotionGoal& goal, const DriveParameters& drive,
                     const MotionArea& area);
 
+/// Returns a lower bound of time_through() to a place, whatever the direction there, for a hundredth of its work.
+double least_time_through(const MotionState& robot, Vector2 place, const DriveParameters& drive);
+
 /// Estimates the time in s until the robot passes the place, from the moment at which the first command acts.
 double time_through(const MotionState& robot, const MotionGoal& goal, const DriveParameters& drive,
                     const MotionArea& area);

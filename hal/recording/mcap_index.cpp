@@ -1,13 +1,8 @@
 #include "hal/recording/mcap_index.h"
 
-#include <fcntl.h>
-#include <sys/stat.h>
-#include <unistd.h>
 #include <zlib.h>
 
 #include <algorithm>
-#include <cerrno>
-#include <cstring>
 
 namespace touchline::hal::mcap {
 namespace {
@@ -21,12 +16,8 @@ constexpr std::uint64_t kMessageHeadBytes = 2 + 4 + 8 + 8;
 
 }  // namespace
 
-McapIndex::~McapIndex() {
-  if (file_ >= 0) ::close(file_);
-}
-
 Error McapIndex::damage(std::uint64_t offset) const {
-  return failure(ErrorCode::kCorruptFrame, "%s: damaged at byte %llu", path_.c_str(),
+  return failure(ErrorCode::kCorruptFrame, "%s: damaged at byte %llu", file_.path().c_str(),
                  static_cast<unsigned long long>(offset));
 }
 
@@ -36,52 +27,22 @@ std::uint16_t McapIndex::channel_of(std::string_view topic) const {
   return found == topics_.end() ? std::uint16_t{0} : found->first;
 }
 
-// Returns false if the file ends before.
-Result<bool> McapIndex::read_at(std::uint64_t offset, std::uint64_t count, std::string& out) const {
-  if (offset > size_ || count > size_ - offset) return false;
-  out.resize(static_cast<std::size_t>(count));
-  std::size_t done = 0;
-  while (done < out.size()) {
-    const ssize_t bytes = ::pread(file_, out.data() + done, out.size() - done, static_cast<off_t>(offset + done));
-    if (bytes < 0 && errno == EINTR) continue;
-    if (bytes < 0) return failure(ErrorCode::kIo, "%s: %s", path_.c_str(), std::strerror(errno));
-    if (bytes == 0) return false;  // somebody has cut the file meanwhile
-    done += static_cast<std::size_t>(bytes);
-  }
-  return true;
-}
-
 // Returns nullopt if the record is not whole.
 Result<std::optional<McapIndex::Record>> McapIndex::record_at(std::uint64_t offset) const {
   std::string head;
-  TOUCHLINE_TRY_ASSIGN(const bool is_there, read_at(offset, kRecordHeaderBytes, head));
+  TOUCHLINE_TRY_ASSIGN(const bool is_there, file_.read(offset, kRecordHeaderBytes, head));
   if (!is_there) return std::optional<Record>();
   RecordReader reader(bytes_of(head));
   Record record;
   record.opcode = static_cast<Opcode>(reader.number<std::uint8_t>());
   record.length = reader.number<std::uint64_t>();
-  if (record.length > size_ - offset - kRecordHeaderBytes) return std::optional<Record>();
+  if (record.length > file_.size() - offset - kRecordHeaderBytes) return std::optional<Record>();
   return std::optional(record);
 }
 
 Result<void> McapIndex::open(const std::string& path, std::size_t max_chunks) {
-  path_ = path;
   max_chunks_ = max_chunks;
-  file_ = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOFOLLOW);
-  struct stat status {};
-  if (file_ < 0 || ::fstat(file_, &status) != 0) {
-    const ErrorCode code = errno == ENOENT || errno == ENOTDIR ? ErrorCode::kNotFound
-                           : errno == EACCES                   ? ErrorCode::kPermission
-                                                               : ErrorCode::kIo;
-    return failure(code, "%s: cannot be opened: %s", path.c_str(), std::strerror(errno));
-  }
-  if (!S_ISREG(status.st_mode)) return failure(ErrorCode::kUnsupported, "%s: is not a file", path.c_str());
-  size_ = static_cast<std::uint64_t>(status.st_size);
-  std::string magic;
-  TOUCHLINE_TRY_ASSIGN(const bool has_magic, read_at(0, kMagic.size(), magic));
-  if (!has_magic || magic != kMagic) {
-    return failure(ErrorCode::kCorruptFrame, "%s: is not a recording (MCAP)", path.c_str());
-  }
+  TOUCHLINE_TRY(file_.open(path, Links::kRefused));
   TOUCHLINE_TRY_ASSIGN(is_complete_, open_summary());
   if (is_complete_) return {};
   chunks_.clear();
@@ -99,7 +60,7 @@ void McapIndex::add_channel(std::span<const std::byte> content) {
 
 Result<void> McapIndex::add_chunk(ChunkPlace chunk) {
   if (chunks_.size() >= max_chunks_) {
-    return failure(ErrorCode::kFull, "%s: has more than %zu chunks; cut it into several files", path_.c_str(),
+    return failure(ErrorCode::kFull, "%s: has more than %zu chunks; cut it into several files", file_.path().c_str(),
                    max_chunks_);
   }
   chunks_.push_back(std::move(chunk));
@@ -110,8 +71,8 @@ Result<void> McapIndex::add_chunk(ChunkPlace chunk) {
 Result<bool> McapIndex::open_summary() {
   const std::uint64_t tail_bytes = kRecordHeaderBytes + kFooterBytes + kMagic.size();
   std::string tail;
-  if (size_ < tail_bytes) return false;
-  TOUCHLINE_TRY_ASSIGN(const bool has_tail, read_at(size_ - tail_bytes, tail_bytes, tail));
+  if (file_.size() < tail_bytes) return false;
+  TOUCHLINE_TRY_ASSIGN(const bool has_tail, file_.read(file_.size() - tail_bytes, tail_bytes, tail));
   RecordReader footer(bytes_of(tail));
   const auto opcode = static_cast<Opcode>(footer.number<std::uint8_t>());
   const auto length = footer.number<std::uint64_t>();
@@ -120,10 +81,10 @@ Result<bool> McapIndex::open_summary() {
   const auto crc = footer.number<std::uint32_t>();
   if (!has_tail || opcode != Opcode::kFooter || length != kFooterBytes || !tail.ends_with(kMagic) || begin == 0)
     return false;
-  const std::uint64_t end = size_ - kMagic.size() - sizeof(crc);
+  const std::uint64_t end = file_.size() - kMagic.size() - sizeof(crc);
   if (begin > end || end - begin > kMaxSummaryBytes) return false;
   std::string summary;
-  TOUCHLINE_TRY_ASSIGN(const bool is_whole, read_at(begin, end - begin, summary));
+  TOUCHLINE_TRY_ASSIGN(const bool is_whole, file_.read(begin, end - begin, summary));
   const auto* const bytes = reinterpret_cast<const unsigned char*>(summary.data());
   if (!is_whole || (crc != 0 && ::crc32_z(0, bytes, summary.size()) != crc)) return false;
   RecordReader records(bytes_of(summary));
@@ -149,7 +110,7 @@ Result<bool> McapIndex::open_summary() {
     if (!compression.empty()) {
       return failure(ErrorCode::kUnsupported,
                      "%s: a chunk is compressed (%s); uncompress the file: mcap compress --compression none",
-                     path_.c_str(), compression.c_str());
+                     file_.path().c_str(), compression.c_str());
     }
     TOUCHLINE_TRY(add_chunk(std::move(chunk)));
   }
@@ -166,11 +127,11 @@ Result<void> McapIndex::walk() {
     if (record->opcode == Opcode::kChunk) TOUCHLINE_TRY(add_chunk({offset, kRecordHeaderBytes + record->length, {}}));
     std::string bytes;
     if (record->opcode == Opcode::kMessageIndex && !chunks_.empty()) {
-      TOUCHLINE_TRY_ASSIGN(const bool is_there, read_at(content, sizeof(std::uint16_t), bytes));
+      TOUCHLINE_TRY_ASSIGN(const bool is_there, file_.read(content, sizeof(std::uint16_t), bytes));
       if (is_there) chunks_.back().indices.emplace_back(RecordReader(bytes_of(bytes)).number<std::uint16_t>(), offset);
     }
     if (record->opcode == Opcode::kChannel && record->length <= kMaxChunkBytes) {
-      TOUCHLINE_TRY_ASSIGN(const bool is_there, read_at(content, record->length, bytes));
+      TOUCHLINE_TRY_ASSIGN(const bool is_there, file_.read(content, record->length, bytes));
       if (is_there) add_channel(bytes_of(bytes));
     }
     offset = content + record->length;
@@ -184,7 +145,7 @@ Result<std::vector<MessagePlace>> McapIndex::messages(const ChunkPlace& chunk, s
     TOUCHLINE_TRY_ASSIGN(const std::optional<Record> record, record_at(offset));
     if (!record || record->opcode != Opcode::kMessageIndex || record->length > kMaxChunkBytes) return damage(offset);
     std::string bytes;
-    TOUCHLINE_TRY_ASSIGN(const bool is_there, read_at(offset + kRecordHeaderBytes, record->length, bytes));
+    TOUCHLINE_TRY_ASSIGN(const bool is_there, file_.read(offset + kRecordHeaderBytes, record->length, bytes));
     RecordReader reader(bytes_of(bytes));
     if (!is_there || reader.number<std::uint16_t>() != channel) return damage(offset);
     RecordReader entries(reader.take(reader.number<std::uint32_t>()));
@@ -202,7 +163,7 @@ Result<std::vector<MessagePlace>> McapIndex::messages(const ChunkPlace& chunk, s
 Result<std::string> McapIndex::load(const ChunkPlace& chunk) const {
   std::string record;
   if (chunk.length > kMaxChunkBytes || chunk.length < kRecordHeaderBytes + kChunkHeadBytes) return damage(chunk.offset);
-  TOUCHLINE_TRY_ASSIGN(const bool is_there, read_at(chunk.offset, chunk.length, record));
+  TOUCHLINE_TRY_ASSIGN(const bool is_there, file_.read(chunk.offset, chunk.length, record));
   RecordReader reader(bytes_of(record));
   const bool is_chunk = static_cast<Opcode>(reader.number<std::uint8_t>()) == Opcode::kChunk;
   static_cast<void>(reader.take(3 * sizeof(std::uint64_t)));  // length, first and last time
@@ -235,7 +196,7 @@ Result<std::string> McapIndex::read(const ChunkPlace& chunk, const MessagePlace&
   TOUCHLINE_TRY_ASSIGN(const std::optional<Record> record, record_at(offset));
   if (!record || record->length > kMaxChunkBytes) return damage(offset);
   std::string bytes;
-  TOUCHLINE_TRY_ASSIGN(const bool is_there, read_at(offset, kRecordHeaderBytes + record->length, bytes));
+  TOUCHLINE_TRY_ASSIGN(const bool is_there, file_.read(offset, kRecordHeaderBytes + record->length, bytes));
   if (!is_there) return damage(offset);
   TOUCHLINE_TRY_ASSIGN(const std::span<const std::byte> data, find(bytes, {place.time_ns, 0}, channel));
   return std::string(reinterpret_cast<const char*>(data.data()), data.size());

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "hal/recording/mcap_file.h"
 #include "hal/recording/mcap_format.h"
 #include "hal/result.h"
 
@@ -28,11 +29,6 @@ struct MessagePlace {
 /// end, or, if it was cut off or is still being written, from the chunks' headers. Chunks must not be compressed.
 class McapIndex {
  public:
-  McapIndex() = default;
-  ~McapIndex();
-  McapIndex(const McapIndex&) = delete;
-  McapIndex& operator=(const McapIndex&) = delete;
-
   /// Opens a file, not a link to one, and lists its chunks. kNotFound, kPermission, kIo; kCorruptFrame: it is not in
   /// this format; kUnsupported: a chunk is compressed; kFull: it has more than `max_chunks`.
   Result<void> open(const std::string& path, std::size_t max_chunks);
@@ -42,7 +38,7 @@ class McapIndex {
   [[nodiscard]] std::uint16_t channel_of(std::string_view topic) const;
   /// Returns whether the file has its end.
   [[nodiscard]] bool is_complete() const { return is_complete_; }
-  [[nodiscard]] std::uint64_t size() const { return size_; }
+  [[nodiscard]] std::uint64_t size() const { return file_.size(); }
 
   /// Returns the messages of a channel in a chunk, in their order. kCorruptFrame: the index is damaged.
   Result<std::vector<MessagePlace>> messages(const ChunkPlace& chunk, std::uint16_t channel) const;
@@ -59,7 +55,6 @@ class McapIndex {
     Opcode opcode{};
     std::uint64_t length = 0;  // of the content
   };
-  Result<bool> read_at(std::uint64_t offset, std::uint64_t count, std::string& out) const;
   Result<std::optional<Record>> record_at(std::uint64_t offset) const;
   Result<bool> open_summary();
   Result<void> walk();
@@ -67,9 +62,7 @@ class McapIndex {
   void add_channel(std::span<const std::byte> content);
   [[nodiscard]] Error damage(std::uint64_t offset) const;
 
-  std::string path_;
-  int file_ = -1;
-  std::uint64_t size_ = 0;
+  McapFile file_;
   std::size_t max_chunks_ = 0;
   bool is_complete_ = false;
   std::vector<ChunkPlace> chunks_;

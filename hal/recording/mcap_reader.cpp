@@ -1,13 +1,8 @@
 #include "hal/recording/mcap_reader.h"
 
-#include <fcntl.h>
-#include <sys/stat.h>
-#include <unistd.h>
 #include <zlib.h>
 
 #include <algorithm>
-#include <cerrno>
-#include <cstring>
 
 namespace touchline::hal::mcap {
 namespace {
@@ -18,27 +13,8 @@ constexpr std::uint64_t kMaxRecordBytes = std::uint64_t{1} << 30;
 
 }  // namespace
 
-McapReader::~McapReader() {
-  if (file_ >= 0) ::close(file_);
-}
-
 Result<void> McapReader::open(const std::string& path) {
-  path_ = path;
-  file_ = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
-  struct stat status {};
-  if (file_ < 0 || ::fstat(file_, &status) != 0) {
-    const ErrorCode code = errno == ENOENT || errno == ENOTDIR ? ErrorCode::kNotFound
-                           : errno == EACCES                   ? ErrorCode::kPermission
-                                                               : ErrorCode::kIo;
-    return failure(code, "%s: cannot be opened: %s", path.c_str(), std::strerror(errno));
-  }
-  if (!S_ISREG(status.st_mode)) return failure(ErrorCode::kUnsupported, "%s: is not a file", path.c_str());
-  size_ = static_cast<std::uint64_t>(status.st_size);
-  std::string magic;
-  TOUCHLINE_TRY_ASSIGN(const bool has_magic, load(0, kMagic.size(), magic));
-  if (!has_magic || magic != kMagic) {
-    return failure(ErrorCode::kCorruptFrame, "%s: is not a recording (MCAP)", path.c_str());
-  }
+  TOUCHLINE_TRY(file_.open(path, Links::kFollowed));
   rewind();
   return {};
 }
@@ -57,30 +33,15 @@ std::uint16_t McapReader::channel_of(std::string_view topic) const {
   return found == channels_.end() ? std::uint16_t{0} : found->first;
 }
 
-// Returns false if the file ends before.
-Result<bool> McapReader::load(std::uint64_t position, std::uint64_t count, std::string& out) const {
-  if (position > size_ || count > size_ - position) return false;
-  out.resize(static_cast<std::size_t>(count));
-  std::size_t done = 0;
-  while (done < out.size()) {
-    const ssize_t read = ::pread(file_, out.data() + done, out.size() - done, static_cast<off_t>(position + done));
-    if (read < 0 && errno == EINTR) continue;
-    if (read < 0) return failure(ErrorCode::kIo, "%s: %s", path_.c_str(), std::strerror(errno));
-    if (read == 0) return false;  // somebody has cut the file meanwhile
-    done += static_cast<std::size_t>(read);
-  }
-  return true;
-}
-
 // Reads the next record of the file into record_, with its header. Returns false if it is not whole.
 Result<bool> McapReader::next_record() {
-  TOUCHLINE_TRY_ASSIGN(const bool has_header, load(position_, kRecordHeaderBytes, record_));
+  TOUCHLINE_TRY_ASSIGN(const bool has_header, file_.read(position_, kRecordHeaderBytes, record_));
   if (!has_header) return false;
   RecordReader header(bytes_of(record_));
   static_cast<void>(header.number<std::uint8_t>());
   const auto length = header.number<std::uint64_t>();
   if (length > kMaxRecordBytes) return false;
-  return load(position_, kRecordHeaderBytes + length, record_);
+  return file_.read(position_, kRecordHeaderBytes + length, record_);
 }
 
 // Checks the chunk in record_ and moves its records to chunk_. Returns false if it is damaged.
@@ -97,7 +58,7 @@ Result<bool> McapReader::open_chunk() {
     return failure(ErrorCode::kUnsupported,
                    "%s: a chunk is compressed (%s); uncompress the file: mcap compress "
                    "--compression none",
-                   path_.c_str(), compression.c_str());
+                   file_.path().c_str(), compression.c_str());
   }
   const auto* const bytes = reinterpret_cast<const unsigned char*>(records.data());
   // A checksum of 0 means that there is none.

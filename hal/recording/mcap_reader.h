@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "hal/recording/mcap_file.h"
 #include "hal/recording/mcap_format.h"
 #include "hal/result.h"
 
@@ -16,11 +17,6 @@ namespace touchline::hal::mcap {
 /// compressed.
 class McapReader {
  public:
-  McapReader() = default;
-  ~McapReader();
-  McapReader(const McapReader&) = delete;
-  McapReader& operator=(const McapReader&) = delete;
-
   /// Opens the file and reads its header. kNotFound, kPermission, kIo; kCorruptFrame: it is not in this format.
   Result<void> open(const std::string& path);
   /// Returns the next message, whose data are valid until the next call; nullopt: there is no further one, see
@@ -43,21 +39,19 @@ class McapReader {
   /// Returns whether the file has its end.
   [[nodiscard]] bool is_complete() const { return is_complete_; }
   /// Returns the number of bytes after the last whole chunk; 0 if the file is complete.
-  [[nodiscard]] std::uint64_t rest() const { return is_complete_ ? 0 : size_ - position_; }
+  [[nodiscard]] std::uint64_t rest() const { return is_complete_ ? 0 : file_.size() - position_; }
   /// Returns whether the last record is whole, but not as it was written.
   [[nodiscard]] bool is_damaged() const { return is_damaged_; }
-  [[nodiscard]] std::uint64_t size() const { return size_; }
+  [[nodiscard]] std::uint64_t size() const { return file_.size(); }
 
  private:
-  Result<bool> load(std::uint64_t position, std::uint64_t count, std::string& out) const;
   Result<bool> next_record();
   Result<bool> open_chunk();
   void read_schema(RecordReader reader);
   void read_channel(RecordReader reader);
 
-  std::string path_;
-  int file_ = -1;
-  std::uint64_t size_ = 0, position_ = 0;  // of the file; of the record after the last whole one
+  McapFile file_;
+  std::uint64_t position_ = 0;  // of the record after the last whole one
   std::uint64_t offset_ = 0;
   std::string record_, chunk_;
   std::size_t in_chunk_ = 0;  // position of the next record in chunk_

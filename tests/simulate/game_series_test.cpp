@@ -55,6 +55,12 @@ TEST(FairArena, RefusesAVenueWithoutRoomForTheRobots) {
   EXPECT_NE(own.text().find("on the field of the venue file"), std::string::npos) << own.text();
 }
 
+TEST(FairArena, RefusesAFieldOfItsOwn) {
+  const Result<Team> own = load_team(kBoard, "play", {"arena.field.width_m=2.0"});
+  ASSERT_FALSE(own.ok());
+  EXPECT_NE(own.text().find("--set arena.field.width_m"), std::string::npos) << own.text();
+}
+
 TEST(GameSeries, RepeatsBitForBitWhateverTheNumberOfThreads) {
   const Team own = team("play"), opponent = team("univector");
   const hal::mock::ArenaParameters arena = fair_arena(*own.configuration, 0);

@@ -1,6 +1,7 @@
 #include "tools/programs/simulate/team.h"
 
 #include <algorithm>
+#include <optional>
 #include <utility>
 
 #include "firmware/arena_sides.h"
@@ -50,6 +51,17 @@ void move_to_venue(config::Configuration& configuration) {
   }
 }
 
+// Returns the key among the overrides that move_to_venue() would overwrite.
+std::optional<std::string> overwritten_key(const std::vector<std::string>& overrides) {
+  for (const std::string& override : overrides) {
+    for (const char* name : {"length_m", "width_m", "goal_width_m", "goal_depth_m", "circle_radius_m"}) {
+      std::string key = std::string("arena.field.") + name;
+      if (override.starts_with(key + "=")) return key;
+    }
+  }
+  return std::nullopt;
+}
+
 bool is_file(const std::string& team) { return team.ends_with(".toml"); }
 
 }  // namespace
@@ -94,6 +106,10 @@ Result<Team> load_team(const std::string& board, const std::string& team, const 
   // A strategy plays, also on a board whose own robots wait for a program outside.
   if (!is_file(team)) settings.emplace_back("control.play.enabled=true");
   settings.insert(settings.end(), overrides.begin(), overrides.end());
+  if (const auto key = overwritten_key(overrides)) {
+    return failure(ErrorCode::kInconsistent, "--set %s: games are played on the field of the venue file; set field.*",
+                   key->c_str());
+  }
   auto configuration = std::make_shared<config::Configuration>();
   TOUCHLINE_TRY(config::load({board, "", is_file(team) ? team : "", settings}, *configuration));
   move_to_venue(*configuration);

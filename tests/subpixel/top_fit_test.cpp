@@ -1,4 +1,4 @@
-#include "core/subpixel/patch_center_fit.h"
+#include "core/subpixel/top_fit.h"
 
 #include <gtest/gtest.h>
 
@@ -124,7 +124,7 @@ class PatchCenter : public ::testing::Test {
 
   CameraModel camera_ = tilted();
   MarkerLayout layout_;
-  PatchCenterFit centers_;
+  TopFit centers_;
   Sightings sightings_;
   PortableRandom dice_{77};
 };
@@ -465,7 +465,7 @@ TEST_F(PatchCenter, CanBeAtThePicturesBorderOrBeyond) {
 // All kernels give the same bits: poses, centers, residuals, in every format and for every outline.
 TEST_F(PatchCenter, IsTheSameWithEveryKernel) {
   if (&fit_kernel(KernelChoice::kFastest) == &portable_fit_kernel()) GTEST_SKIP() << "one kernel";
-  PatchCenterFit portable;
+  TopFit portable;
   int refined = 0;
   for (const MarkerLayout& layout : {paper_layout(), bar_layout(), triangles_layout(), disks_layout()}) {
     use(layout);

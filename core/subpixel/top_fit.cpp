@@ -91,13 +91,15 @@ class TopFit::Solver {
   // Returns the weight of the fit, 0 to 1; the pose of the start has the rest.
   float run() {
     if (!converge()) return 0.0f;
-    const float by_coverage = (kWorstCoverage - worst_coverage_) / (kWorstCoverage - kGoodCoverage);
-    const float by_unevenness = (kWorstUnevenness - unevenness_) / (kWorstUnevenness - kGoodUnevenness);
-    const float good = std::clamp(std::min(by_coverage, by_unevenness), 0.0f, 1.0f);
-    if (good == 0.0f) return 0.0f;
-    // A start that explains the picture much worse loses weight in proportion to its squared error.
+    const auto good = [](float value, float best, float worst) {
+      return std::clamp((worst - value) / (worst - best), 0.0f, 1.0f);
+    };
+    const float coverage = good(worst_coverage_, kGoodCoverage, kWorstCoverage);
+    if (coverage == 0.0f) return 0.0f;
+    // A start that explains the edges worse loses weight in proportion to its squared error.
     const float ratio = worst_coverage_ < coverage_at_start_ ? worst_coverage_ / coverage_at_start_ : 1.0f;
-    return good / (good + (1.0f - good) * ratio * ratio);
+    return std::min(coverage / (coverage + (1.0f - coverage) * ratio * ratio),
+                    good(unevenness_, kGoodUnevenness, kWorstUnevenness));
   }
 
   [[nodiscard]] const Pose& pose() const { return pose_; }

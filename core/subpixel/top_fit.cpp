@@ -179,16 +179,17 @@ class TopFit::Solver {
 
   bool converge() {
     float step_px = 0;
-    int iteration = 0;
-    do {
+    for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
+      const float coverage = coverage_before_;
       if (!place() || !sample()) return false;
       if (iteration == 0) {
         for (Patch& patch : patches_) patch.start = patch.center;
       }
       if (!step(step_px)) return false;
       if (iteration == 0) coverage_at_start_ = coverage_before_;
-      ++iteration;
-    } while (iteration < kMaxIterations && step_px > (iteration < kUsualIterations ? kShortStepPx : kLongStepPx));
+      if (step_px <= (iteration + 1 < kUsualIterations ? kShortStepPx : kLongStepPx)) break;
+      if (iteration >= kUsualIterations && coverage_before_ >= coverage) break;
+    }
     const float most_px = kMaxMove * narrowest_m() * view_.scale_px_per_m;
     return std::all_of(patches_.begin(), patches_.end(), [most_px](const Patch& patch) {
       return std::hypot(patch.center.u_px - patch.start.u_px, patch.center.v_px - patch.start.v_px) <= most_px;

@@ -468,6 +468,33 @@ TEST_F(TopFitTest, ConvergesFromThePosesOfTornRegions) {
   }
 }
 
+// A lamp's reflection adds white light, which changes over the robot: 15 % in its middle.
+TEST_F(TopFitTest, IsAccurateUnderAReflection) {
+  use(paper_layout());
+  for (int n = 0; n < 8; ++n) {
+    const Pose truth{{dice_.real(-0.8f, 0.8f), dice_.real(-0.6f, 0.6f)}, dice_.real(-kPi, kPi)};
+    const double size = static_cast<double>(dice_.real(0.5f, 1.5f) * layout_.robot_side_m);
+    const FieldPoint off{dice_.real(-0.02f, 0.02f), dice_.real(-0.02f, 0.02f)};
+    Photograph picture(PixelFormat::kRgb24, 640, 480);
+    const Square exposed = surroundings(truth);
+    picture.expose(exposed.left_px, exposed.top_px, exposed.right_px, exposed.bottom_px, [&](double u, double v) {
+      const FieldPoint local =
+          to_robot_frame(truth, camera_.to_field({static_cast<float>(u), static_cast<float>(v)}, layout_.height_m));
+      const double away = static_cast<double>(distance_m(local, off)) / size, white = 0.15 * std::exp(-away * away);
+      Light seen = light(truth, 1.0f, u, v);
+      for (double& channel : seen) channel = std::min(1.0, channel + white);
+      return seen;
+    });
+    sightings_.robots.clear();
+    sightings_.robots.push_back(
+        sighting({{truth.position.x_m + 0.002f, truth.position.y_m}, truth.theta_rad + 4 * kDegree}));
+    fit_.refine(picture.frame(), sightings_);
+    const Errors now = errors(truth, sightings_.robots[0]);
+    EXPECT_LT(now.position_m, 0.0008f) << size;
+    EXPECT_LT(now.angle_rad, 1.5f * kDegree) << size;
+  }
+}
+
 // The memory ends with the picture, so a sanitizer detects reads beyond it.
 TEST_F(TopFitTest, CanBeAtThePicturesBorderOrBeyond) {
   use(paper_layout());

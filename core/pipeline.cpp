@@ -98,7 +98,7 @@ Status Pipeline::configure_recognition(const PipelineParameters& parameters) {
   if (Status s = matcher_.configure(parameters.marker, camera_); !s.ok()) return s;
   matcher_.set_typical_colors(parameters.adaptation.typical);
   const KernelChoice kernel = parameters.scan.kernel;
-  patch_center_fit_.configure({parameters.marker.teams[0].layout, parameters.marker.teams[1].layout}, camera_, kernel);
+  top_fit_.configure({parameters.marker.teams[0].layout, parameters.marker.teams[1].layout}, camera_, kernel);
   ball_center_fit_.configure(parameters.marker.ball, camera_, kernel);
   ball_center_fit_.set_robots(sizes_of(parameters.marker.teams));
   return adaptation_.configure(parameters.adaptation, parameters.scan, parameters.marker.ball.color);
@@ -130,7 +130,7 @@ Status Pipeline::assign_teams(const TeamAssignment& assignment) {
   if (Status s = teams_of(assignment, teams); !s.ok()) return s;
   if (has_pictures_) {
     if (Status s = matcher_.set_teams(teams); !s.ok()) return s;
-    patch_center_fit_.set_heights({teams[0].layout.height_m, teams[1].layout.height_m});
+    top_fit_.set_heights({teams[0].layout.height_m, teams[1].layout.height_m});
     ball_center_fit_.set_robots(sizes_of(teams));
   }
   controller_.set_turned(assignment.sides_exchanged);
@@ -236,7 +236,7 @@ void Pipeline::recognize(const Frame& frame) {
   matcher_.match(&frame, adaptation_.expected_gain(scanner_), tracker_.expected_ball(frame.capture_time), trace_.runs,
                  trace_.regions, trace_.sightings);
   // If the scan rejected the frame, there are no regions and no sightings.
-  patch_center_fit_.refine(frame, trace_.sightings);
+  top_fit_.refine(frame, trace_.sightings);
   ball_center_fit_.refine(frame, trace_.sightings);
 }
 

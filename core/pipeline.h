@@ -10,7 +10,7 @@
 #include "core/region/region_scanner.h"
 #include "core/step_inputs.h"
 #include "core/subpixel/ball_center_fit.h"
-#include "core/subpixel/patch_center_fit.h"
+#include "core/subpixel/top_fit.h"
 #include "core/supervision/picture_check.h"
 #include "core/track/tracker.h"
 #include "core/types.h"
@@ -109,7 +109,7 @@ class Pipeline {
   RegionScanner scanner_;
   CameraModel camera_;
   Matcher matcher_;
-  PatchCenterFit patch_center_fit_;
+  TopFit top_fit_;
   BallCenterFit ball_center_fit_;
   Tracker tracker_;
   RobotFilterParameters robot_filter_;  // of the track parameters

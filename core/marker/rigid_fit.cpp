@@ -73,6 +73,16 @@ bool fit_rigidly_within(float most_m, std::span<const Correspondence> points, Ri
   return fit.residual_m <= most_m;
 }
 
+PoseCovariance to_field(const PoseCovariance& own, float theta_rad) {
+  const float c = std::cos(theta_rad), s = std::sin(theta_rad);
+  return {c * c * own.xx - 2 * c * s * own.xy + s * s * own.yy,
+          s * s * own.xx + 2 * c * s * own.xy + c * c * own.yy,
+          own.tt,
+          c * s * (own.xx - own.yy) + (c * c - s * s) * own.xy,
+          c * own.xt - s * own.yt,
+          s * own.xt + c * own.yt};
+}
+
 PoseCovariance rigid_fit_noise(std::span<const FieldPoint> places, std::span<const PointCovariance> errors,
                                float theta_rad) {
   const float n = static_cast<float>(places.size());
@@ -105,13 +115,7 @@ PoseCovariance rigid_fit_noise(std::span<const FieldPoint> places, std::span<con
     own.xt += product(ax, ay, tx, ty);
     own.yt += product(bx, by, tx, ty);
   }
-  const float c = std::cos(theta_rad), s = std::sin(theta_rad);
-  return {c * c * own.xx - 2 * c * s * own.xy + s * s * own.yy,
-          s * s * own.xx + 2 * c * s * own.xy + c * c * own.yy,
-          own.tt,
-          c * s * (own.xx - own.yy) + (c * c - s * s) * own.xy,
-          c * own.xt - s * own.yt,
-          s * own.xt + c * own.yt};
+  return to_field(own, theta_rad);
 }
 
 }  // namespace touchline

@@ -29,6 +29,9 @@ struct PointCovariance {
   float xx = 0, xy = 0, yy = 0;
 };
 
+/// Turns the covariance of a pose's errors from the frame of a robot with this heading to the field.
+PoseCovariance to_field(const PoseCovariance& own, float theta_rad);
+
 /// Returns the covariance of the pose that fit_rigidly() finds, for independent small errors of the seen points.
 /// `places` and `errors` are in the robot's frame; `theta_rad` is the robot's heading. There must be at least two
 /// different places.

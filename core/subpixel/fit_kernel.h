@@ -11,7 +11,7 @@
 #include "core/subpixel/blurred_outline.h"
 #include "core/types.h"
 
-// The functions of the fits (patch_center_fit.h, ball_center_fit.h) that process pixels, eight at a time.
+// The functions of the fits (top_fit.h, ball_center_fit.h) that process pixels, eight at a time.
 namespace touchline {
 
 /// Number of pixels that are processed together.
@@ -41,7 +41,6 @@ struct MarkerView {
 struct PatchView {
   std::size_t number = 0;  // index in the layout
   PixelPoint center;
-  FieldPoint at;  // the center in meters from its place in the pose, along the outline's axes
 };
 
 /// Sums over the pixels of one surface.
@@ -53,7 +52,7 @@ struct ColorSums {
 
 /// Eight pixels of a row at a patch's edge.
 struct EdgePixels {
-  StoredFloat8 x, y;                  // meters from the center's place in the pose, along the outline's axes
+  StoredFloat8 x, y;                  // meters from the center, along the outline's axes
   std::array<StoredFloat8, 3> light;  // light of top and surroundings is subtracted
   StoredFloat8 doubt;                 // squared light of the surroundings that was subtracted
   // 0: not on the patch's edge, or outside the picture. Without a Bayer pattern, 1. Behind a pattern, 1, 2 or 3 for the
@@ -77,7 +76,6 @@ struct NeighborPatch {
 struct EdgeFitTask {
   const PatchEdge* edge = nullptr;
   const BlurredOutline* outline = nullptr;
-  FieldPoint at;  // center of the outline, along its axes
   // Projects light to a covered fraction: the scalar product with the light of a covered pixel is 1. Behind a Bayer
   // pattern, each product of a single color is 1.
   std::array<float, 3> along{};
@@ -96,6 +94,8 @@ struct CenterEquations {
   // Only for patches: sums of w r r, w, w d d and w r d, where d is the derivative by the logarithm of the ramp's
   // width.
   float squares = 0, weights = 0, widening = 0, wider = 0;
+  // Only for patches: the same sums with the derivative t by the outline's turn about its center.
+  float xt = 0, yt = 0, tt = 0, rt = 0;
 };
 
 constexpr std::size_t kShadeTerms = 4, kLightChannels = 3;

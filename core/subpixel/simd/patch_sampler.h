@@ -123,8 +123,8 @@ class PatchSampler {
       const Float8 x = broadcast(x_by_u) * from_u + broadcast(x_by_v) * from_v;
       const Float8 y = broadcast(y_by_u) * from_u + broadcast(y_by_v) * from_v;
       const Float8 value = shape.at(x, y, per_m).value;
-      return add({x + broadcast(patch_.at.x_m), y + broadcast(patch_.at.y_m), without_top(u, v), measured_at(u, v)},
-                 (value > broadcast(0.0f)) & counts, value < broadcast(1.0f));
+      return add({x, y, without_top(u, v), measured_at(u, v)}, (value > broadcast(0.0f)) & counts,
+                 value < broadcast(1.0f));
     });
   }
 
@@ -166,11 +166,10 @@ class PatchSampler {
   // Determines whether pixels of the patch can show surroundings beyond the robot's edge.
   void check_robot_edge(FieldPoint box) {
     const float c = outline_.cos(), s = outline_.sin();
-    const float x = place_.x_m + c * patch_.at.x_m - s * patch_.at.y_m;
-    const float y = place_.y_m + s * patch_.at.x_m + c * patch_.at.y_m;
     const float wide_x = std::abs(c) * box.x_m + std::abs(s) * box.y_m;
     const float wide_y = std::abs(s) * box.x_m + std::abs(c) * box.y_m;
-    reaches_beyond_ = std::max(std::abs(x) + wide_x, std::abs(y) + wide_y) > robot_.half_m - 0.5f * robot_.ramp_m;
+    reaches_beyond_ =
+        std::max(std::abs(place_.x_m) + wide_x, std::abs(place_.y_m) + wide_y) > robot_.half_m - 0.5f * robot_.ramp_m;
   }
 
   [[gnu::always_inline]] bool add(const Pixels& shown, Integer8 seen, Integer8 in_part) {
@@ -268,7 +267,7 @@ inline bool sample_patch(const Frame& frame, const MarkerView& robot, const Patc
 inline CenterEquations accumulate_edge(const EdgeFitTask& task) {
   const Float8 zero = broadcast(0.0f), one = broadcast(1.0f);
   Float8 xx = zero, xy = zero, yy = zero, rx = zero, ry = zero, squares = zero, weights = zero;
-  Float8 widening = zero, wider = zero;
+  Float8 widening = zero, wider = zero, xt = zero, yt = zero, tt = zero, rt = zero;
   // Selects the value of the color that each pixel measured.
   const auto of_color = [&](const std::array<float, 3>& value, Float8 measured) {
     if (!task.is_bayer) return broadcast(value[0]);
@@ -279,7 +278,7 @@ inline CenterEquations accumulate_edge(const EdgeFitTask& task) {
     const float per_m = 1.0f / task.ramp_m;
     for (const EdgePixels& pixels : *task.edge) {
       const Float8 x = load(pixels.x), y = load(pixels.y), measured = load(pixels.measured);
-      const Coverage coverage = shape.at(x - broadcast(task.at.x_m), y - broadcast(task.at.y_m), per_m);
+      const Coverage coverage = shape.at(x, y, per_m);
       Float8 error = broadcast(task.along[0]) * load(pixels.light[0]) +
                      broadcast(task.along[1]) * load(pixels.light[1]) +
                      broadcast(task.along[2]) * load(pixels.light[2]) - coverage.value;
@@ -306,6 +305,11 @@ inline CenterEquations accumulate_edge(const EdgeFitTask& task) {
       yy += by_y * coverage.by_y_m;
       rx += by_x * error;
       ry += by_y * error;
+      const Float8 turn = x * coverage.by_y_m - y * coverage.by_x_m;
+      xt += by_x * turn;
+      yt += by_y * turn;
+      tt += weight * turn * turn;
+      rt += weight * turn * error;
       squares += weight * error * error;
       weights += weight;
       const Float8 by_width = weight * coverage.by_width;
@@ -313,9 +317,10 @@ inline CenterEquations accumulate_edge(const EdgeFitTask& task) {
       wider += by_width * error;
     }
   });
-  return {horizontal_sum(xx),      horizontal_sum(xy),       horizontal_sum(yy),
-          horizontal_sum(rx),      horizontal_sum(ry),       horizontal_sum(squares),
-          horizontal_sum(weights), horizontal_sum(widening), horizontal_sum(wider)};
+  return {horizontal_sum(xx),    horizontal_sum(xy),      horizontal_sum(yy),      horizontal_sum(rx),
+          horizontal_sum(ry),    horizontal_sum(squares), horizontal_sum(weights), horizontal_sum(widening),
+          horizontal_sum(wider), horizontal_sum(xt),      horizontal_sum(yt),      horizontal_sum(tt),
+          horizontal_sum(rt)};
 }
 
 }  // namespace TOUCHLINE_SIMD

@@ -1,4 +1,4 @@
-#include "core/subpixel/patch_center_fit.h"
+#include "core/subpixel/top_fit.h"
 
 #include <gtest/gtest.h>
 
@@ -27,11 +27,11 @@ struct Errors {
   float position_m = 0, angle_rad = 0, center_px = 0;
 };
 
-class PatchCenter : public ::testing::Test {
+class TopFitTest : public ::testing::Test {
  protected:
   void use(const MarkerLayout& layout) {
     layout_ = layout;
-    centers_.configure({layout, layout}, camera_);
+    fit_.configure({layout, layout}, camera_);
   }
 
   // Light of a point: patches on a dark top, a white line along x beside the robot, the floor. The top of a robot hides
@@ -107,7 +107,7 @@ class PatchCenter : public ::testing::Test {
       sightings_.robots.push_back(sighting(
           {{truth.position.x_m + dice_.real(-0.0015f, 0.0015f), truth.position.y_m + dice_.real(-0.0015f, 0.0015f)},
            truth.theta_rad + dice_.real(-2 * kDegree, 2 * kDegree)}));
-      centers_.refine(picture.frame(), sightings_);
+      fit_.refine(picture.frame(), sightings_);
       const Errors now = errors(truth, sightings_.robots[0]);
       most.position_m = std::max(most.position_m, now.position_m);
       most.angle_rad = std::max(most.angle_rad, now.angle_rad);
@@ -124,13 +124,13 @@ class PatchCenter : public ::testing::Test {
 
   CameraModel camera_ = tilted();
   MarkerLayout layout_;
-  PatchCenterFit centers_;
+  TopFit fit_;
   Sightings sightings_;
   PortableRandom dice_{77};
 };
 
 // The same robot in pictures with other noise: the scatter is what the sightings state beside their lasting error.
-TEST_F(PatchCenter, StatesTheNoiseOfTheCamera) {
+TEST_F(TopFitTest, StatesTheNoiseOfTheCamera) {
   use(paper_layout());
   constexpr int kPoses = 6, kPictures = 40;
   float scatter = 0, turn_scatter = 0, stated = 0, turn_stated = 0;
@@ -159,7 +159,7 @@ TEST_F(PatchCenter, StatesTheNoiseOfTheCamera) {
       }
       sightings_.robots.clear();
       sightings_.robots.push_back(sighting(truth));
-      centers_.refine(frame, sightings_);
+      fit_.refine(frame, sightings_);
       const RobotSighting& robot = sightings_.robots[0];
       if (k == kPictures) {
         EXPECT_GT(robot.lasting_share, 0.97f) << "rounding is all the noise that there is";
@@ -190,7 +190,7 @@ TEST_F(PatchCenter, StatesTheNoiseOfTheCamera) {
 
 // A strip of a patch has the color of the top or of something that lies on it, or the patch bleeds over its edge. If
 // the fit accepts the robot, the stated error must contain the real one; that of intact patches stays as it is.
-TEST_F(PatchCenter, StatesTheErrorOfTornPatchesThatItAccepts) {
+TEST_F(TopFitTest, StatesTheErrorOfTornPatchesThatItAccepts) {
   use(paper_layout());
   struct Scatter {
     int accepted = 0, excluded = 0;
@@ -219,7 +219,7 @@ TEST_F(PatchCenter, StatesTheErrorOfTornPatchesThatItAccepts) {
     const Pose near{{truth.position.x_m + 0.0002f, truth.position.y_m - 0.0002f}, truth.theta_rad + 0.2f * kDegree};
     sightings_.robots.clear();
     sightings_.robots.push_back(sighting(near));
-    centers_.refine(picture.frame(), sightings_);
+    fit_.refine(picture.frame(), sightings_);
     const RobotSighting& robot = sightings_.robots[0];
     if (robot.noise.xx == 0.0f) continue;
     const Errors error = errors(truth, robot);
@@ -242,7 +242,7 @@ TEST_F(PatchCenter, StatesTheErrorOfTornPatchesThatItAccepts) {
 }
 
 // With shared chroma, color edges have half the resolution.
-TEST_F(PatchCenter, IsAccurateInEveryFormat) {
+TEST_F(TopFitTest, IsAccurateInEveryFormat) {
   use(paper_layout());
   for (const PixelFormat format : kAllFormats) {
     const Errors most = worst(format, 4, 1.0f);
@@ -253,7 +253,7 @@ TEST_F(PatchCenter, IsAccurateInEveryFormat) {
   }
 }
 
-TEST_F(PatchCenter, IsNotBiasedByAWhiteLineAtTheRobotsEdge) {
+TEST_F(TopFitTest, IsNotBiasedByAWhiteLineAtTheRobotsEdge) {
   use(paper_layout());
   const Errors most = worst(PixelFormat::kRgb24, 6, 0.021f);
   EXPECT_LT(most.position_m, 0.0004f);
@@ -311,7 +311,7 @@ class BayerPicture {
 };
 
 // Edges along the pixel grid, of patches that only red or only blue shows, are the worst case.
-TEST_F(PatchCenter, IsAccurateBehindABayerPattern) {
+TEST_F(TopFitTest, IsAccurateBehindABayerPattern) {
   use(paper_layout());
   float squares = 0, most = 0;
   constexpr int kRobots = 12;
@@ -321,7 +321,7 @@ TEST_F(PatchCenter, IsAccurateBehindABayerPattern) {
     const BayerPicture picture(photograph(PixelFormat::kRgb24, truth, 1.0f), dice_);
     sightings_.robots.clear();
     sightings_.robots.push_back(sighting({truth.position, truth.theta_rad + dice_.real(-kDegree, kDegree)}));
-    centers_.refine(picture.frame(), sightings_);
+    fit_.refine(picture.frame(), sightings_);
     const float error = errors(truth, sightings_.robots[0]).angle_rad;
     squares += error * error / kRobots;
     most = std::max(most, error);
@@ -332,7 +332,7 @@ TEST_F(PatchCenter, IsAccurateBehindABayerPattern) {
   EXPECT_LT(most, 1.0f * kDegree);
 }
 
-TEST_F(PatchCenter, IsAccurateForDisks) {
+TEST_F(TopFitTest, IsAccurateForDisks) {
   use(disks_layout());
   const Errors most = worst(PixelFormat::kRgb24, 3, 1.0f);
   EXPECT_LT(most.position_m, 0.0002f);
@@ -341,7 +341,7 @@ TEST_F(PatchCenter, IsAccurateForDisks) {
 
 // No row crosses sides that are parallel to it. (All edges lie alike on the pixel grid, which turns the fit by a
 // degree.)
-TEST_F(PatchCenter, IsAccurateAlongTheRows) {
+TEST_F(TopFitTest, IsAccurateAlongTheRows) {
   CameraParameters level = tilted_camera();
   FullModelParameters& lens = level.full;
   lens.rotation_rad = {kPi, 0, 0};
@@ -353,21 +353,21 @@ TEST_F(PatchCenter, IsAccurateAlongTheRows) {
     const Photograph picture = photograph(PixelFormat::kRgb24, truth, 1.0f);
     sightings_.robots.clear();
     sightings_.robots.push_back(sighting({{truth.position.x_m + 0.001f, truth.position.y_m}, truth.theta_rad}));
-    centers_.refine(picture.frame(), sightings_);
+    fit_.refine(picture.frame(), sightings_);
     const Errors now = errors(truth, sightings_.robots[0]);
     EXPECT_LT(now.position_m, 0.0003f) << turn_rad;
     EXPECT_LT(now.angle_rad, 1.5f * kDegree) << turn_rad;
   }
 }
 
-class UnchangedCenter : public PatchCenter {
+class UnchangedPose : public TopFitTest {
  protected:
   // Starting 1 mm beside the truth, the result is bit-identical to the start.
   void expect_unchanged(const Frame& frame, const Pose& near) {
     sightings_.robots.clear();
     sightings_.robots.push_back(sighting(near));
     const RobotSighting before = sightings_.robots[0];
-    centers_.refine(frame, sightings_);
+    fit_.refine(frame, sightings_);
     const RobotSighting& after = sightings_.robots[0];
     EXPECT_EQ(after.pose.position.x_m, before.pose.position.x_m);
     EXPECT_EQ(after.pose.position.y_m, before.pose.position.y_m);
@@ -395,7 +395,7 @@ class UnchangedCenter : public PatchCenter {
   const Pose truth_{{0.3f, -0.2f}, 0.7f}, near_{{0.301f, -0.2f}, 0.7f};
 };
 
-TEST_F(UnchangedCenter, WithoutAFreeTop) {
+TEST_F(UnchangedPose, WithoutAFreeTop) {
   // Two bars cover the whole top.
   MarkerLayout layout;
   layout.patches.push_back({PatchRole::kTeam, PatchOutline::kBar, 0.01875f, 0, 0.0375f, 0.075f, 0});
@@ -404,22 +404,22 @@ TEST_F(UnchangedCenter, WithoutAFreeTop) {
   expect_unchanged(photograph(PixelFormat::kRgb24, truth_, 1.0f).frame(), near_);
 }
 
-TEST_F(UnchangedCenter, IfThePictureDiffersFromTheModel) {
+TEST_F(UnchangedPose, IfThePictureDiffersFromTheModel) {
   use(paper_layout());
   Photograph picture(PixelFormat::kRgb24, 640, 480);
   expect_unchanged(picture.frame(), near_);  // black: no patch differs from the top
   // Patches of the layout, but a white object covers half of one.
-  expect_unchanged(covered_from(-0.012f).frame(), near_);
+  expect_unchanged(covered_from(-0.018f).frame(), near_);
 }
 
 // A bad fit has a reduced weight, so no robot jumps between two results.
-TEST_F(UnchangedCenter, GraduallyAsTheFitGetsWorse) {
+TEST_F(UnchangedPose, GraduallyAsTheFitGetsWorse) {
   use(paper_layout());
   std::vector<float> moves;
   for (int step = 0; step <= 120; ++step) {
     sightings_.robots.clear();
     sightings_.robots.push_back(sighting(near_));
-    centers_.refine(covered_from(-0.036f + 0.0001f * static_cast<float>(step)).frame(), sightings_);
+    fit_.refine(covered_from(-0.036f + 0.0001f * static_cast<float>(step)).frame(), sightings_);
     moves.push_back(distance_m(sightings_.robots[0].pose.position, near_.position));
   }
   EXPECT_GT(moves.front(), 0.0008f);
@@ -431,22 +431,72 @@ TEST_F(UnchangedCenter, GraduallyAsTheFitGetsWorse) {
     farthest_jump = std::max(farthest_jump, std::abs(moves[i] - moves[i - 1]));
   }
   EXPECT_GE(between, 6) << ::testing::PrintToString(moves);
-  EXPECT_LT(farthest_jump, 0.00025f) << ::testing::PrintToString(moves);
+  EXPECT_LT(farthest_jump, 0.0004f) << ::testing::PrintToString(moves);
 }
 
-TEST_F(UnchangedCenter, WithoutHeadingOrAllPatches) {
+TEST_F(UnchangedPose, WithoutHeading) {
   use(paper_layout());
-  const Photograph picture = photograph(PixelFormat::kRgb24, truth_, 1.0f);
-  sightings_.robots.push_back(sighting(near_));
   sightings_.robots.push_back(sighting(near_));
   sightings_.robots[0].has_heading = false;
-  sightings_.robots[1].patches.pop_back();
-  centers_.refine(picture.frame(), sightings_);
-  for (const RobotSighting& robot : sightings_.robots) EXPECT_EQ(robot.pose.position.x_m, near_.position.x_m);
+  fit_.refine(photograph(PixelFormat::kRgb24, truth_, 1.0f).frame(), sightings_);
+  EXPECT_EQ(sightings_.robots[0].pose.position.x_m, near_.position.x_m);
+}
+
+// Regions that are torn, bleed into a neighbor or are missing give poses that are this far off.
+TEST_F(TopFitTest, ConvergesFromThePosesOfTornRegions) {
+  struct Start {
+    float away_m, turn;
+    bool is_region_missing;
+  };
+  for (const MarkerLayout& layout : {paper_layout(), single_layout(), disks_layout()}) {
+    use(layout);
+    for (const Start start : {Start{0.004f, 5, false}, Start{0.002f, -15, false}, Start{0.002f, 5, true}}) {
+      for (int n = 0; n < 4; ++n) {
+        const Pose truth{{dice_.real(-0.9f, 0.9f), dice_.real(-0.7f, 0.7f)}, dice_.real(-kPi, kPi)};
+        const float to = dice_.real(-kPi, kPi);
+        sightings_.robots.clear();
+        sightings_.robots.push_back(sighting(
+            {{truth.position.x_m + start.away_m * std::cos(to), truth.position.y_m + start.away_m * std::sin(to)},
+             truth.theta_rad + start.turn * kDegree}));
+        if (start.is_region_missing) sightings_.robots[0].patches.pop_back();
+        fit_.refine(photograph(PixelFormat::kRgb24, truth, 1.0f).frame(), sightings_);
+        const Errors now = errors(truth, sightings_.robots[0]);
+        EXPECT_LT(now.position_m, 0.0004f) << start.away_m << " " << layout.patches.size();
+        EXPECT_LT(now.angle_rad, 1.2f * kDegree) << start.away_m << " " << layout.patches.size();
+      }
+    }
+  }
+}
+
+// A lamp's reflection adds white light, which changes over the robot: 15 % in its middle.
+TEST_F(TopFitTest, IsAccurateUnderAReflection) {
+  use(paper_layout());
+  for (int n = 0; n < 8; ++n) {
+    const Pose truth{{dice_.real(-0.8f, 0.8f), dice_.real(-0.6f, 0.6f)}, dice_.real(-kPi, kPi)};
+    const double size = static_cast<double>(dice_.real(0.5f, 1.5f) * layout_.robot_side_m);
+    const FieldPoint off{dice_.real(-0.02f, 0.02f), dice_.real(-0.02f, 0.02f)};
+    Photograph picture(PixelFormat::kRgb24, 640, 480);
+    const Square exposed = surroundings(truth);
+    picture.expose(exposed.left_px, exposed.top_px, exposed.right_px, exposed.bottom_px, [&](double u, double v) {
+      const FieldPoint local =
+          to_robot_frame(truth, camera_.to_field({static_cast<float>(u), static_cast<float>(v)}, layout_.height_m));
+      const double away = static_cast<double>(distance_m(local, off)) / size, white = 0.15 * std::exp(-away * away);
+      Light seen = light(truth, 1.0f, u, v);
+      for (double& channel : seen) channel = std::min(1.0, channel + white);
+      return seen;
+    });
+    sightings_.robots.clear();
+    sightings_.robots.push_back(
+        sighting({{truth.position.x_m + 0.002f, truth.position.y_m}, truth.theta_rad + 4 * kDegree}));
+    fit_.refine(picture.frame(), sightings_);
+    const Errors now = errors(truth, sightings_.robots[0]);
+    EXPECT_LT(now.position_m, 0.0008f) << size;
+    EXPECT_LT(now.angle_rad, 1.5f * kDegree) << size;
+  }
 }
 
 // The memory ends with the picture, so a sanitizer detects reads beyond it.
-TEST_F(PatchCenter, CanBeAtThePicturesBorderOrBeyond) {
+TEST_F(TopFitTest, CanBeAtThePicturesBorderOrBeyond) {
   use(paper_layout());
   for (const PixelFormat format : kAllFormats) {
     Photograph picture(format, 640, 480);
@@ -454,7 +504,7 @@ TEST_F(PatchCenter, CanBeAtThePicturesBorderOrBeyond) {
          {PixelPoint{1, 1}, PixelPoint{638, 478}, PixelPoint{320, -2}, PixelPoint{645, 240}, PixelPoint{-4000, 9000}}) {
       sightings_.robots.clear();
       sightings_.robots.push_back(sighting({camera_.to_field(at, layout_.height_m), 1.0f}));
-      centers_.refine(picture.frame(), sightings_);
+      fit_.refine(picture.frame(), sightings_);
       EXPECT_TRUE(std::isfinite(sightings_.robots[0].pose.position.x_m));
     }
   }
@@ -463,9 +513,9 @@ TEST_F(PatchCenter, CanBeAtThePicturesBorderOrBeyond) {
 // Other processors have only one kernel.
 #if defined(__x86_64__)
 // All kernels give the same bits: poses, centers, residuals, in every format and for every outline.
-TEST_F(PatchCenter, IsTheSameWithEveryKernel) {
+TEST_F(TopFitTest, IsTheSameWithEveryKernel) {
   if (&fit_kernel(KernelChoice::kFastest) == &portable_fit_kernel()) GTEST_SKIP() << "one kernel";
-  PatchCenterFit portable;
+  TopFit portable;
   int refined = 0;
   for (const MarkerLayout& layout : {paper_layout(), bar_layout(), triangles_layout(), disks_layout()}) {
     use(layout);
@@ -476,7 +526,7 @@ TEST_F(PatchCenter, IsTheSameWithEveryKernel) {
       sightings_.robots.clear();
       sightings_.robots.push_back(sighting({{truth.position.x_m + 0.001f, truth.position.y_m}, truth.theta_rad}));
       Sightings other = sightings_;
-      centers_.refine(picture.frame(), sightings_);
+      fit_.refine(picture.frame(), sightings_);
       portable.refine(picture.frame(), other);
       const RobotSighting &a = sightings_.robots[0], &b = other.robots[0];
       refined += a.pose.position.x_m != truth.position.x_m + 0.001f ? 1 : 0;

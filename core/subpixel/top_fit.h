@@ -12,23 +12,26 @@
 
 namespace touchline {
 
-/// Refines the patch centers of a recognized robot to a fraction of a pixel. A pixel counts by the fraction of it that
-/// the patch covers. In a region's centroid (Klancar, section 4.2), a pixel counts completely or not at all.
+/// Improves the pose of a recognized robot to a fraction of a pixel: one fit of three parameters to the edges of all
+/// its patches. A pixel counts by the fraction of it that a patch covers. In a region's centroid (Klancar,
+/// section 4.2), a pixel counts completely or not at all, and a region that is torn or bleeds into a neighbor misplaces
+/// the robot.
 ///
 /// The model of the picture has patches of known outline (patch k covers the fraction w_k of a pixel) on a top of one
 /// color T. Beyond the robot's edge (the robot covers the fraction r) there are surroundings O. Light is additive, so a
 /// pixel shows
 ///   r T + (1 - r) O + sum of w_k (P_k - T).
 /// P_k is the mean of the completely covered pixels, T the mean of the free parts of the top, and O the light just
-/// beyond the robot's edge. A patch's center minimizes the squared error of this model on the patch's edge pixels
-/// (Gauss-Newton), in a weighted mean of the colors. Behind a Bayer pattern, a pixel counts only in the color that it
-/// measured, with the weights of bayer_sampling.h. Neighboring patches are part of the model, so they cause no bias. A
-/// pixel has a lower weight if it depends on an O that differs much from T (a line, a wall, another robot's patch).
+/// beyond the robot's edge. The pose minimizes the squared error of this model on the edge pixels of all patches
+/// (Gauss-Newton; README.md derives the equations), in a weighted mean of the colors. Behind a Bayer pattern, a pixel
+/// counts only in the color that it measured, with the weights of bayer_sampling.h. A pixel has a lower weight if it
+/// depends on an O that differs much from T (a line, a wall, another robot's patch).
 ///
-/// A robot keeps its centroids if the picture does not fit this model: no free top, patches of a few pixels, large
-/// residuals. The light is uniform over one robot, so the light map is not needed. The work per robot is bounded: on
-/// large patches, only every second, third, ... pixel and row is sampled.
-class PatchCenterFit {
+/// Regions only give the start: a robot whose regions are torn, or one of which is missing, is fitted as well. It keeps
+/// its pose if the picture does not fit the model: no free top, patches of a few pixels, large residuals. The light is
+/// uniform over one robot, so the light map is not needed. The work per robot is bounded: on large patches, only every
+/// second, third, ... pixel and row is sampled.
+class TopFit {
  public:
   /// `layouts`: valid layouts indexed by Team. A team without a marker has no patches.
   void configure(const std::array<MarkerLayout, 2>& layouts, const CameraModel& camera,
@@ -37,8 +40,8 @@ class PatchCenterFit {
   /// Changes the heights of the markers, by Team, between two frames.
   void set_heights(const std::array<float, 2>& height_m);
 
-  /// Improves centers, pose, residual and noise of each robot with a heading whose patches were all seen. The scan must
-  /// have accepted the frame.
+  /// Improves pose, residual, noise and patch centers of each robot with a heading and at least two patches in its
+  /// layout. The scan must have accepted the frame.
   void refine(const Frame& frame, Sightings& sightings);
 
  private:

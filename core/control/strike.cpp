@@ -46,7 +46,7 @@ double time_to_goal(BallState ball, const Scene& scene) {
   double danger = 0.0;
   const bool was_in_area = pitch.in_own_area(ball.position, 0.0);
   constexpr int kSteps = static_cast<int>(kHorizon / kStep);
-  constexpr double kReach = 0.055, kMostReach = kReach + 0.12;
+  constexpr double kReach = 0.055, kMaxReach = kReach + 0.12;
   // Until then an opponent is too far away to reach the ball: most are so all the time.
   std::array<double, kMaxRobots> far_until{};
   for (int i = 0; i < kSteps; ++i) {
@@ -59,7 +59,7 @@ double time_to_goal(BallState ball, const Scene& scene) {
       next.velocity = {};
     ball = next;
     // Opponents move towards the ball while it rolls.
-    const double reach = std::min(kMostReach, kReach + 0.3 * std::max(0.0, t - 0.1));
+    const double reach = std::min(kMaxReach, kReach + 0.3 * std::max(0.0, t - 0.1));
     const Vector2 way = ball.position - from;
     const double length2 = dot(way, way);
     for (std::size_t k = 0; k < scene.opponents.size(); ++k) {
@@ -72,7 +72,7 @@ double time_to_goal(BallState ball, const Scene& scene) {
       if (t + part * kStep > 0.05 && off2 < reach * reach) {
         return danger + t + kLost + rest_time(from + part * way, pitch);
       }
-      const double spare = std::sqrt(off2) - kMostReach - kStep * speed;
+      const double spare = std::sqrt(off2) - kMaxReach - kStep * speed;
       if (spare > 0.0) far_until[k] = t + spare / (speed + opponent.speed_mps + 1e-6);
     }
     if (ball.position.x > pitch.end_m) {

@@ -8,7 +8,7 @@ namespace {
 
 // Least determinant relative to the product of the diagonal. For two patches it is above 0.1; it is 0 if all edges have
 // one direction, or pass through one point.
-constexpr float kLeastDeterminant = 0.003f;
+constexpr float kMinPoseDeterminant = 0.003f;
 
 }  // namespace
 
@@ -22,7 +22,7 @@ bool invert(const Matrix3& m, Matrix3& out) {
     return m[a][c] * m[b][d] - m[a][d] * m[b][c];
   };
   const float determinant = m[0][0] * cofactor(0, 0) + m[0][1] * cofactor(0, 1) + m[0][2] * cofactor(0, 2);
-  if (!(determinant > kLeastDeterminant * m[0][0] * m[1][1] * m[2][2])) return false;
+  if (!(determinant > kMinPoseDeterminant * m[0][0] * m[1][1] * m[2][2])) return false;
   for (std::size_t i = 0; i < 3; ++i) {
     for (std::size_t j = 0; j < 3; ++j) out[i][j] = cofactor(j, i) / determinant;
   }

@@ -48,7 +48,7 @@ TEST_F(Program, SaysAtTheStartThatPacketsWithoutATeamNumberDriveEveryRobot) {
 
 // This is the only place with the hash of a game. It covers the whole way from rendered picture to wheels.
 TEST_F(Program, AGameInTheArenaKeepsItsHash) {
-  constexpr const char* kHash = "c9d5d9f3a5d14900";
+  constexpr const char* kHash = "06f549a44f5958c1";
   const CommandOutput game = touchline("run --board '" TOUCHLINE_MOCK_BOARD "' --duration 3 --seed 1 --headless");
   ASSERT_EQ(game.code, 0) << game.text;
   const std::string before = "\narena state: ";

@@ -61,7 +61,7 @@ TEST(DeviceParameters, DefaultsAreValidAndKeysAreTheDocumentedOnes) {
   EXPECT_EQ(checked_keys<CameraSettings>(),
             (std::set<std::string>{"backend", "device", "format", "width_px", "height_px", "rate_hz", "buffers",
                                    "exposure_us", "exposure_steps", "gain", "white_balance_k", "focus", "power_line",
-                                   "poses", "address", "interface", "source_delay_s"}));
+                                   "lockstep", "poses", "address", "interface", "source_delay_s"}));
   EXPECT_EQ(checked_keys<RadioSettings>(),
             (std::set<std::string>{"backend", "device", "baud", "address", "port", "local_port", "interface",
                                    "time_to_live", "robots", "more", "delay_s", "telemetry", "low_battery_v"}));

@@ -2,14 +2,13 @@
 #include "hal/recording/mcap_index.h"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
 #include <random>
 
 #include "tests/recording/example_recording.h"
+#include "tests/recording/file_folder.h"
 
 namespace touchline::testing {
 namespace {
@@ -19,23 +18,8 @@ using hal::mcap::McapIndex;
 
 constexpr std::size_t kManyChunks = 1000;
 
-class McapIndexTest : public ::testing::Test {
+class McapIndexTest : public FileFolder {
  protected:
-  McapIndexTest()
-      : folder_(std::filesystem::temp_directory_path() / ("touchline-index-" + std::to_string(::getpid()))) {
-    std::filesystem::create_directories(folder_);
-  }
-  ~McapIndexTest() override { std::filesystem::remove_all(folder_); }
-  [[nodiscard]] std::string path(const std::string& name = "x.mcap") const { return (folder_ / name).string(); }
-
-  static std::string bytes_of(const std::string& path) {
-    std::ifstream file(path, std::ios::binary);
-    return {std::istreambuf_iterator<char>(file), {}};
-  }
-  static void write(const std::string& path, const std::string& bytes) {
-    std::ofstream(path, std::ios::binary) << bytes;
-  }
-
   /// Compares what the index finds of each channel with the messages of the first chunks.
   static void expect_messages(const McapIndex& index, const std::vector<std::vector<WrittenMessage>>& written) {
     for (std::size_t i = 0; i < index.chunks().size(); ++i) {
@@ -66,8 +50,6 @@ class McapIndexTest : public ::testing::Test {
       EXPECT_EQ(found, written[i].size());
     }
   }
-
-  std::filesystem::path folder_;
 };
 
 TEST_F(McapIndexTest, FindsTheMessagesOfAWholeFile) {

@@ -2,34 +2,17 @@
 #include "hal/recording/mcap_writer.h"
 
 #include <sys/resource.h>
-#include <unistd.h>
 
 #include <csignal>
 #include <filesystem>
 
 #include "tests/recording/example_recording.h"
+#include "tests/recording/file_folder.h"
 
 namespace touchline::testing {
 namespace {
 
-class McapWriter : public ::testing::Test {
- protected:
-  McapWriter() : folder_(std::filesystem::temp_directory_path() / ("touchline-mcap-" + std::to_string(::getpid()))) {
-    std::filesystem::create_directories(folder_);
-  }
-  ~McapWriter() override { std::filesystem::remove_all(folder_); }
-  [[nodiscard]] std::string path(const std::string& name = "x.mcap") const { return (folder_ / name).string(); }
-
-  static std::string bytes_of(const std::string& path) {
-    std::ifstream file(path, std::ios::binary);
-    return {std::istreambuf_iterator<char>(file), {}};
-  }
-  static void write(const std::string& path, const std::string& bytes) {
-    std::ofstream(path, std::ios::binary) << bytes;
-  }
-
-  std::filesystem::path folder_;
-};
+class McapWriter : public FileFolder {};
 
 std::vector<WrittenMessage> joined(const std::vector<std::vector<WrittenMessage>>& chunks, std::size_t count) {
   std::vector<WrittenMessage> out;

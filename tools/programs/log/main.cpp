@@ -1,9 +1,11 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
+#include <filesystem>
 #include <new>
 #include <string>
 #include <vector>
 
+#include "firmware/recording/recording_files.h"
 #include "tools/programs/command_line/command_line.h"
 #include "tools/programs/log/convert.h"
 #include "tools/programs/log/cut.h"
@@ -23,10 +25,21 @@ struct Options {
   log::Stretch stretch{0.0, kLongest_s};
 };
 
+Result<void> list_one(const std::string& input) {
+  TOUCHLINE_TRY_ASSIGN(const std::string text, log::list(input));
+  std::fputs(text.c_str(), stdout);
+  return {};
+}
+
 Result<void> list_all(const Options& options) {
   for (const std::string& input : options.inputs) {
-    TOUCHLINE_TRY_ASSIGN(const std::string text, log::list(input));
-    std::fputs(text.c_str(), stdout);
+    if (!std::filesystem::is_directory(input)) {
+      TOUCHLINE_TRY(list_one(input));
+      continue;
+    }
+    const std::vector<std::string> names = recording::names_in(input);
+    if (names.empty()) return failure(ErrorCode::kNotFound, "%s: has no recordings", input.c_str());
+    for (const std::string& name : names) TOUCHLINE_TRY(list_one(std::filesystem::path(input) / name));
   }
   return {};
 }
@@ -47,10 +60,12 @@ int main(int argc, char** argv) {
                "touchline-log");
   app.require_subcommand(1);
   CLI::App* list = app.add_subcommand("list", "Show what files hold: times, sessions, gaps, halts, goals, channels");
-  list->add_option("files", options.inputs, "Recordings (NAME.mcap) or game logs (NAME.log, NAME.log.gz)")
+  list->add_option("files", options.inputs,
+                   "Recordings (NAME.mcap), folders of them, or game logs (NAME.log, NAME.log.gz)")
       ->required()
       ->type_name("FILE");
-  add_examples(*list, {{"touchline-log list touchline-0042.mcap", "show what a recording holds"}});
+  add_examples(*list, {{"touchline-log list touchline-0042.mcap", "show what a recording holds"},
+                       {"touchline-log list recordings", "show what all recordings in a folder hold, newest first"}});
 
   CLI::App* cut = app.add_subcommand("cut", "Copy a stretch of a recording or game log into a new file");
   cut->add_option("file", options.input, "Recording or game log")->required()->type_name("FILE");

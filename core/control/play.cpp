@@ -17,12 +17,14 @@ constexpr double kFarS = 0.8;
 
 // Lower bounds of the times in which robots meet the ball.
 std::array<double, kMaxRobotsPerTeam> times_to_reach(const Players& players, const Scene& scene) {
-  constexpr double kStepS = 0.15, kHorizonS = 1.35;
+  constexpr double kStepS = 0.15;
+  constexpr int kSteps = 10;
   std::array<double, kMaxRobotsPerTeam> times{};
   times.fill(1e9);
   for (std::size_t k = 0; k < players.size(); ++k) {
     const Vector2 here = position(players[k].pose);
-    for (double t = 0.0; t < kHorizonS; t += kStepS) {
+    for (int i = 0; i < kSteps; ++i) {
+      const double t = i * kStepS;
       const Vector2 to = scene.path.at(t).position - here;
       times[k] = std::min(times[k], std::max(t, std::sqrt(dot(to, to)) / scene.parameters.drive.max_speed_mps));
     }

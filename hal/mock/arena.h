@@ -35,33 +35,33 @@ struct Exposure {
 /// How fast the time of an arena passes, as a person wants it. Any thread may change it.
 class ArenaPace {
  public:
-  void pause() {
-    frames_.store(0, std::memory_order_relaxed);
-    paused_.store(true, std::memory_order_relaxed);
-  }
-  void resume() {
-    frames_.store(0, std::memory_order_relaxed);
-    paused_.store(false, std::memory_order_relaxed);
-  }
-  /// Pauses after so many frames.
+  void pause() { frames_.store(0, std::memory_order_relaxed); }
+  void resume() { frames_.store(kWithoutEnd, std::memory_order_relaxed); }
+  /// Pauses after so many frames, beside those of earlier calls.
   void step(int frames) {
-    frames_.fetch_add(frames, std::memory_order_relaxed);
-    paused_.store(true, std::memory_order_relaxed);
+    change([frames](int left) { return left == kWithoutEnd ? frames : left + frames; });
   }
   /// `speed`: times real time, for a clock that follows real time.
   void set_speed(double speed) { speed_.store(speed, std::memory_order_relaxed); }
   [[nodiscard]] double speed() const { return speed_.load(std::memory_order_relaxed); }
-  [[nodiscard]] bool is_paused() const { return paused_.load(std::memory_order_relaxed); }
   /// Returns whether the time stands still until a change.
-  [[nodiscard]] bool stands() const { return is_paused() && frames_.load(std::memory_order_relaxed) <= 0; }
-  /// The camera has taken a frame.
+  [[nodiscard]] bool stands() const { return frames_.load(std::memory_order_relaxed) == 0; }
+  /// The camera has taken a frame. One that was already due when the time was stopped is none of the next step's.
   void count_frame() {
-    if (is_paused()) frames_.fetch_sub(1, std::memory_order_relaxed);
+    change([](int left) { return left > 0 ? left - 1 : left; });
   }
 
  private:
-  std::atomic<bool> paused_{false};
-  std::atomic<int> frames_{0};  // until the time stands still
+  static constexpr int kWithoutEnd = -1;
+
+  template <typename Change>
+  void change(Change next) {
+    int left = frames_.load(std::memory_order_relaxed);
+    while (!frames_.compare_exchange_weak(left, next(left), std::memory_order_relaxed)) {
+    }
+  }
+
+  std::atomic<int> frames_{kWithoutEnd};  // until the time stands still
   std::atomic<double> speed_{1.0};
 };
 

@@ -45,5 +45,24 @@ TEST(PacedClock, TheSpeedOfTheArenaCountsFromItsChangeOn) {
   EXPECT_LT(elapsed, 1900ms) << "at real time, two seconds would have passed";
 }
 
+TEST(ArenaPace, AFrameThatWasDueAtThePauseIsNoneOfTheNextStep) {
+  hal::mock::ArenaPace pace;
+  pace.count_frame();
+  EXPECT_FALSE(pace.stands());
+  pace.pause();
+  pace.count_frame();
+  EXPECT_TRUE(pace.stands());
+  pace.step(2);
+  pace.step(1);
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_FALSE(pace.stands()) << "after " << i << " of three frames";
+    pace.count_frame();
+  }
+  EXPECT_TRUE(pace.stands());
+  pace.resume();
+  pace.count_frame();
+  EXPECT_FALSE(pace.stands());
+}
+
 }  // namespace
 }  // namespace touchline

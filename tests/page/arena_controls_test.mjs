@@ -58,12 +58,12 @@ async function waitForState(condition) {
   throw new Error('the program has closed the connection');
 }
 
-/** The number of frames so far, when it has not grown between two reports. */
+/** The number of frames so far, when it has not grown for half a second: reports also follow one another at once. */
 async function standing() {
-  let last = -1;
-  for await (const { frames } of messages('status')) {
-    if (frames === last) return frames;
-    last = frames;
+  let since;
+  for await (const status of messages('status')) {
+    if (status.frames !== since?.frames) since = status;
+    if (status.time_s - since.time_s >= 0.5) return status.frames;
   }
   throw new Error('the program has closed the connection');
 }

@@ -177,15 +177,18 @@ void Loop::process_frame(const hal::FrameLease& lease) {
   } else {
     on_fault(Device::kCamera, {trace.status.code(), "the pipeline rejected the frame"}, timing.sent);
   }
-  if (settings_.snapshots != nullptr || settings_.recording != nullptr) fill_snapshot(trace, timing, machine_sent);
+  if (settings_.snapshots != nullptr || settings_.recording != nullptr)
+    fill_snapshot(trace, lease, timing, machine_sent);
   if (settings_.snapshots != nullptr) settings_.snapshots->write(snapshot_);
   // The picture follows the snapshot, so that whoever gets the picture also finds the results.
   if (is_picture_wanted) settings_.pictures->put(frame, settings_.first_number + statistics_.frames - 1);
   if (settings_.recording != nullptr) settings_.recording->add(trace, snapshot_, lease);
 }
 
-void Loop::fill_snapshot(const StepTrace& trace, const StepTiming& timing, Instant machine_sent) {
+void Loop::fill_snapshot(const StepTrace& trace, const hal::FrameLease& lease, const StepTiming& timing,
+                         Instant machine_sent) {
   copy_trace(trace, snapshot_);
+  snapshot_.truth = lease.truth() != nullptr ? *lease.truth() : hal::TruePlaces();
   snapshot_.sent_commands = pipeline_.sent_commands();
   copy_bytes(trace, pipeline_.radio(), external_.console().tested, snapshot_);
   snapshot_.number = settings_.first_number + statistics_.frames - 1;

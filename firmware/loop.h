@@ -169,7 +169,8 @@ class Loop {
   void fill_inputs(Instant now, Duration action_delay);
   /// Clears the events after a step or a stop has used them.
   void on_inputs_used(Instant now);
-  void fill_snapshot(const StepTrace& trace, const StepTiming& timing, Instant machine_sent);
+  void fill_snapshot(const StepTrace& trace, const hal::FrameLease& lease, const StepTiming& timing,
+                     Instant machine_sent);
   // Begins tracks anew with the first frame that shows robots of a simulation elsewhere.
   void note_jump(const Frame& frame);
   /// Returns the score of the referee, or of a simulation that counts goals.

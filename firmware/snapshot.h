@@ -10,6 +10,7 @@
 #include "core/step_inputs.h"
 #include "core/types.h"
 #include "firmware/stop_rules.h"
+#include "hal/true_places.h"
 
 namespace touchline {
 
@@ -27,6 +28,7 @@ struct Snapshot {
   BallSighting ball;
   FixedVector<RobotSighting, kMaxRobots> robots;
   Tracks tracks;
+  hal::TruePlaces truth;
   Commands commands;
   Commands sent_commands;  // Pipeline::sent_commands()
   PlayDecisions play;

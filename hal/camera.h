@@ -10,6 +10,7 @@
 #include "core/time.h"
 #include "core/types.h"
 #include "hal/result.h"
+#include "hal/true_places.h"
 
 namespace touchline::hal {
 
@@ -48,6 +49,9 @@ class FrameLease {
   /// during the lifetime of the lease.
   [[nodiscard]] std::span<const std::uint8_t> jpeg() const { return jpeg_; }
   void set_jpeg(std::span<const std::uint8_t> jpeg) { jpeg_ = jpeg; }
+  /// Null: the camera does not know it. Valid during the lifetime of the lease.
+  [[nodiscard]] const TruePlaces* truth() const { return truth_; }
+  void set_truth(const TruePlaces* truth) { truth_ = truth; }
 
  private:
   void swap(FrameLease& other) noexcept {
@@ -56,12 +60,14 @@ class FrameLease {
     std::swap(buffer_, other.buffer_);
     std::swap(dma_bufs_, other.dma_bufs_);
     std::swap(jpeg_, other.jpeg_);
+    std::swap(truth_, other.truth_);
   }
   Camera* owner_ = nullptr;
   Frame frame_;
   std::uint32_t buffer_ = 0;
   DmaBufs dma_bufs_ = kNoDmaBufs;
   std::span<const std::uint8_t> jpeg_;
+  const TruePlaces* truth_ = nullptr;
 };
 
 /// Format and settings of an open camera.

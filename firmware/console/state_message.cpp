@@ -37,6 +37,14 @@ void write_pixel(JsonWriter& json, PixelPoint pixel) {
   write_number(json, "v_px", pixel.v_px, kOutlineStep);
 }
 
+template <class List, class Write>
+void write_list(JsonWriter& json, std::string_view key, const List& list, const Write& write) {
+  json.key(key);
+  json.begin_array();
+  for (const auto& element : list) write(element);
+  json.end_array();
+}
+
 void write_ball(JsonWriter& json, const BallSighting& ball) {
   if (!ball.seen) return json.null();
   json.begin_object();
@@ -77,6 +85,22 @@ void write_sighting(JsonWriter& json, const Scene& scene, const RobotSighting& r
   }
   json.key("outline_px");
   write_outline(json, scene, robot);
+  json.end_object();
+}
+
+void write_truth(JsonWriter& json, const hal::TruePlaces& truth) {
+  json.begin_object();
+  json.key("ball");
+  json.begin_object();
+  write_place(json, truth.ball);
+  json.end_object();
+  write_list(json, "robots", truth.robots, [&](const hal::TruePlaces::Robot& robot) {
+    json.begin_object();
+    write_identity(json, word_of(robot.team), robot.id);
+    write_place(json, robot.pose.position);
+    write_number(json, "heading_rad", robot.pose.theta_rad, kRadianStep);
+    json.end_object();
+  });
   json.end_object();
 }
 
@@ -197,18 +221,6 @@ void write_score(JsonWriter& json, const std::optional<Score>& of_referee, const
   json.end_object();
 }
 
-template <class List, class Write>
-void write_list(JsonWriter& json, std::string_view key, const List& list, const Write& write) {
-  json.key(key);
-  json.begin_array();
-  for (const auto& element : list) write(element);
-  json.end_array();
-}
-
-}  // namespace
-
-namespace {
-
 void write_picture(JsonWriter& json, const PictureTrace& picture) {
   json.begin_object();
   write_number(json, "repeated", picture.repeated_share, 1e-3);
@@ -252,6 +264,10 @@ void write_state(JsonWriter& json, const Scene& scene, const Snapshot& snapshot,
   json.key("ball");
   write_ball(json, snapshot.ball);
   write_list(json, "robots", snapshot.robots, [&](const RobotSighting& robot) { write_sighting(json, scene, robot); });
+  if (snapshot.truth.is_known) {
+    json.key("truth");
+    write_truth(json, snapshot.truth);
+  }
   json.key("ball_track");
   write_ball_track(json, snapshot.tracks.ball);
   write_list(json, "tracks", snapshot.tracks.robots, [&](const RobotTrack& robot) { write_track(json, robot); });

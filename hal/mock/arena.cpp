@@ -140,6 +140,22 @@ std::optional<Exposure> Arena::take_exposure() {
   return exposure;
 }
 
+TruePlaces Arena::places_at_capture(const Exposure& exposure) const {
+  const auto place = [&](const Placement& begin, const Placement& end) {
+    const Placement middle = between(begin, end, 0.5 * static_cast<double>(exposure.rows.exposure));
+    return Pose{{static_cast<float>(middle.x_m), static_cast<float>(middle.y_m)}, static_cast<float>(middle.theta_rad)};
+  };
+  TruePlaces truth;
+  truth.is_known = true;
+  truth.ball = place(exposure.begin.ball, exposure.end.ball).position;
+  for (std::size_t i = 0; i < exposure.begin.robots.size(); ++i) {
+    const ArenaRobot& robot = parameters_.robot[i];
+    truth.robots.push_back({robot.team == Side::kOwn ? Team::kOwn : Team::kOpponent, static_cast<RobotId>(robot.id),
+                            place(exposure.begin.robots[i], exposure.end.robots[i])});
+  }
+  return truth;
+}
+
 void Arena::adjust_camera(const CameraSettings& settings) {
   const auto ratio = [](int value, int nominal) { return value > 0 ? static_cast<double>(value) / nominal : 1.0; };
   sensor_.set_brightness(ratio(settings.exposure_us, kNominalExposure_us) * ratio(settings.gain, kNominalGain));

@@ -19,6 +19,7 @@
 #include "hal/mock/renderer.h"
 #include "hal/mock/sensor.h"
 #include "hal/result.h"
+#include "hal/true_places.h"
 
 namespace touchline::hal::mock {
 
@@ -104,6 +105,8 @@ class Arena {
   [[nodiscard]] std::optional<Instant> next_frame_ready() const;
   /// Removes and returns the oldest frame that is in memory; empty if there is none.
   std::optional<Exposure> take_exposure();
+  /// Returns where robots and ball were at the capture time of this frame of the present game.
+  [[nodiscard]] TruePlaces places_at_capture(const Exposure& exposure) const;
   /// Renders the frame into `out`, which holds the bytes of picture_layout(). Another thread than that which
   /// lets the time pass may call it, if nothing injects faults meanwhile.
   void render(const Exposure& exposure, std::span<std::uint8_t> out);

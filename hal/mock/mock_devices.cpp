@@ -53,6 +53,7 @@ Result<void> MockCamera::do_open() {
   }
   const auto count = static_cast<std::size_t>(arena_.camera().buffers);
   buffers_.assign(count, std::vector<std::uint8_t>(layout_.bytes));
+  truth_.assign(count, TruePlaces());
   held_.assign(count, false);
   open_ = true;
   lost_ = false;
@@ -125,7 +126,10 @@ Result<FrameLease> MockCamera::hand_out(const Exposure& exposure) {
   frame.stride_bytes = layout_.stride_bytes;
   frame.capture_time = exposure.capture_time;
   frame.sequence = exposure.sequence;
-  return FrameLease(*this, frame, static_cast<std::uint32_t>(buffer));
+  truth_[buffer] = arena_.places_at_capture(exposure);
+  FrameLease lease(*this, frame, static_cast<std::uint32_t>(buffer));
+  lease.set_truth(&truth_[buffer]);
+  return lease;
 }
 
 void MockCamera::do_release(std::uint32_t buffer) noexcept {

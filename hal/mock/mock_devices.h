@@ -61,6 +61,7 @@ class MockCamera : public Camera {
   CameraInfo info_;
   PictureLayout layout_;
   std::vector<std::vector<std::uint8_t>> buffers_;
+  std::vector<TruePlaces> truth_;  // by buffer
   std::vector<bool> held_;
   bool open_ = false, streaming_ = false, lost_ = false;
 };

@@ -45,6 +45,12 @@ Outline outline(const ArenaField& field) {
 
 }  // namespace
 
+Placement between(const Placement& begin, const Placement& end, double share) {
+  const double turn = wrap_angle(end.theta_rad - begin.theta_rad);
+  return {begin.x_m + share * (end.x_m - begin.x_m), begin.y_m + share * (end.y_m - begin.y_m),
+          wrap_angle(begin.theta_rad + share * turn)};
+}
+
 World::World(const ArenaParameters& parameters, std::uint64_t seed)
     : parameters_(parameters), random_(seed, kPhysicsStream), walls_(outline(parameters.field)) {
   const PhysicsParameters& physics = parameters_.physics;

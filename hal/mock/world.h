@@ -16,6 +16,9 @@ struct Placement {
   double x_m = 0.0, y_m = 0.0, theta_rad = 0.0;
 };
 
+/// Returns the pose that a steady motion from `begin` to `end` has after this share of its time.
+Placement between(const Placement& begin, const Placement& end, double share);
+
 /// Poses of all visible objects at one instant.
 struct Snapshot {
   FixedVector<Placement, kMaxRobots> robots;  // in the order of ArenaParameters::robot

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstring>
+#include <limits>
 #include <memory>
 #include <random>
 #include <string>
@@ -68,8 +69,8 @@ class RemoteCameraTest : public ::testing::Test {
   }
   void send_header(std::uint32_t sequence, std::size_t bytes, int captured_ms = 1000, int ready_ms = 1010) const {
     constexpr std::int64_t kMs = 1'000'000;
-    const PictureHeaderBytes header = encode(
-        PictureHeader{static_cast<std::uint32_t>(bytes), sequence, captured_ms * kMs, ready_ms * kMs, ready_ms * kMs});
+    const PictureHeaderBytes header = encode(PictureHeader{static_cast<std::uint32_t>(bytes), sequence,
+                                                           captured_ms * kMs, ready_ms * kMs, ready_ms * kMs, truth_});
     send(header.data(), header.size());
   }
   Result<FrameLease> wait(Duration duration = 2s) { return camera_->wait(MonotonicClock::read() + duration); }
@@ -84,6 +85,7 @@ class RemoteCameraTest : public ::testing::Test {
   TcpAddress address_;
   CameraSettings settings_;
   StreamHello hello_;
+  TruePlaces truth_;
   Descriptor listener_, sender_;
   std::unique_ptr<RemoteCamera> camera_;
 };
@@ -182,7 +184,7 @@ TEST_F(RemoteCameraTest, SurvivesAnySenderBytes) {
       send(garbage.data(), garbage.size());
     } else {
       // A good header with bits changed.
-      PictureHeaderBytes header = encode(PictureHeader{kPictureBytes, 1, 1000, 2000, 3000});
+      PictureHeaderBytes header = encode(PictureHeader{kPictureBytes, 1, 1000, 2000, 3000, truth_});
       header[random() % header.size()] ^= static_cast<std::byte>(1U << random() % 8);
       send(header.data(), header.size());
     }
@@ -195,6 +197,45 @@ TEST_F(RemoteCameraTest, SurvivesAnySenderBytes) {
     camera_->close();
   }
   EXPECT_GT(refused, 20U);
+}
+
+TEST_F(RemoteCameraTest, HandsOutTheTruthThatTheSenderStates) {
+  ASSERT_OK(open());
+  send_picture(1, 10);
+  {
+    const Result<FrameLease> without = wait();
+    ASSERT_TRUE(without.ok()) << without.text();
+    EXPECT_EQ(without.value().truth(), nullptr);
+  }
+  truth_.is_known = true;
+  truth_.ball = {0.125f, -0.5f};
+  truth_.robots.push_back({Team::kOwn, 3, {{0.25f, 0.75f}, -1.5f}});
+  truth_.robots.push_back({Team::kOpponent, 0, {{-0.625f, 0.0f}, 3.0f}});
+  send_picture(2, 20);
+  const Result<FrameLease> with = wait();
+  ASSERT_TRUE(with.ok()) << with.text();
+  const TruePlaces* const truth = with.value().truth();
+  ASSERT_NE(truth, nullptr);
+  EXPECT_EQ(truth->ball.x_m, 0.125f);
+  EXPECT_EQ(truth->ball.y_m, -0.5f);
+  ASSERT_EQ(truth->robots.size(), 2U);
+  for (std::size_t i = 0; i < 2; ++i) {
+    EXPECT_EQ(truth->robots[i].team, truth_.robots[i].team);
+    EXPECT_EQ(truth->robots[i].id, truth_.robots[i].id);
+    EXPECT_EQ(truth->robots[i].pose.position.x_m, truth_.robots[i].pose.position.x_m);
+    EXPECT_EQ(truth->robots[i].pose.position.y_m, truth_.robots[i].pose.position.y_m);
+    EXPECT_EQ(truth->robots[i].pose.theta_rad, truth_.robots[i].pose.theta_rad);
+  }
+}
+
+TEST_F(RemoteCameraTest, RefusesAnImpossibleTruth) {
+  truth_.is_known = true;
+  truth_.robots.push_back({Team::kOwn, 3, {{0.25f, std::numeric_limits<float>::quiet_NaN()}, 0.0f}});
+  ASSERT_OK(open());
+  send_picture(1, 10);
+  const Result<FrameLease> frame = wait();
+  EXPECT_EQ(frame.code(), ErrorCode::kDisconnected);
+  EXPECT_NE(std::string(frame.text()).find("places that come with a picture"), std::string::npos) << frame.text();
 }
 
 TEST_F(RemoteCameraTest, ReportsAProgramThatIsNoSender) {

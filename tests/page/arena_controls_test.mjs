@@ -156,6 +156,24 @@ for (const [width, height] of [[1280, 800], [360, 740]]) {
   });
 }
 
+test('the truth of the arena is beside what was recognized', async () => {
+  const { page, problems, close } = await open(browser, server.url);
+  const seen = await waitForState((state) => state.ball && state.robots.length === state.truth?.robots.length);
+  assert.ok(Math.hypot(seen.ball.x_m - seen.truth.ball.x_m, seen.ball.y_m - seen.truth.ball.y_m) < 0.003, JSON.stringify(seen));
+  for (const robot of seen.robots) {
+    const truth = seen.truth.robots.find(({ team, id }) => team === robot.team && id === robot.id);
+    assert.ok(truth && Math.hypot(robot.x_m - truth.x_m, robot.y_m - truth.y_m) < 0.003, JSON.stringify([robot, truth]));
+    assert.ok(Math.abs(Math.sin(robot.heading_rad - truth.heading_rad)) < 0.03, JSON.stringify([robot, truth]));
+  }
+  await page.waitForFunction(() => / robots\s[\d.]+ mm, at most/.test(document.querySelector('[data-truth]')?.textContent ?? ''));
+  await page.click('[data-layer="truth"]');
+  await page.reload();
+  await page.waitForSelector('[data-layer="truth"][aria-pressed="true"]'); // kept, although it is offered only when a state has come
+  await page.click('[data-layer="truth"]');
+  assert.deepEqual(problems, []);
+  await close();
+});
+
 test('the ball is dragged in the picture', async () => {
   const { page, problems, close } = await open(browser, server.url);
   await takeControl(page);
@@ -202,7 +220,7 @@ test('a board with real devices has no controls of an arena, and refuses its req
     await page.waitForSelector('text=You have control.');
     await show(page, 'live');
     await page.waitForSelector('[data-layer="play"]');
-    for (const absent of ['[data-arena-panel]', '[data-move-objects]', control('pause')]) assert.equal(await page.locator(absent).count(), 0, absent);
+    for (const absent of ['[data-arena-panel]', '[data-move-objects]', '[data-layer="truth"]', control('pause')]) assert.equal(await page.locator(absent).count(), 0, absent);
     await close();
     const socket = new WebSocket(`${other.found.replace('http', 'ws')}/ws`, 'touchline.1');
     const requests = [{ type: 'take' }, ...[{ pause: {} }, { reset: { seed: 1 } }, { throw: { vx: 1, vy: 0 } }, { fault: { kind: 'dark', for_s: 1 } }].map((request) => ({ type: 'arena', do: request }))];

@@ -1,13 +1,15 @@
 #include "hal/linux/network/picture_stream.h"
 
 #include <algorithm>
+#include <bit>
+#include <cmath>
 #include <string_view>
 
 namespace touchline::hal {
 namespace {
 
 // The last character is the version of the format.
-constexpr std::string_view kHelloMagic = "TLPICS-1";
+constexpr std::string_view kHelloMagic = "TLPICS-2";
 constexpr std::uint32_t kPictureMagic = 0x52464c54;  // "TLFR"
 constexpr std::size_t kWordBytes = 16;               // the word of the format, filled up with zeros
 
@@ -18,6 +20,7 @@ class Writer {
   void number(std::uint64_t value, std::size_t bytes) {
     for (std::size_t i = 0; i < bytes; ++i) out_[at_++] = static_cast<std::byte>(value >> (8 * i));
   }
+  void real(float value) { number(std::bit_cast<std::uint32_t>(value), 4); }
   void text(std::string_view value, std::size_t bytes) {
     for (std::size_t i = 0; i < bytes; ++i) out_[at_++] = static_cast<std::byte>(i < value.size() ? value[i] : '\0');
   }
@@ -35,6 +38,7 @@ class Reader {
     for (std::size_t i = 0; i < bytes; ++i) value |= std::to_integer<std::uint64_t>(in_[at_++]) << (8 * i);
     return value;
   }
+  float real() { return std::bit_cast<float>(static_cast<std::uint32_t>(number(4))); }
   std::string_view text(std::size_t bytes) {
     const std::string_view all(reinterpret_cast<const char*>(in_.data()) + at_, bytes);
     at_ += bytes;
@@ -45,6 +49,40 @@ class Reader {
   std::span<const std::byte> in_;
   std::size_t at_ = 0;
 };
+
+void write_truth(Writer& out, const TruePlaces& truth) {
+  out.number(truth.is_known ? 1 : 0, 1);
+  out.number(truth.robots.size(), 1);
+  out.real(truth.ball.x_m);
+  out.real(truth.ball.y_m);
+  for (const TruePlaces::Robot& robot : truth.robots) {
+    out.number(static_cast<std::uint8_t>(robot.team), 1);
+    out.number(static_cast<std::uint8_t>(robot.id), 1);
+    for (const float value : {robot.pose.position.x_m, robot.pose.position.y_m, robot.pose.theta_rad}) out.real(value);
+  }
+}
+
+/// Returns false if it is none.
+bool read_truth(Reader& in, TruePlaces& truth) {
+  const std::uint64_t known = in.number(1), robots = in.number(1);
+  if (known > 1 || robots > kMaxRobots) return false;
+  truth.is_known = known == 1;
+  truth.ball = {in.real(), in.real()};
+  bool is_finite = std::isfinite(truth.ball.x_m) && std::isfinite(truth.ball.y_m);
+  for (std::uint64_t i = 0; i < robots; ++i) {
+    TruePlaces::Robot robot;
+    const std::uint64_t team = in.number(1);
+    if (team > static_cast<std::uint64_t>(Team::kOpponent)) return false;
+    robot.team = static_cast<Team>(team);
+    robot.id = static_cast<RobotId>(in.number(1));
+    robot.pose.position = {in.real(), in.real()};
+    robot.pose.theta_rad = in.real();
+    for (const float value : {robot.pose.position.x_m, robot.pose.position.y_m, robot.pose.theta_rad})
+      is_finite = is_finite && std::isfinite(value);
+    truth.robots.push_back(robot);
+  }
+  return is_finite;
+}
 
 }  // namespace
 
@@ -93,6 +131,7 @@ PictureHeaderBytes encode(const PictureHeader& header) {
   out.number(static_cast<std::uint64_t>(header.captured_ns), 8);
   out.number(static_cast<std::uint64_t>(header.ready_ns), 8);
   out.number(static_cast<std::uint64_t>(header.sent_ns), 8);
+  write_truth(out, header.truth);
   return bytes;
 }
 
@@ -117,6 +156,9 @@ Result<PictureHeader> parse_picture_header(std::span<const std::byte, kPictureHe
     if (time < 0 || time > kLatest_ns) {
       return failure(ErrorCode::kInconsistent, "the times of a picture are impossible");
     }
+  }
+  if (!read_truth(in, header.truth)) {
+    return failure(ErrorCode::kInconsistent, "the places that come with a picture are impossible");
   }
   return header;
 }

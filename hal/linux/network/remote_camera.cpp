@@ -297,6 +297,7 @@ Result<FrameLease> RemoteCamera::deliver(std::size_t index) {
   const std::uint8_t* const pixels = is_jpeg ? slot.decoded.data() : slot.bytes.data();
   for (std::size_t i = 0; i < info_of(frame.format).planes; ++i) frame.plane[i] = pixels + layout_.offset_bytes[i];
   FrameLease lease(*this, frame, static_cast<std::uint32_t>(index));
+  if (header.truth.is_known) lease.set_truth(&header.truth);
   if (!is_jpeg) return lease;
   lease.set_jpeg({slot.bytes.data(), header.bytes});
   if (const Result<void> decoded = decoder_.decode(lease.jpeg(), slot.decoded.data()); !decoded.ok()) {

@@ -112,6 +112,10 @@ export class Game {
         const [u, v] = project(robot.x, robot.y);
         return { team: robot.team, id: robot.id === 3 && robot.team === 'opponent' ? null : robot.id, x_m: robot.x, y_m: robot.y, heading_rad: robot.heading, u_px: u, v_px: v, confidence: 0.99, outline_px: corners(robot) };
       }),
+      truth: {
+        ball: { x_m: this.ball.x + 0.0004, y_m: this.ball.y },
+        robots: this.robots.map(({ team, id, x, y, heading }) => ({ team, id, x_m: x, y_m: y - 0.0002, heading_rad: heading + 0.002 })),
+      },
       ball_track: { seen: true, x_m: this.ball.x, y_m: this.ball.y, vx_mps: this.ball.vx, vy_mps: this.ball.vy, sigma_m: 0.002, action: { x_m: this.ball.x + 0.05 * this.ball.vx, y_m: this.ball.y + 0.05 * this.ball.vy }, confidence: 0.98 },
       tracks: this.robots.map((robot) => ({
         team: robot.team, id: robot.id, seen: robot.id !== 4 || robot.team === 'own', x_m: robot.x, y_m: robot.y, heading_rad: robot.heading, speed_mps: robot.v, turn_radps: robot.w,

@@ -47,6 +47,7 @@ Result<void> PictureOutputs::write(hal::mock::Arena& arena, const hal::mock::Exp
   header.captured_ns = nanoseconds(exposure.capture_time);
   header.ready_ns = nanoseconds(exposure.ready);
   header.sent_ns = nanoseconds(now);
+  header.truth = arena.places_at_capture(exposure);
   sender_.send(header, bytes);
   return loopback_.is_open() ? loopback_.write(bytes) : Result<void>();
 }

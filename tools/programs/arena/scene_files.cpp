@@ -22,12 +22,6 @@ const std::string& team_color(const ArenaParameters& parameters, const ArenaRobo
   return robot.team == Side::kOwn ? parameters.own_color : parameters.opponent_color;
 }
 
-Placement middle(const Placement& begin, const Placement& end) {
-  const double turn = std::remainder(end.theta_rad - begin.theta_rad, 2.0 * std::numbers::pi);
-  return {0.5 * (begin.x_m + end.x_m), 0.5 * (begin.y_m + end.y_m),
-          std::remainder(begin.theta_rad + 0.5 * turn, 2.0 * std::numbers::pi)};
-}
-
 Json pixel_of(const Lens& lens, double x_m, double y_m, double z_m) {
   const auto [u, v] = lens.project({x_m, y_m, z_m});
   return Json::array({pixel(u), pixel(v)});
@@ -74,12 +68,12 @@ std::string truth_line(const SceneFrame& frame, const std::string& file, const A
   line["ball"] = nullptr;
   line["robots"] = Json::array();
   if (frame.objects) {
-    const Placement ball = middle(frame.begin.ball, frame.end.ball);
+    const Placement ball = between(frame.begin.ball, frame.end.ball, 0.5);
     const Json at = pixel_of(lens, ball.x_m, ball.y_m, parameters.ball_radius_m);
     line["ball"] = {{"x", meters(ball.x_m)}, {"y", meters(ball.y_m)}, {"u", at[0]}, {"v", at[1]}};
     for (std::size_t i = 0; i < frame.begin.robots.size(); ++i) {
       const ArenaRobot& robot = parameters.robot[i];
-      const Placement place = middle(frame.begin.robots[i], frame.end.robots[i]);
+      const Placement place = between(frame.begin.robots[i], frame.end.robots[i], 0.5);
       Json entry{{"team", team_color(parameters, robot)},
                  {"id", robot.id},
                  {"x", meters(place.x_m)},

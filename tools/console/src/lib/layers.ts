@@ -6,6 +6,7 @@ export const LAYERS = [
   { key: 'ball', label: 'Ball', hint: 'the ball seen in this picture', color: '#ffb04a' },
   { key: 'tracks', label: 'Tracks', hint: 'filtered poses; the ellipse is three standard deviations', color: '#3fe0d0' },
   { key: 'action', label: 'When commands act', hint: 'predicted poses for the time at which the command takes effect', color: '#ff8ad8' },
+  { key: 'truth', label: 'Truth', hint: 'where the arena says that robots and ball were in this picture; a real field has none', color: '#ff4fc3' },
   { key: 'play', label: 'Play', hint: 'where the built-in play sends each robot, and by which skill; the way leads around other robots', color: '#a6f06a' },
   { key: 'lines', label: 'Field lines', hint: 'the venue file\'s field through the camera model; lines that miss the field show a wrong calibration', color: '#ffe14a' },
   { key: 'classes', label: 'Classes', hint: 'the color class of every pixel; background is darkened', color: '#57d957' },
@@ -19,6 +20,9 @@ export const LAYERS = [
 export type LayerKey = (typeof LAYERS)[number]['key'];
 
 export const LAYER_COLORS = Object.fromEntries(LAYERS.map((layer) => [layer.key, layer.color])) as Record<LayerKey, string>;
+
+/** The layers that can show something: only an arena states the truth. */
+export const layersOf = (hasTruth: boolean) => LAYERS.filter(({ key }) => key !== 'truth' || hasTruth);
 
 /** What these layers need beside pictures and states. */
 export function findingsOf(layers: ReadonlySet<LayerKey>): FindingsName[] {

@@ -31,6 +31,7 @@ export function drawOverlay(context: CanvasRenderingContext2D, input: OverlayInp
   if (on('trails')) drawTrails(pen, input);
   if (on('tracks')) drawTracks(pen, input);
   if (on('action')) drawAction(pen, input);
+  if (on('truth')) drawTruth(pen, input);
   if (on('play')) drawPlay(pen, input);
   if (on('ball')) drawBall(pen, input);
   if (on('robots')) drawRobots(pen, input);
@@ -142,6 +143,18 @@ function drawTracks(pen: Pen, input: OverlayInput): void {
 
 function drawAction(pen: Pen, input: OverlayInput): void {
   for (const track of input.state.tracks) drawPose(pen, input, track.action, track.team, LAYER_COLORS.action);
+}
+
+/** Thin and dashed, so that what was recognized shows below it. */
+function drawTruth(pen: Pen, input: OverlayInput): void {
+  const { truth } = input.state;
+  if (!truth) return;
+  const color = LAYER_COLORS.truth;
+  for (const robot of truth.robots) drawPose(pen, input, robot, robot.team, color, [4, 3]);
+  const { x_m, y_m } = truth.ball;
+  const radius = input.hello.ball?.radius_m ?? 0;
+  const outline = ellipse(x_m, y_m, (radius / 3) ** 2, (radius / 3) ** 2, 0);
+  for (const part of project(input, outline, radius)) pen.line(part, color, { dash: [4, 3] });
 }
 
 // Length of the arrow that shows the direction of the motion at a target.

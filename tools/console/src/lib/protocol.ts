@@ -154,6 +154,12 @@ export interface PlayDecision {
   time_s?: number; // until it is there, as estimated when the jobs were given
 }
 
+/** Where an arena says that everything was when the picture was taken. */
+export interface Truth {
+  ball: { x_m: number; y_m: number };
+  robots: { team: TeamName; id: number; x_m: number; y_m: number; heading_rad: number }[];
+}
+
 export interface State {
   type: 'state';
   number: number; // of processed frames; the picture with the same number belongs to this state
@@ -163,6 +169,7 @@ export interface State {
   latency_ms: number;
   ball: BallSighting | null;
   robots: RobotSighting[];
+  truth?: Truth; // of an arena
   ball_track?: BallTrack | null;
   tracks: RobotTrack[];
   commands: Command[];

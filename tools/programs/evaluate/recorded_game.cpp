@@ -3,18 +3,12 @@
 #include <chrono>
 #include <cmath>
 
-#include "core/geometry/angle.h"
 #include "hal/linux/monotonic_clock.h"
 
 namespace touchline::evaluate {
 namespace {
 
 constexpr Duration kMillisecond = std::chrono::milliseconds(1);
-
-hal::mock::Placement between(const hal::mock::Placement& a, const hal::mock::Placement& b, double part) {
-  return {a.x_m + part * (b.x_m - a.x_m), a.y_m + part * (b.y_m - a.y_m),
-          wrap_angle(a.theta_rad + part * wrap_angle(b.theta_rad - a.theta_rad))};
-}
 
 }  // namespace
 

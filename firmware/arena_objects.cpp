@@ -14,8 +14,14 @@ void ArenaObjects::attach(hal::mock::Arena& arena, const std::array<std::string,
   arena.game().rules().place_ball(places_.ball);
 }
 
+void ArenaObjects::attach(const hal::NetworkAddress& remote) {
+  const std::scoped_lock lock(mutex_);
+  remote_.emplace(remote);
+}
+
 void ArenaObjects::detach() {
   const std::scoped_lock lock(mutex_);
+  remote_.reset();
   if (arena_ == nullptr) return;
   const std::scoped_lock arena_lock(arena_->mutex());
   places_ = arena_->world().snapshot();
@@ -25,19 +31,10 @@ void ArenaObjects::detach() {
   arena_ = nullptr;
 }
 
-Result<void> ArenaObjects::move(const PixelPoint& from, const PixelPoint& to) {
-  const std::scoped_lock lock(mutex_);
-  if (arena_ == nullptr) {
-    return Error{ErrorCode::kUnsupported,
-                 "only robots and ball of the arena can be moved here; move real ones by hand"};
-  }
-  const std::scoped_lock arena_lock(arena_->mutex());
-  return arena_->move_object(from, to);
-}
-
 Result<void> ArenaObjects::control(const ArenaRequest& request) {
   using Kind = ArenaRequest::Kind;
   const std::scoped_lock lock(mutex_);
+  if (remote_) return remote_->ask(request.text);
   if (arena_ == nullptr) {
     return Error{ErrorCode::kUnsupported, "this field is real: only an arena can be reset, paused or rearranged"};
   }
@@ -48,6 +45,8 @@ Result<void> ArenaObjects::control(const ArenaRequest& request) {
       return {};
     case Kind::kPlace:
       return put_objects(request.places, colors_, arena_->parameters(), arena_->game());
+    case Kind::kMove:
+      return arena_->move_object(request.from, request.to);
     case Kind::kFault: {
       // Bounds the list; a game with more faults has them in its board file.
       constexpr std::size_t kMaxFaults = 1000;

@@ -2,10 +2,12 @@
 
 #include <array>
 #include <mutex>
+#include <optional>
 #include <string>
 
 #include "core/types.h"
 #include "firmware/arena_places.h"
+#include "firmware/remote_arena.h"
 #include "hal/mock/world.h"
 #include "hal/result.h"
 
@@ -31,11 +33,12 @@ class ArenaObjects {
   /// `colors`: names of the teams, by Side.
   void attach(hal::mock::Arena& arena, const std::array<std::string, 2>& colors = {"blue", "yellow"},
               ArenaTimeControl time = ArenaTimeControl::kSpeed);
-  /// Remembers where everything is; call it before the arena is destroyed.
+  /// Remembers where everything is; call it before the arena is destroyed. After this, the field is real.
   void detach();
-  /// Moves an object as hal::mock::Arena::move_object() does. kUnsupported: the field is real.
-  Result<void> move(const PixelPoint& from, const PixelPoint& to);
-  /// Carries out a request. kUnsupported: the field is real, or its time is the computer's. Errors of put_objects().
+  /// Makes an arena in another process the field: requests are passed on to it.
+  void attach(const hal::NetworkAddress& remote);
+  /// Carries out a request. kUnsupported: the field is real, or its time is the computer's. Errors of put_objects(),
+  /// hal::mock::Arena::move_object() and RemoteArena::ask().
   Result<void> control(const ArenaRequest& request);
 
  private:
@@ -43,6 +46,7 @@ class ArenaObjects {
 
   std::mutex mutex_;
   hal::mock::Arena* arena_ = nullptr;
+  std::optional<RemoteArena> remote_;
   std::array<std::string, 2> colors_;
   ArenaTimeControl time_ = ArenaTimeControl::kNone;
   hal::mock::Snapshot places_;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/geometry/vector2.h"
+#include "core/types.h"
 #include "hal/mock/arena_parameters.h"
 #include "hal/mock/game.h"
 #include "hal/result.h"
@@ -30,13 +31,15 @@ struct ArenaPlaces {
 
 /// What a person or a program wants of an arena.
 struct ArenaRequest {
-  enum class Kind : std::uint8_t { kReset, kPlace, kPause, kResume, kStep, kSpeed, kFault };
+  enum class Kind : std::uint8_t { kReset, kPlace, kMove, kPause, kResume, kStep, kSpeed, kFault };
   Kind kind = Kind::kPause;
   std::uint64_t seed = 1;       // for kReset
   ArenaPlaces places;           // for kPlace; a throw, too
+  PixelPoint from, to;          // for kMove: an object in the picture, and where it shall be
   int frames = 1;               // for kStep
   double speed = 1.0;           // for kSpeed: times real time
   hal::mock::ArenaFault fault;  // for kFault; `at_s` is counted from now
+  std::string text;             // the request as JSON, for an arena in another process
 };
 
 /// Puts robots and ball there and stops the robots. Nothing changes on error: kNotFound: no such robot; kOutOfRange:

@@ -25,12 +25,13 @@ namespace touchline {
 
 Devices::Devices() = default;
 Devices::~Devices() {
-  if (objects_ && arena_) objects_->detach();
+  if (objects_) objects_->detach();
 }
 
 void Devices::attach(std::shared_ptr<ArenaObjects> objects) {
-  if (!arena_ || !objects) return;
+  if (!objects || (!arena_ && !remote_arena_)) return;
   objects_ = std::move(objects);
+  if (remote_arena_) return objects_->attach(*remote_arena_);
   objects_->attach(*arena_, colors_, time_control_);
 }
 
@@ -123,6 +124,7 @@ Result<void> Devices::make(const config::Configuration& configuration, std::uint
     case hal::CameraBackend::kRemote: {
       TOUCHLINE_TRY_ASSIGN(const hal::TcpAddress address, plan_remote(configuration));
       camera_ = std::make_unique<hal::RemoteCamera>(address, board.camera, frame_clock);
+      TOUCHLINE_TRY_ASSIGN(remote_arena_, plan_arena_control(configuration));
       break;
     }
   }

@@ -66,7 +66,8 @@ class Devices {
   std::unique_ptr<hal::Radio> radio_;
   std::unique_ptr<hal::Gpio> gpio_;
   std::shared_ptr<ArenaObjects> objects_;
-  std::array<std::string, 2> colors_;  // names of the teams, by Side
+  std::optional<hal::NetworkAddress> remote_arena_;  // where the arena that sends the pictures takes requests
+  std::array<std::string, 2> colors_;                // names of the teams, by Side
   ArenaTimeControl time_control_ = ArenaTimeControl::kNone;
   bool simulated_time_ = false;
 };

@@ -31,4 +31,17 @@ Result<hal::TcpAddress> plan_remote(const config::Configuration& configuration) 
   return address;
 }
 
+Result<std::optional<hal::NetworkAddress>> plan_arena_control(const config::Configuration& configuration) {
+  const std::string& text = configuration.board.camera.control;
+  if (text.empty()) return std::optional<hal::NetworkAddress>();
+  Result<hal::NetworkAddress> address = hal::parse_network_address(text);
+  if (address.ok() && address.value().kind == hal::NetworkAddress::Kind::kUdp && !address.value().is_multicast()) {
+    return std::optional(std::move(address).value());
+  }
+  config::ErrorList errors;
+  errors.add(configuration.board_where.of("camera.control"), "camera.control",
+             address.ok() ? "has to be udp://ADDRESS:PORT of one program" : address.text());
+  return errors.result().error();
+}
+
 }  // namespace touchline

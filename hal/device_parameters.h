@@ -89,7 +89,7 @@ struct CameraSettings {
   int focus = kFocusUnset;
   PowerLine power_line = PowerLine::kLeave;
   PoseProtocol poses = PoseProtocol::kFirasim;
-  std::string address, interface;
+  std::string address, control, interface;
   double source_delay_s = 0.0;
   bool lockstep = false;
 
@@ -153,6 +153,9 @@ struct CameraSettings {
                               .help = "poses: udp://ADDRESS:PORT, a multicast group or an address of this computer; "
                                       "empty: the usual one of the packets; remote: tcp://ADDRESS:PORT of the sender "
                                       "of the pictures (docs/hil.md)"});
+    visit.text(self.control, {.name = "control",
+                              .help = "remote: udp://ADDRESS:PORT where an arena takes requests of the page, such as "
+                                      "dragged robots; empty: none"});
     visit.text(self.interface, {.name = "interface",
                                 .help = "poses: network interface, such as eth0; empty: as the system's routes say"});
     visit.number(self.source_delay_s,

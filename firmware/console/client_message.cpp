@@ -167,8 +167,8 @@ void read_move(MemberReader& reader, ClientMessage& out) {
     return {static_cast<float>(reader.number(u, 0.0, double{kMaxFrameWidth})),
             static_cast<float>(reader.number(v, 0.0, double{kMaxFrameHeight}))};
   };
-  out.pixel = pixel("u_px", "v_px");
-  out.to = pixel("to_u_px", "to_v_px");
+  const PixelPoint from = pixel("u_px", "v_px");
+  out.arena = network::move_request(from, pixel("to_u_px", "to_v_px"));
 }
 
 void read_arena(MemberReader& reader, const Json& object, ClientMessage& out) {

@@ -60,8 +60,7 @@ struct ClientMessage {
 
   WatchedFindings findings;  // findings to be sent with the picture
 
-  PixelPoint pixel;            // for kProbe; for kMove: position of the object
-  PixelPoint to;               // for kMove: new position
+  PixelPoint pixel;            // for kProbe
   std::optional<Score> score;  // for kScore; nullopt: no longer known
 
   std::uint64_t number = 0;  // for kSeen: number of the picture
@@ -73,7 +72,7 @@ struct ClientMessage {
   Twist twist;
   bool gives_back = false;  // the client no longer drives this robot
 
-  ArenaRequest arena;  // for kArena
+  ArenaRequest arena;  // for kArena and kMove
 
   enum class RecordingWish : std::uint8_t { kStart, kStop, kDelete };
   RecordingWish recording = RecordingWish::kStart;  // for kRecording

@@ -237,7 +237,9 @@ void write_hello(JsonWriter& json, const Scene& scene, bool has_setup, std::uint
   json.key("camera");
   write_camera(json, scene.camera);
   json.key("arena");
-  json.boolean(configuration.board.camera.backend == hal::CameraBackend::kMock);
+  json.boolean(configuration.board.camera.backend == hal::CameraBackend::kMock ||
+               (configuration.board.camera.backend == hal::CameraBackend::kRemote &&
+                !configuration.board.camera.control.empty()));
   json.key("calibrated");
   json.boolean(scene.is_calibrated);
   write_text(json, "using", word_of_files(scene));

@@ -244,7 +244,6 @@ Result<void> Hub::obey(Client& client, const ClientMessage& message, Instant arr
       told_score_ = message.score;
       return {};
     case Kind::kMove:
-      return move_object(client, message);
     case Kind::kArena:
       TOUCHLINE_TRY(driving_.require_driver(client.number));
       return links_.arena != nullptr ? links_.arena->control(message.arena) : ArenaObjects().control(message.arena);
@@ -269,12 +268,6 @@ void Hub::watch(Client& client, const ClientMessage& message, Instant now) {
   const int wanted = client.picture_width_px > 0 ? client.picture_width_px : scene_.camera.width_px;
   const int full = scene_.camera.width_px;
   client.link.set(wanted > 0 ? std::max(1, (full + wanted - 1) / wanted) : 1, client.picture_period);
-}
-
-Result<void> Hub::move_object(const Client& client, const ClientMessage& message) {
-  TOUCHLINE_TRY(driving_.require_driver(client.number));
-  if (links_.arena == nullptr) return ArenaObjects().move(message.pixel, message.to);
-  return links_.arena->move(message.pixel, message.to);
 }
 
 // Turns the wanted mode into requests: each request toggles between two modes.

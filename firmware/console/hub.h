@@ -171,7 +171,6 @@ class Hub {
   Result<void> obey(Client& client, const ClientMessage& message, Instant arrived, Instant now);
   void read_loop(Instant now);
   void watch(Client& client, const ClientMessage& message, Instant now);
-  Result<void> move_object(const Client& client, const ClientMessage& message);
   Result<void> change_adaptation(const Client& client, AdaptationMode wanted);
   void pass_on();
   void serve_setup(Instant now);

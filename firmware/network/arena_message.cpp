@@ -124,13 +124,14 @@ ArenaFault read_fault(JsonMembers& members) {
 
 ArenaRequest read_arena_request(JsonMembers& members) {
   using Kind = ArenaRequest::Kind;
-  members.allow({"reset", "place", "throw", "pause", "resume", "step", "speed", "fault"});
+  members.allow({"reset", "place", "throw", "move", "pause", "resume", "step", "speed", "fault"});
   ArenaRequest out;
   if (members.object().size() != 1) {
     members.fail(
         failure(ErrorCode::kInconsistent, "a request to the arena has one member, not %zu", members.object().size()));
     return out;
   }
+  out.text = members.object().dump();
   const std::string word = members.object().begin().key();
   JsonMembers request = members.child(word.c_str());
   if (word == "reset") {
@@ -143,6 +144,15 @@ ArenaRequest read_arena_request(JsonMembers& members) {
   } else if (word == "throw") {
     out.kind = Kind::kPlace;
     out.places.ball = read_throw(request);
+  } else if (word == "move") {
+    out.kind = Kind::kMove;
+    request.allow({"u_px", "v_px", "to_u_px", "to_v_px"});
+    const auto pixel = [&request](const char* u, const char* v) -> PixelPoint {
+      return {static_cast<float>(request.number(u, 0.0, double{kMaxFrameWidth})),
+              static_cast<float>(request.number(v, 0.0, double{kMaxFrameHeight}))};
+    };
+    out.from = pixel("u_px", "v_px");
+    out.to = pixel("to_u_px", "to_v_px");
   } else if (word == "step") {
     out.kind = Kind::kStep;
     request.allow({"frames"});
@@ -161,6 +171,16 @@ ArenaRequest read_arena_request(JsonMembers& members) {
   return out;
 }
 
+ArenaRequest move_request(PixelPoint from, PixelPoint to) {
+  ArenaRequest out;
+  out.kind = ArenaRequest::Kind::kMove;
+  out.from = from;
+  out.to = to;
+  const nlohmann::json where{{"u_px", from.u_px}, {"v_px", from.v_px}, {"to_u_px", to.u_px}, {"to_v_px", to.v_px}};
+  out.text = nlohmann::json{{"move", where}}.dump();
+  return out;
+}
+
 Result<ArenaRequest> decode_arena_request(std::string_view text) {
   TOUCHLINE_TRY_ASSIGN(const nlohmann::json object, parse_json_object(text));
   std::optional<Error> error;
@@ -174,7 +194,7 @@ bool is_arena_request(std::string_view text) {
   const std::size_t begin = text.find('"');
   if (begin == std::string_view::npos) return false;
   const std::string_view name = text.substr(begin + 1, text.find('"', begin + 1) - begin - 1);
-  constexpr std::array<std::string_view, 8> kWords{"reset",  "place", "throw", "pause",
+  constexpr std::array<std::string_view, 9> kWords{"reset",  "place", "throw", "move", "pause",
                                                    "resume", "step",  "speed", "fault"};
   return std::find(kWords.begin(), kWords.end(), name) != kWords.end();
 }

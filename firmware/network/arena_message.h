@@ -21,8 +21,11 @@ PlacedBall read_throw(JsonMembers& members);
 hal::mock::ArenaFault read_fault(JsonMembers& members);
 
 /// Reads a request with one member: {"reset": {"seed": 2}}, {"place": ...}, {"throw": ...}, {"pause": {}},
-/// {"resume": {}}, {"step": {"frames": 1}}, {"speed": {"factor": 2}} or {"fault": {"kind": "dark", "for_s": 1}}.
+/// {"move": {"u_px": 1, "v_px": 2, "to_u_px": 3, "to_v_px": 4}}, {"resume": {}}, {"step": {"frames": 1}},
+/// {"speed": {"factor": 2}} or {"fault": {"kind": "dark", "for_s": 1}}.
 ArenaRequest read_arena_request(JsonMembers& members);
+/// Returns the request that moves the object at this pixel.
+ArenaRequest move_request(PixelPoint from, PixelPoint to);
 /// Reads a message that is such a request. Errors name the member and its value.
 Result<ArenaRequest> decode_arena_request(std::string_view text);
 /// Returns whether the message is to be read by decode_arena_request(), not by decode_json_commands().

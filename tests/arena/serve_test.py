@@ -17,7 +17,7 @@ import tty
 
 CASE, TOUCHLINE, ARENA, BOARDS = sys.argv[1:5]
 # Ports of this process, so that several tests can run at once.
-PICTURES, ROBOTS, RELAYED = (21000 + 3 * (os.getpid() % 3000) + i for i in range(3))
+PICTURES, ROBOTS, RELAYED, CONTROL = (21000 + 4 * (os.getpid() % 2500) + i for i in range(4))
 
 
 def check(condition, message):
@@ -62,7 +62,7 @@ class Program:
 
 def serve(*options):
     arena = Program(ARENA, "serve", "--board", f"{BOARDS}/mock/board.toml", "--pictures", f"tcp://127.0.0.1:{PICTURES}",
-                    "--robots", f"udp://127.0.0.1:{ROBOTS}", *options)
+                    "--robots", f"udp://127.0.0.1:{ROBOTS}", "--control", f"udp://127.0.0.1:{CONTROL}", *options)
     arena.wait_for("level: ")
     return arena
 
@@ -181,6 +181,30 @@ def robots_stop_while_the_arena_is_gone():
     check(number(r"moved ([0-9.]+) m", after) >= 0, after)
 
 
+def others_control_the_arena():
+    arena = serve("--set", "arena.opponents=stand")
+    firmware = run("--set", "control.play.enabled=false", "--duration", 6)
+    arena.wait_for("has connected")
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as other:
+        other.connect(("127.0.0.1", CONTROL))
+        other.settimeout(10.0)
+
+        def ask(text):
+            other.send(text.encode())
+            return other.recv(2048).decode()
+        check(ask('{"place": {"ball": {"x": 0.2, "y": 0.1}}}') == "ok", "the ball is not placed")
+        check(ask('{"throw": {"vx": 1, "vy": 0}}') == "ok", "the ball is not thrown")
+        check(ask('{"fault": {"kind": "dark", "for_s": 0.2}}') == "ok", "no fault")
+        check("there is neither a robot nor the ball" in ask('{"move": {"u_px": 0, "v_px": 0, "to_u_px": 9, "to_v_px": 9}}'), "something is in the corner")
+        check("its time cannot be changed" in ask('{"pause": {}}'), "the time stands")
+        for bad in ("{", "[]", '{"fly": {}}', '{"fault": {"kind": "unicorns"}}', "\0" * 5000):
+            check(ask(bad) != "ok", f"{bad!r} is carried out")
+    played = firmware.finish()
+    check(firmware.process.returncode == 0, played)
+    text = arena.finish(signal.SIGINT)
+    check(number(r"packets received: (\d+)", text) > 20, text)
+
+
 def robots_on_a_serial_line():
     """Two pseudo terminals, joined as an adapter's wires are."""
     ends = [pty.openpty() for _ in range(2)]
@@ -197,7 +221,7 @@ def robots_on_a_serial_line():
                 os.write(masters[1 - masters.index(file)], os.read(file, 4096))
     wires = threading.Thread(target=join)
     wires.start()
-    arena = Program(ARENA, "serve", "--board", f"{BOARDS}/mock/board.toml", "--lockstep", "--pictures",
+    arena = Program(ARENA, "serve", "--board", f"{BOARDS}/mock/board.toml", "--lockstep", "--control", "none", "--pictures",
                     f"tcp://127.0.0.1:{PICTURES}", "--robots", names[0])
     arena.wait_for("level: wires, in lock-step")
     firmware = run("--set", "camera.lockstep=true", "--set", "radio.backend=serial", "--set", f"radio.device={names[1]}",
@@ -216,8 +240,8 @@ def robots_on_a_serial_line():
 
 def errors_name_device_and_reason():
     def fails(*options):
-        done = subprocess.run([ARENA, "serve", "--board", f"{BOARDS}/mock/board.toml", *options], capture_output=True,
-                              text=True, timeout=60)
+        done = subprocess.run([ARENA, "serve", "--board", f"{BOARDS}/mock/board.toml", *(() if "--control" in options else ("--control", "none")), *options],
+                              capture_output=True, text=True, timeout=60)
         check(done.returncode != 0 and done.stdout == "", f"{options}: {done}")
         return done.stderr
     pictures = ["--pictures", f"tcp://127.0.0.1:{PICTURES}", "--robots", f"udp://127.0.0.1:{ROBOTS}"]
@@ -227,6 +251,7 @@ def errors_name_device_and_reason():
                 ([*pictures, "--loopback", "/dev/null"], "/dev/null: not a video device"),
                 (["--pictures", "none"], "--pictures none needs --loopback"),
                 (["--pictures", "udp://127.0.0.1:1"], "expected tcp://ADDRESS:PORT"),
+                ([*pictures, "--control", "unix:///tmp/arena"], "--control unix:///tmp/arena: has to be udp://ADDRESS:PORT"),
                 ([*pictures[:3], "ttyUSB0"], "--robots ttyUSB0: expected udp://ADDRESS:PORT or a serial device"),
                 ([*pictures[:3], f"{folder}/ttyUSB0"], f"{folder}/ttyUSB0: "),
                 ([*pictures, "--lockstep", "--loopback", "/dev/null"], "--lockstep needs a receiver")]:
@@ -266,5 +291,6 @@ CASES = {"LockstepIsRepeatable": lockstep_is_repeatable,
          "RobotsStopWhileTheArenaIsGone": robots_stop_while_the_arena_is_gone,
          "RobotsOnASerialLine": robots_on_a_serial_line,
          "ErrorsNameDeviceAndReason": errors_name_device_and_reason,
+         "OthersControlTheArena": others_control_the_arena,
          "GarbageAtItsPortsDoesNoHarm": garbage_at_its_ports_does_no_harm}
 CASES[CASE]()

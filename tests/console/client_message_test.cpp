@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "firmware/network/arena_message.h"
+
 namespace touchline::console {
 namespace {
 
@@ -57,8 +59,13 @@ TEST(ClientMessageParser, ReadsEachType) {
   EXPECT_EQ(message.arena.frames, 3);
   message = parsed(R"({"type":"move","u_px":10.5,"v_px":0,"to_u_px":30,"to_v_px":40})");
   EXPECT_EQ(message.kind, Kind::kMove);
-  EXPECT_EQ(message.pixel.u_px, 10.5f);
-  EXPECT_EQ(message.to.v_px, 40.0f);
+  EXPECT_EQ(message.arena.kind, ArenaRequest::Kind::kMove);
+  EXPECT_EQ(message.arena.from.u_px, 10.5f);
+  EXPECT_EQ(message.arena.to.v_px, 40.0f);
+  const Result<ArenaRequest> passed_on = network::decode_arena_request(message.arena.text);
+  ASSERT_TRUE(passed_on.ok()) << passed_on.text();
+  EXPECT_EQ(passed_on.value().from.u_px, 10.5f);
+  EXPECT_EQ(passed_on.value().to.u_px, 30.0f);
 }
 
 TEST(ClientMessageParser, RefusesEverythingElseAndNamesTheMember) {

@@ -22,12 +22,25 @@ std::unique_ptr<Arena> small_arena(std::uint64_t seed, const ArenaParameters& pa
   return std::make_unique<Arena>(parameters, camera, hal::RadioSettings{}, seed);
 }
 
+ArenaRequest request_of(ArenaRequest::Kind kind) {
+  ArenaRequest request;
+  request.kind = kind;
+  return request;
+}
+
+ArenaRequest move_of(PixelPoint from, PixelPoint to) {
+  ArenaRequest request = request_of(ArenaRequest::Kind::kMove);
+  request.from = from;
+  request.to = to;
+  return request;
+}
+
 TEST(ArenaObjects, StayWhereTheyAreInTheNextSession) {
   ArenaObjects objects;
-  EXPECT_EQ(objects.move({1, 1}, {2, 2}).code(), ErrorCode::kUnsupported) << "the field is real";
+  EXPECT_EQ(objects.control(move_of({1, 1}, {2, 2})).code(), ErrorCode::kUnsupported) << "the field is real";
   auto arena = small_arena(1);
   objects.attach(*arena);
-  EXPECT_EQ(objects.move({0, 0}, {2, 2}).code(), ErrorCode::kNotFound);
+  EXPECT_EQ(objects.control(move_of({0, 0}, {2, 2})).code(), ErrorCode::kNotFound);
   arena->world().place(2, {0.3, 0.4, 0.5});
   arena->world().place_ball({-0.6, 0.7, 0.0});
   objects.detach();
@@ -54,18 +67,12 @@ TEST(ArenaObjects, BeginAnewWhereThereAreOtherRobots) {
   objects.detach();
 }
 
-ArenaRequest request_of(ArenaRequest::Kind kind) {
-  ArenaRequest request;
-  request.kind = kind;
-  return request;
-}
-
 using Kind = ArenaRequest::Kind;
 
 TEST(ArenaObjects, ARealFieldRefusesEveryRequest) {
   ArenaObjects objects;
-  for (const Kind kind :
-       {Kind::kReset, Kind::kPlace, Kind::kPause, Kind::kResume, Kind::kStep, Kind::kSpeed, Kind::kFault}) {
+  for (const Kind kind : {Kind::kReset, Kind::kPlace, Kind::kMove, Kind::kPause, Kind::kResume, Kind::kStep,
+                          Kind::kSpeed, Kind::kFault}) {
     const Result<void> refused = objects.control(request_of(kind));
     EXPECT_EQ(refused.code(), ErrorCode::kUnsupported);
     EXPECT_EQ(refused.text(), "this field is real: only an arena can be reset, paused or rearranged");

@@ -34,8 +34,8 @@ struct Checker {
   void flag(const bool&, const Key& key) { add(key); }
   void text(const std::string& value, const Key& key) {
     add(key);
-    // A radio has an address and an interface only in a network.
-    if (key.name == "address" || key.name == "interface") return;
+    // Only devices in a network have them.
+    if (key.name == "address" || key.name == "control" || key.name == "interface") return;
     EXPECT_FALSE(value.empty()) << key.name;
   }
   template <class Container>
@@ -61,7 +61,7 @@ TEST(DeviceParameters, DefaultsAreValidAndKeysAreTheDocumentedOnes) {
   EXPECT_EQ(checked_keys<CameraSettings>(),
             (std::set<std::string>{"backend", "device", "format", "width_px", "height_px", "rate_hz", "buffers",
                                    "exposure_us", "exposure_steps", "gain", "white_balance_k", "focus", "power_line",
-                                   "lockstep", "poses", "address", "interface", "source_delay_s"}));
+                                   "lockstep", "poses", "address", "control", "interface", "source_delay_s"}));
   EXPECT_EQ(checked_keys<RadioSettings>(),
             (std::set<std::string>{"backend", "device", "baud", "address", "port", "local_port", "interface",
                                    "time_to_live", "robots", "more", "delay_s", "telemetry", "low_battery_v"}));

@@ -128,6 +128,7 @@ Result<void> serve_in_lockstep(const ServedArena& served) {
   PictureSender& sender = served.pictures.sender();
   bool is_first = true;  // no packet follows a picture before the first one
   while (!is_over(served)) {
+    game.take_requests(served.control);
     sender.accept(sender.is_connected() ? 0 : kStopPoll_ms);
     if (!sender.is_connected()) {
       is_first = true;
@@ -154,6 +155,7 @@ Result<RealTimeStatistics> serve_in_real_time(const ServedArena& served) {
   RenderThread rendering(served.pictures, arena);
   while (!is_over(served)) {
     arena.advance_to(hal::MonotonicClock::read() - offset);
+    game.take_requests(served.control);
     TOUCHLINE_TRY(game.take_packets(served.robots));
     game.send_telemetry(served.robots);
     while (const std::optional<Exposure> exposure = arena.take_exposure()) {

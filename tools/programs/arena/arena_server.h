@@ -2,6 +2,7 @@
 
 #include <atomic>
 
+#include "tools/programs/arena/control_port.h"
 #include "tools/programs/arena/picture_outputs.h"
 #include "tools/programs/arena/robot_port.h"
 #include "tools/programs/arena/served_game.h"
@@ -13,6 +14,7 @@ struct ServedArena {
   ServedGame& game;
   RobotPort& robots;
   PictureOutputs& pictures;
+  ControlPort& control;
   const std::atomic<bool>& stop;
   Duration duration{};  // of the game's time; 0: until `stop`
 };

@@ -1,6 +1,7 @@
 #include "tools/programs/arena/picture_outputs.h"
 
 #include <algorithm>
+#include <mutex>
 
 #include "hal/linux/monotonic_clock.h"
 
@@ -34,7 +35,11 @@ Result<std::span<const std::byte>> PictureOutputs::compressed() {
 }
 
 Result<void> PictureOutputs::write(hal::mock::Arena& arena, const hal::mock::Exposure& exposure) {
-  arena.render(exposure, picture_);
+  {
+    // Requests to the arena may add faults.
+    const std::scoped_lock lock(arena.mutex());
+    arena.render(exposure, picture_);
+  }
   std::span<const std::byte> bytes = std::as_bytes(std::span(picture_));
   if (camera_.format == hal::CameraFormat::kMjpg) {
     TOUCHLINE_TRY_ASSIGN(bytes, compressed());

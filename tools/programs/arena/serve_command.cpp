@@ -35,8 +35,12 @@ void print(const std::string& text) {
 
 // Opens everything before anything is printed, so that a program that reads the first line can connect.
 Result<void> open(const ServeOptions& options, const hal::CameraSettings& camera, RobotPort& robots,
-                  PictureOutputs& pictures) {
+                  PictureOutputs& pictures, ControlPort& control) {
   TOUCHLINE_TRY(robots.open());
+  if (options.control != kNone) {
+    TOUCHLINE_TRY_ASSIGN(const hal::NetworkAddress address, hal::parse_network_address(options.control));
+    TOUCHLINE_TRY(control.open(address));
+  }
   if (!options.loopback.empty()) TOUCHLINE_TRY(pictures.loopback().open(options.loopback, camera));
   if (options.pictures == kNone) return {};
   TOUCHLINE_TRY_ASSIGN(const hal::TcpAddress address, hal::parse_tcp_address(options.pictures));
@@ -78,6 +82,12 @@ CLI::App* add_serve_command(CLI::App& app, ServeOptions& options) {
                    "Where the robots' packets arrive: udp://ADDRESS:PORT, or a serial device with radio.baud")
       ->type_name("ADDRESS")
       ->capture_default_str();
+  command
+      ->add_option("--control", options.control,
+                   "Where requests to the arena arrive (docs/arena.md), for example of robots that are dragged on the\n"
+                   "player's page (camera.control): udp://ADDRESS:PORT, or none")
+      ->type_name("ADDRESS")
+      ->capture_default_str();
   command->add_option("--loopback", options.loopback, "Write the pictures into a device of v4l2loopback, too")
       ->type_name("DEVICE");
   command->add_flag("--lockstep", options.lockstep,
@@ -102,7 +112,8 @@ Result<void> run_serve(const ServeOptions& options) {
   TOUCHLINE_TRY_ASSIGN(const std::unique_ptr<RobotPort> robots,
                        make_robot_port(options.robots, configuration->board.radio.baud));
   const auto pictures = std::make_unique<PictureOutputs>(camera);
-  TOUCHLINE_TRY(open(options, camera, *robots, *pictures));
+  ControlPort control;
+  TOUCHLINE_TRY(open(options, camera, *robots, *pictures, control));
   const std::atomic<bool>& stop = handle_stop_signals();
   const auto game = std::make_unique<ServedGame>();
   TOUCHLINE_TRY(game->make(*configuration, options.seed));
@@ -112,7 +123,7 @@ Result<void> run_serve(const ServeOptions& options) {
   while (!options.lockstep && options.pictures != kNone && !stop && !pictures->sender().is_connected()) {
     pictures->sender().accept(kPoll_ms);
   }
-  const ServedArena served{*game, *robots, *pictures, stop, from_seconds(options.duration_s)};
+  const ServedArena served{*game, *robots, *pictures, control, stop, from_seconds(options.duration_s)};
   std::string text;
   if (options.lockstep) {
     TOUCHLINE_TRY(serve_in_lockstep(served));

@@ -13,7 +13,8 @@ namespace touchline::arena {
 /// `touchline-arena serve`: another program plays in the arena, through a network or real wires.
 struct ServeOptions {
   config::FilePaths files{"boards/mock/board.toml", "", "", {}};
-  std::string pictures = "tcp://127.0.0.1:20015", robots = "udp://127.0.0.1:20016", loopback;
+  std::string pictures = "tcp://127.0.0.1:20015", robots = "udp://127.0.0.1:20016", loopback,
+              control = "udp://127.0.0.1:20017";
   std::uint64_t seed = 1;
   double duration_s = 0.0;
   bool lockstep = false;

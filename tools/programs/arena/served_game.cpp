@@ -31,6 +31,7 @@ Result<void> ServedGame::make(const config::Configuration& configuration, std::u
   arena_->channel().set_layouts(layout_, configuration.pipeline.telemetry);
   TOUCHLINE_TRY_ASSIGN(opponents_, make_opponents(configuration, seed));
   arena_->game().set_side(hal::mock::Side::kOpponent, opponents_.side.get());
+  objects_.attach(*arena_, team_colors(configuration), ArenaTimeControl::kNone);
   arena_->start_camera();
   return {};
 }

@@ -7,10 +7,12 @@
 #include <string>
 
 #include "core/radio/packet_stream.h"
+#include "firmware/arena_objects.h"
 #include "firmware/arena_sides.h"
 #include "firmware/config/configuration.h"
 #include "hal/fnv1a.h"
 #include "hal/mock/arena.h"
+#include "tools/programs/arena/control_port.h"
 #include "tools/programs/arena/robot_port.h"
 
 namespace touchline::arena {
@@ -34,6 +36,8 @@ class ServedGame {
   [[nodiscard]] const PacketCounters& counters() const { return counters_; }
   /// Hands all packets that have arrived at `port` to the robots, at the arena's time. Errors of RobotPort::receive().
   Result<void> take_packets(RobotPort& port);
+  /// Carries out what other programs want of the arena.
+  void take_requests(ControlPort& port) { port.serve(objects_); }
   /// Sends what the robots have sent.
   void send_telemetry(RobotPort& port);
   void count_frame() { ++frames_; }
@@ -49,6 +53,7 @@ class ServedGame {
 
   ArenaOpponents opponents_;  // before the arena, which refers to them
   std::unique_ptr<hal::mock::Arena> arena_;
+  ArenaObjects objects_;  // after the arena, to which they refer
   PacketLayout layout_;
   PacketStream stream_;
   Packet pending_;  // received since the last complete packet

@@ -16,6 +16,7 @@ KERNEL_OPTIONS = ("quiet panic=-1 systemd.show_status=no systemd.mask=systemd-ud
            "iomem=relaxed")
 # Longest time for a step of the guest, in the host's time: an emulated board can be a hundred times slower than a real one.
 TIMEOUT_S = 900
+ADDRESS, HOST = "10.0.2.15", "10.0.2.2"  # the guest and this computer, in qemu's network
 PL061_DATA = 0x90303FC  # data register of the virt board's GPIO chip, all eight lines
 
 
@@ -38,20 +39,22 @@ def connect(path, timeout_s=20.0):
 
 
 class Guest:
-    """`page_port`: port of this computer's loopback interface that leads to the console's page in the guest, or None."""
+    """`network`: how the guest's network ends, in the words of qemu's `-netdev user`; None: there is none. `radio_is_pty`: the UART's other
+    end is a pseudo terminal, `self.radio`, and no socket."""
 
-    def __init__(self, kernel, initrd, image, folder, page_port=None):
+    def __init__(self, kernel, initrd, image, folder, network=None, radio_is_pty=False):
         self.folder = pathlib.Path(folder)
         for old in self.folder.glob("*.sock"):
             old.unlink()
         chardevs = []
         for name in ("console", "radio", "usbradio", "pictures", "usb"):
+            if name == "radio" and radio_is_pty:
+                chardevs += ["-chardev", "pty,id=radio"]
+                continue
             chardevs += ["-chardev", f"socket,id={name},path={self.folder}/{name}.sock,server=on,wait=off"]
-        # No other connection: the guest's network ends at this port.
-        network = ["-nic", "none"] if page_port is None else [
-            "-netdev", f"user,id=net,restrict=on,hostfwd=tcp:127.0.0.1:{page_port}-:8642", "-device", "virtio-net-pci,netdev=net"]
+        devices = ["-nic", "none"] if network is None else ["-netdev", f"user,id=net,{network}", "-device", "virtio-net-pci,netdev=net"]
         command = [
-            "qemu-system-aarch64", "-M", "virt", "-cpu", "cortex-a72", "-m", "1024", *network, "-display", "none",
+            "qemu-system-aarch64", "-M", "virt", "-cpu", "cortex-a72", "-m", "1024", *devices, "-display", "none",
             "-no-reboot", "-icount", ICOUNT, "-rtc", "clock=vm", "-kernel", str(kernel), "-initrd", str(initrd),
             "-append", f"console=ttyAMA0 {KERNEL_OPTIONS}",
             "-drive", f"file={image},if=virtio,format=raw,snapshot=on", *chardevs, "-serial", "chardev:console",
@@ -71,6 +74,8 @@ class Guest:
         self.qmp = connect(self.folder / "qmp.sock").makefile("rw")
         self.console_text = b""
         self.marks = 0
+        if radio_is_pty:
+            self.radio = re.search(r"(/dev/pts/\d+) \(label radio\)", (self.folder / "qemu.log").read_text())[1]
 
     def close(self):
         self.qemu.terminate()
@@ -114,6 +119,11 @@ class Guest:
         if code and not may_fail:
             raise Failed(f"in the guest, `{command}` ended with {code}: {text}")
         return text
+
+    def bring_up_network(self):
+        self.run("modprobe -a virtio_net virtio_console && udevadm settle && interface=$(ls /sys/class/net | grep -v lo) &&"
+                 " busybox ip link set $interface up &&"
+                 f" busybox ip addr add {ADDRESS}/24 dev $interface && busybox ip route add default via {HOST}")
 
     # The GPIO pins, driven and read from outside the guest.
 

@@ -10,7 +10,6 @@ import guest
 
 HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parent.parent
-ADDRESS = "10.0.2.15"  # of qemu's network
 
 
 def free_port():
@@ -29,15 +28,13 @@ class Page:
         self.link = self.path_m = None
 
     def install(self, package):
-        self.run("modprobe -a virtio_net virtio_console && udevadm settle && interface=$(ls /sys/class/net | grep -v lo) &&"
-                 " busybox ip link set $interface up &&"
-                 f" busybox ip addr add {ADDRESS}/24 dev $interface && busybox ip route add default via 10.0.2.2")
+        self.board.bring_up_network()
         for command in (f"dpkg -i ./{package}", "cp /usr/share/touchline/boards/generic-arm64-v4l2/board.toml /etc/touchline/",
                         "rm /etc/touchline/venue*", "touchline link"):
             print(f"# {command}")
             output = self.run(command)
         print("\n".join(line for line in output.splitlines() if "\033" not in line))
-        found = re.search(rf"http://{re.escape(ADDRESS)}:8642/(login\?token=[0-9a-f]{{64}})", output)
+        found = re.search(rf"http://{re.escape(guest.ADDRESS)}:8642/(login\?token=[0-9a-f]{{64}})", output)
         self.checks.expect(found, "`touchline link` prints the login link with the board's address")
         self.link = f"http://127.0.0.1:{self.port}/{found[1]}"
         self.checks.expect(self.run("systemctl is-active touchline touchline-setup") == "active\nactive",

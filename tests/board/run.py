@@ -12,13 +12,14 @@ import game  # noqa: E402
 import guest  # noqa: E402
 import image  # noqa: E402
 import page  # noqa: E402
+import serve  # noqa: E402
 import usb  # noqa: E402
 
 BOARD = pathlib.Path(__file__).resolve().parent
 ROOT = BOARD.parent.parent
 BUILD = ROOT / "build" / "board"
 PROGRAMS = ROOT / "build" / "release" / "tests" / "board"
-PARTS = ("formats", "game", "led", "radio", "usb", "page")
+PARTS = ("formats", "game", "led", "radio", "usb", "page", "serve")
 
 
 def parse():
@@ -52,7 +53,8 @@ def newest_package():
 def make_programs():
     BUILD.mkdir(parents=True, exist_ok=True)
     run_visibly("cmake", "--preset", "release", "--log-level=WARNING")
-    run_visibly("cmake", "--build", "--preset", "release", "-j", os.cpu_count(), "--target", "board-arena", "board-usb-camera")
+    run_visibly("cmake", "--build", "--preset", "release", "-j", os.cpu_count(), "--target", "board-arena", "board-usb-camera",
+                "touchline-arena")
     feeder = BUILD / "board-feeder"
     run_visibly("aarch64-linux-gnu-g++", "-std=c++20", "-O2", "-Wall", "-Wextra", "-Werror", "-static", "-I", ROOT,
                 BOARD / "feeder.cpp", "-o", feeder)
@@ -65,7 +67,8 @@ def visit(cache, ramdisk, run, checks, package):
     folder.mkdir()
     run_visibly("tools/console/build", "--install")  # playwright
     port = page.free_port()
-    board = guest.Guest(cache.vmlinuz, ramdisk, cache.image, folder, port)
+    # No other connection: the guest's network ends at this port.
+    board = guest.Guest(cache.vmlinuz, ramdisk, cache.image, folder, f"restrict=on,hostfwd=tcp:127.0.0.1:{port}-:8642")
     bare = page.Page(board, checks, folder, PROGRAMS, port)
     try:
         for text, do in (("boot", board.boot), ("installation on a bare board", lambda: bare.install(package)),
@@ -73,6 +76,23 @@ def visit(cache, ramdisk, run, checks, package):
             step(f"page: {text}" if text == "boot" else text)
             do()
     finally:
+        board.close()
+
+
+def play_with_serve(cache, ramdisk, run, checks, packages):
+    """The set-up of docs/hil.md, whose network leads to this computer: a guest of its own."""
+    folder = run / "serve"
+    folder.mkdir()
+    board = guest.Guest(cache.vmlinuz, ramdisk, cache.image, folder, "ipv6=off", radio_is_pty=True)
+    served = serve.ServedGame(board, checks, folder, ROOT / "build" / "release" / "tools" / "programs" / "arena" / "touchline-arena")
+    try:
+        step("serve: boot")
+        board.boot()
+        served.install([file.name for file in packages])
+        step("touchline-arena serve: a game in lock-step, pictures by TCP, packets over the UART")
+        served.play()
+    finally:
+        served.close()
         board.close()
 
 
@@ -102,6 +122,8 @@ def main():
     has_devices = chosen & {"formats", "game", "led", "radio", "usb"}
     if "page" in chosen:
         visit(cache, ramdisk, run, checks, package.name)
+    if "serve" in chosen:
+        play_with_serve(cache, ramdisk, run, checks, packages)
     if not has_devices:
         step("summary")
         return checks.summary(run)

@@ -23,9 +23,6 @@ using std::chrono::milliseconds;
 
 // How often the stop flag is looked at.
 constexpr int kStopPoll_ms = 50;
-// A packet leaves before the receiver asks for the next picture. A line of 9600 Bd needs 60 ms for the packet of a team
-// of five, and a network some milliseconds.
-constexpr Duration kPacketPatience = milliseconds(100);
 // The bytes of a line follow each other faster; an adapter passes them on every 16 ms at the latest.
 constexpr int kLineQuiet_ms = 20;
 // Packets take effect on steps of the arena's world.
@@ -39,9 +36,9 @@ bool wait_readable(int file, Duration patience) {
 }
 
 // Takes the packets that followed the last picture, and waits for the first one.
-Result<void> take_packets_of_frame(ServedGame& game, RobotPort& robots) {
+Result<void> take_packets_of_frame(ServedGame& game, RobotPort& robots, Duration patience) {
   const std::uint64_t before = game.counters().packets;
-  const Instant end = hal::MonotonicClock::read() + kPacketPatience;
+  const Instant end = hal::MonotonicClock::read() + patience;
   for (;;) {
     TOUCHLINE_TRY(game.take_packets(robots));
     if (game.counters().packets != before) break;
@@ -135,7 +132,8 @@ Result<void> serve_in_lockstep(const ServedArena& served) {
       continue;
     }
     if (!sender.wait_for_request(kStopPoll_ms)) continue;
-    TOUCHLINE_TRY(is_first ? game.take_packets(served.robots) : take_packets_of_frame(game, served.robots));
+    TOUCHLINE_TRY(is_first ? game.take_packets(served.robots)
+                           : take_packets_of_frame(game, served.robots, served.patience));
     is_first = false;
     std::optional<Exposure> exposure;
     while (!(exposure = arena.take_exposure())) arena.advance_to(*arena.next_frame_ready());

@@ -17,6 +17,7 @@ struct ServedArena {
   ControlPort& control;
   const std::atomic<bool>& stop;
   Duration duration{};  // of the game's time; 0: until `stop`
+  Duration patience{};  // in lock-step: longest time until the packets of a picture have arrived
 };
 
 /// Lets the time of the arena pass with the requests of the receiver: a picture is taken when it is asked for, and the

@@ -92,6 +92,12 @@ CLI::App* add_serve_command(CLI::App& app, ServeOptions& options) {
       ->type_name("DEVICE");
   command->add_flag("--lockstep", options.lockstep,
                     "The time passes with the requests of the receiver (camera.lockstep): repeatable");
+  command
+      ->add_option("--patience", options.patience_s,
+                   "With --lockstep: longest time in s until the packets of a picture have arrived; an emulated\n"
+                   "computer needs seconds")
+      ->check(number_range(0.001, 600.0))
+      ->capture_default_str();
   command->add_option("--duration", options.duration_s, "Length of the game in s; 0: until a signal")
       ->check(number_range(0.0, 86400.0))
       ->capture_default_str();
@@ -123,7 +129,8 @@ Result<void> run_serve(const ServeOptions& options) {
   while (!options.lockstep && options.pictures != kNone && !stop && !pictures->sender().is_connected()) {
     pictures->sender().accept(kPoll_ms);
   }
-  const ServedArena served{*game, *robots, *pictures, control, stop, from_seconds(options.duration_s)};
+  const ServedArena served{
+      *game, *robots, *pictures, control, stop, from_seconds(options.duration_s), from_seconds(options.patience_s)};
   std::string text;
   if (options.lockstep) {
     TOUCHLINE_TRY(serve_in_lockstep(served));

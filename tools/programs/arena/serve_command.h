@@ -17,6 +17,9 @@ struct ServeOptions {
               control = "udp://127.0.0.1:20017";
   std::uint64_t seed = 1;
   double duration_s = 0.0;
+  // A packet leaves before the receiver asks for the next picture. A line of 9600 Bd needs 60 ms for the packet of a
+  // team of five, and a network some milliseconds.
+  double patience_s = 0.1;
   bool lockstep = false;
 };
 

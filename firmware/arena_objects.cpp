@@ -66,9 +66,8 @@ Result<void> ArenaObjects::control(const ArenaRequest& request) {
 Result<void> ArenaObjects::control_time(const ArenaRequest& request) {
   using Kind = ArenaRequest::Kind;
   if (time_ == ArenaTimeControl::kNone) {
-    return Error{
-        ErrorCode::kUnsupported,
-        "the arena follows this computer's clock, because a real device takes part; its time cannot be changed"};
+    return Error{ErrorCode::kUnsupported,
+                 "a real device or another program takes part in the arena, so its time cannot be changed"};
   }
   hal::mock::ArenaPace& pace = arena_->pace();
   switch (request.kind) {

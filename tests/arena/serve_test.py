@@ -251,7 +251,8 @@ def errors_name_device_and_reason():
                 ([*pictures, "--loopback", "/dev/null"], "/dev/null: not a video device"),
                 (["--pictures", "none"], "--pictures none needs --loopback"),
                 (["--pictures", "udp://127.0.0.1:1"], "expected tcp://ADDRESS:PORT"),
-                ([*pictures, "--control", "unix:///tmp/arena"], "--control unix:///tmp/arena: has to be udp://ADDRESS:PORT"),
+                ([*pictures, "--control", "unix:///tmp/arena"], "--control unix:///tmp/arena: expected udp://ADDRESS:PORT"),
+                ([*pictures, "--control", "arena"], "--control arena: expected udp://ADDRESS:PORT"),
                 ([*pictures[:3], "ttyUSB0"], "--robots ttyUSB0: expected udp://ADDRESS:PORT or a serial device"),
                 ([*pictures[:3], f"{folder}/ttyUSB0"], f"{folder}/ttyUSB0: "),
                 ([*pictures, "--lockstep", "--loopback", "/dev/null"], "--lockstep needs a receiver")]:

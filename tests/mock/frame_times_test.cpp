@@ -57,6 +57,32 @@ TEST_F(FrameTimes, NoFrameIsReturnedBeforeItIsInMemory) {
   }
 }
 
+// A rolling shutter moves the capture time from the middle of all rows' exposures to that of the first row's.
+TEST_F(FrameTimes, TheTruthIsThatOfTheCaptureTime) {
+  parameters.sensor.exposure_s = 0.012;
+  for (const double readout_s : {0.0, 0.02}) {
+    parameters.sensor.readout_s = readout_s;
+    start();
+    Arena twin(parameters, settings, radio_settings, 1);
+    for (Arena* const each : {&*arena, &twin}) each->world().place_ball({-0.5, 0.3, 0.0}, {1.0, 0.0});
+    go_to(0.1);
+    skip_frames();
+    const auto lease = wait();
+    ASSERT_TRUE(lease.ok());
+    const TruePlaces* const truth = lease.value().truth();
+    ASSERT_NE(truth, nullptr);
+    twin.advance_to(lease.value().frame().capture_time);
+    // At 1 m/s; the world has steps of 1 ms.
+    EXPECT_NEAR(static_cast<double>(truth->ball.x_m), twin.world().ball().x, 0.0011) << readout_s;
+    EXPECT_GT(truth->ball.x_m, -0.49f);
+    ASSERT_EQ(truth->robots.size(), parameters.robot.size());
+    for (std::size_t i = 0; i < truth->robots.size(); ++i) {
+      EXPECT_EQ(truth->robots[i].team == Team::kOwn, parameters.robot[i].team == Side::kOwn);
+      EXPECT_EQ(truth->robots[i].id, parameters.robot[i].id);
+    }
+  }
+}
+
 // The position of a robot at constant speed gives the capture time.
 TEST_F(FrameTimes, CaptureTimeIsTheMiddleOfTheExposure) {
   parameters = black_field();

@@ -69,6 +69,14 @@ Result<Descriptor> udp_socket(const std::string& address) {
   return out;
 }
 
+Result<Descriptor> bound_udp_socket(const NetworkAddress& address) {
+  const std::string name = address.text();
+  TOUCHLINE_TRY_ASSIGN(Descriptor socket, udp_socket(name));
+  const sockaddr_in at = socket_address(address.ipv4, address.port);
+  if (::bind(socket.get(), reinterpret_cast<const sockaddr*>(&at), sizeof(at)) == 0) return socket;
+  return network_error(name, "binding", errno);
+}
+
 void keep_senders(const Descriptor& socket, const std::vector<NetworkRange>& senders) {
   std::vector<sock_filter> filter = filter_of(senders);
   if (filter.size() > BPF_MAXINSNS) return;

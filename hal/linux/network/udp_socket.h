@@ -17,6 +17,8 @@ ErrorCode network_error_code(int error);
 Error network_error(const std::string& address, const char* doing, int error);
 /// Returns a UDP socket that does not block.
 Result<Descriptor> udp_socket(const std::string& address);
+/// Returns a UDP socket that does not block and receives at this address of the computer.
+Result<Descriptor> bound_udp_socket(const NetworkAddress& address);
 template <class T>
 Result<void> set_option(const Descriptor& socket, int level, int option, const T& value, const std::string& address,
                         const char* doing) {

@@ -6,9 +6,9 @@
 #include <cerrno>
 #include <string>
 #include <string_view>
-#include <utility>
 
 #include "firmware/network/arena_message.h"
+#include "hal/linux/network/network_address.h"
 #include "hal/linux/network/udp_socket.h"
 
 namespace touchline::arena {
@@ -24,17 +24,12 @@ Result<void> carry_out(std::string_view text, ArenaObjects& objects) {
 
 }  // namespace
 
-Result<void> ControlPort::open(const hal::NetworkAddress& address) {
-  const std::string name = address.text();
-  if (address.kind != hal::NetworkAddress::Kind::kUdp) {
-    return failure(ErrorCode::kOutOfRange, "--control %s: has to be udp://ADDRESS:PORT", name.c_str());
+Result<void> ControlPort::open(const std::string& address) {
+  const Result<hal::NetworkAddress> at = hal::parse_network_address(address);
+  if (!at.ok() || at.value().kind != hal::NetworkAddress::Kind::kUdp) {
+    return failure(ErrorCode::kOutOfRange, "--control %s: expected udp://ADDRESS:PORT", address.c_str());
   }
-  TOUCHLINE_TRY_ASSIGN(hal::Descriptor socket, hal::udp_socket(name));
-  const sockaddr_in at = hal::socket_address(address.ipv4, address.port);
-  if (::bind(socket.get(), reinterpret_cast<const sockaddr*>(&at), sizeof(at)) != 0) {
-    return hal::network_error(name, "binding", errno);
-  }
-  socket_ = std::move(socket);
+  TOUCHLINE_TRY_ASSIGN(socket_, hal::bound_udp_socket(at.value()));
   return {};
 }
 

@@ -4,7 +4,6 @@
 
 #include "firmware/arena_objects.h"
 #include "hal/linux/network/descriptor.h"
-#include "hal/linux/network/network_address.h"
 #include "hal/result.h"
 
 namespace touchline::arena {
@@ -13,8 +12,8 @@ namespace touchline::arena {
 /// wrong.
 class ControlPort {
  public:
-  /// Errors name the address.
-  Result<void> open(const hal::NetworkAddress& address);
+  /// `address`: udp://ADDRESS:PORT. Errors name it.
+  Result<void> open(const std::string& address);
   /// Carries out all requests that have arrived.
   void serve(ArenaObjects& objects);
 

@@ -18,10 +18,8 @@ class UdpPort final : public RobotPort {
   explicit UdpPort(hal::NetworkAddress address) : address_(std::move(address)), name_(address_.text()) {}
 
   Result<void> open() override {
-    TOUCHLINE_TRY_ASSIGN(socket_, hal::udp_socket(name_));
-    const sockaddr_in at = hal::socket_address(address_.ipv4, address_.port);
-    if (::bind(socket_.get(), reinterpret_cast<const sockaddr*>(&at), sizeof(at)) == 0) return {};
-    return hal::network_error(name_, "binding", errno);
+    TOUCHLINE_TRY_ASSIGN(socket_, hal::bound_udp_socket(address_));
+    return {};
   }
   [[nodiscard]] int descriptor() const override { return socket_.get(); }
   Result<std::size_t> receive(std::span<std::byte> into) override {

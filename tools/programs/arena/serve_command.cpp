@@ -37,10 +37,7 @@ void print(const std::string& text) {
 Result<void> open(const ServeOptions& options, const hal::CameraSettings& camera, RobotPort& robots,
                   PictureOutputs& pictures, ControlPort& control) {
   TOUCHLINE_TRY(robots.open());
-  if (options.control != kNone) {
-    TOUCHLINE_TRY_ASSIGN(const hal::NetworkAddress address, hal::parse_network_address(options.control));
-    TOUCHLINE_TRY(control.open(address));
-  }
+  if (options.control != kNone) TOUCHLINE_TRY(control.open(options.control));
   if (!options.loopback.empty()) TOUCHLINE_TRY(pictures.loopback().open(options.loopback, camera));
   if (options.pictures == kNone) return {};
   TOUCHLINE_TRY_ASSIGN(const hal::TcpAddress address, hal::parse_tcp_address(options.pictures));

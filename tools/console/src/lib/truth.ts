@@ -8,7 +8,7 @@ export interface OffTruth {
   mean_mm: number | null; // of the seen ones; null: there is none
   max_mm: number | null;
   max_deg: number | null; // of the headings that were recognized
-  missing: { team: TeamName; id: number }[]; // not seen, or without id beside nobody
+  missing: { team: TeamName; id: number }[]; // robots without a sighting
 }
 
 // A sighting without id belongs to the robot of its team that is at most so far away: about half a robot.

@@ -97,6 +97,9 @@ Status Pipeline::configure_recognition(const PipelineParameters& parameters) {
   if (Status s = camera_.configure(parameters.camera); !s.ok()) return s;
   if (Status s = matcher_.configure(parameters.marker, camera_); !s.ok()) return s;
   matcher_.set_typical_colors(parameters.adaptation.typical);
+  missed_robots_.configure(camera_);
+  missed_robots_.set_teams(parameters.marker.teams);
+  missed_robots_.set_typical(parameters.adaptation.typical);
   const KernelChoice kernel = parameters.scan.kernel;
   top_fit_.configure({parameters.marker.teams[0].layout, parameters.marker.teams[1].layout}, camera_, kernel);
   ball_center_fit_.configure(parameters.marker.ball, camera_, kernel);
@@ -130,6 +133,7 @@ Status Pipeline::assign_teams(const TeamAssignment& assignment) {
   if (Status s = teams_of(assignment, teams); !s.ok()) return s;
   if (has_pictures_) {
     if (Status s = matcher_.set_teams(teams); !s.ok()) return s;
+    missed_robots_.set_teams(teams);
     top_fit_.set_heights({teams[0].layout.height_m, teams[1].layout.height_m});
     ball_center_fit_.set_robots(sizes_of(teams));
   }
@@ -162,6 +166,7 @@ void Pipeline::apply(const StepInputs& inputs) {
   if (events.tables != nullptr && events.adaptation != nullptr) {
     adaptation_ = *events.adaptation;
     matcher_.set_typical_colors(adaptation_.typical_colors());
+    missed_robots_.set_typical(adaptation_.typical_colors());
     released_tables_ = &scanner_.exchange(*events.tables);
   }
   if (events.adaptation_mode) adaptation_.set_mode(*events.adaptation_mode);
@@ -236,7 +241,10 @@ void Pipeline::recognize(const Frame& frame) {
   matcher_.match(&frame, adaptation_.expected_gain(scanner_), tracker_.expected_ball(frame.capture_time), trace_.runs,
                  trace_.regions, trace_.sightings);
   // If the scan rejected the frame, there are no regions and no sightings.
+  if (!trace_.status.ok()) return;
   top_fit_.refine(frame, trace_.sightings);
+  tracker_.expected_robots(frame.capture_time, expected_robots_);
+  missed_robots_.find(frame, adaptation_.expected_gain(scanner_), expected_robots_, top_fit_, trace_.sightings);
   ball_center_fit_.refine(frame, trace_.sightings);
 }
 

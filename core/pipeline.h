@@ -10,6 +10,7 @@
 #include "core/region/region_scanner.h"
 #include "core/step_inputs.h"
 #include "core/subpixel/ball_center_fit.h"
+#include "core/subpixel/missed_robots.h"
 #include "core/subpixel/top_fit.h"
 #include "core/supervision/picture_check.h"
 #include "core/track/tracker.h"
@@ -110,6 +111,8 @@ class Pipeline {
   CameraModel camera_;
   Matcher matcher_;
   TopFit top_fit_;
+  MissedRobots missed_robots_;
+  ExpectedRobots expected_robots_;
   BallCenterFit ball_center_fit_;
   Tracker tracker_;
   RobotFilterParameters robot_filter_;  // of the track parameters

@@ -270,6 +270,14 @@ struct ExpectedBall {
   float sigma_m = 0.0f;  // standard deviation along one axis
 };
 
+/// Where the track of a robot with an id expects it in the next frame.
+struct ExpectedRobot {
+  Team team = Team::kOwn;
+  RobotId id = kUnknownId;
+  Pose pose;
+};
+using ExpectedRobots = FixedVector<ExpectedRobot, kMaxRobots>;
+
 struct Tracks {
   Instant capture_time{}, action_time{};
   BallTrack ball;

@@ -21,6 +21,10 @@ constexpr float kSaturatedGain = 1.5f;
 // Standard deviation of the log gain of a saturated channel.
 constexpr float kSaturatedSigma = 0.5f;
 
+// Standard deviations of the log ratio between the light on a robot and the light of the field around it: common to all
+// channels, and per channel. They differ because robots are higher than the floor, and their gloss is not that of the
+// calibration.
+constexpr float kFieldSigma = 0.12f, kFieldTintSigma = 0.06f;
 // Degrees of freedom of the prior: a gain far from the expected one widens the prior like a Student distribution,
 // because a robot may stand in a shadow that the field around it does not show.
 constexpr float kDegreesOfFreedom = 3.0f;
@@ -76,6 +80,24 @@ RatioErrors ratio_errors(const std::array<float, 3>& deviation, const std::array
 
 }  // namespace
 
+LightPrior expected_light(const ExpectedGain& light, PixelPoint at) {
+  LightPrior prior;
+  if (!light.is_known()) return prior;
+  prior.gain = light.at(at);
+  prior.common_sigma = kFieldSigma;
+  prior.tint_sigma = kFieldTintSigma;
+  return prior;
+}
+
+LocalLight light_around(const LightPrior& prior) {
+  LocalLight light;
+  light.gain = prior.gain;
+  light.variance.fill(square(prior.tint_sigma));
+  light.common_variance.fill(square(prior.common_sigma));
+  light.ratio_variance = square(kRatioSigma);
+  return light;
+}
+
 void ColorEvidence::configure(const TypicalColors& typical) {
   typical_ = typical;
   for (const ColorSpace space : kColorSpaces) {
@@ -110,7 +132,7 @@ LocalLight ColorEvidence::light_on(const SurfaceColor& seen_patch, ColorId team_
     const float expected = prior.gain[c] * typical[c] + kStrayLight_levels;
     deviation[c] = std::log(seen / expected);
     light.variance[c] = (square(kNoise_levels) + square(kStrayLight_levels)) / square(expected) +
-                        (square(kNoise_levels) + square(team_patch.spread)) / square(seen) +
+                        (square(kNoise_levels) + square(team_patch.spread[c])) / square(seen) +
                         haze_variance(expected, prior.gain[c] * kWhite, kHazeOfTeamPatch);
     const bool is_typically_saturated = typical[c] >= static_cast<float>(kSaturatedValue);
     if (is_typically_saturated) light.variance[c] += square(kSaturatedSigma);

@@ -3,6 +3,7 @@
 #include <array>
 
 #include "core/color/typical_colors.h"
+#include "core/light/expected_gain.h"
 #include "core/marker/border_color.h"
 #include "core/marker/simd4.h"
 #include "core/marker/surface_color.h"
@@ -37,6 +38,12 @@ struct LightPrior {
   // Standard deviations of the gain's logarithm: common to all channels, and of each channel.
   float common_sigma = 1.0f, tint_sigma = 0.3f;
 };
+
+/// Returns the prior of the light on a robot at a place of the picture from that of the field around it.
+LightPrior expected_light(const ExpectedGain& light, PixelPoint at);
+
+/// Returns the light on a robot of which nothing but the prior is known.
+LocalLight light_around(const LightPrior& prior);
 
 /// The border of a robot's patch, and the light on this robot.
 struct BorderOfRobot {

@@ -53,11 +53,11 @@ float log_upper_tail(float z) {
 // certainly below kFloor are not exact.
 Floats log_densities(const SurfaceColor& surface, const ExpectedColors4& expected) {
   std::array<Floats, 3> error, variance;
-  const float noise = square(kNoise_levels) + square(surface.spread);
   Floats precision = Floats{} + 1.0f, determinant = precision, sum{}, squares{};  // precision of the common factor
   _Pragma("GCC unroll 3") for (std::size_t c = 0; c < 3; ++c) {
     const Floats per_middle = 1.0f / (0.5f * (surface.rgb[c] + expected.rgb[c]) + kStrayLight_levels);
     error[c] = (surface.rgb[c] - expected.rgb[c]) * per_middle;
+    const float noise = square(kNoise_levels) + square(surface.spread[c]);
     variance[c] = expected.variance[c] + noise * square(per_middle);
     if (surface.saturated[c]) continue;
     const Floats weight = 1.0f / variance[c], of_common = weight * expected.common_sigma[c];

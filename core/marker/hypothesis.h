@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <span>
 
 #include "core/marker/marker_layout.h"
@@ -63,6 +64,12 @@ bool add_hypotheses(const std::array<TeamMarking, 2>& teams, const PatchLists& p
 
 /// Two explanations count as equally likely if their log likelihoods differ by less than this (20 to 1).
 constexpr float kMinIdMargin = 3.0f;
+/// Returns the probability of an id whose log likelihood is ahead of all others by `margin`. Margins are divided by a
+/// constant because the errors of a robot's patches are not independent.
+inline float id_probability(float margin) {
+  constexpr float kTemperature = 1.5f;
+  return 1.0f / (1.0f + std::exp(-margin / kTemperature));
+}
 /// Largest RMS distance from the layout for a robot, and for a robot whose id is reported.
 constexpr float residual_gate_m(float scale_px_per_m) { return 0.010f + 0.5f / scale_px_per_m; }
 constexpr float precise_gate_m(float scale_px_per_m) { return 0.005f + 0.5f / scale_px_per_m; }

@@ -21,18 +21,11 @@ namespace {
 // edge of another surface may have pixels of any color. White pixels may lie in the boxes of several colors, and only
 // the first of these boxes is known.
 constexpr float kBoxVote = 2.0f, kUneven_levels = 25.0f;
-// Margins are divided by this value before they become a probability, because the errors of a robot's patches are not
-// independent.
-constexpr float kTemperature = 1.5f;
 // Prior log odds that a small region of a team color is not a robot's team patch.
 constexpr float kTentativeDoubt = 3.0f;
 // Log-odds penalty for stripes: the positions of all identification patches show the team color.
 constexpr float kTeamColorDoubt = 3.0f;
 constexpr float kSimilarPlace = 0.02f, kSimilarHeading = 0.5f;
-// Standard deviations of the log ratio between the light on a robot and the light of the field around it: common to all
-// channels, and per channel. They differ because robots are higher than the floor, and their gloss is not that of the
-// calibration.
-constexpr float kFieldSigma = 0.12f, kFieldTintSigma = 0.06f;
 // Samples of a patch are taken within this part of its inner circle.
 constexpr float kSampledRadius = 0.5f;
 // The border of a saturated patch is looked for from this part of its inner circle to beyond its blurred corners.
@@ -118,22 +111,13 @@ bool Identifier::look_at_border(const Scene& now, PixelPoint center, const Surfa
   return out.rays >= kMinBorderRays || (pose != nullptr && (pose->is_merged || has_visible_corner(now, *pose)));
 }
 
-LightPrior Identifier::prior_light(const Scene& now, PixelPoint at) {
-  LightPrior prior;
-  if (!now.light.is_known()) return prior;
-  prior.gain = now.light.at(at);
-  prior.common_sigma = kFieldSigma;
-  prior.tint_sigma = kFieldTintSigma;
-  return prior;
-}
-
 void Identifier::look_at_light(const Scene& now, Candidate& candidate) const {
   const float scale = now.patches.team[now.boxes[candidate.robot].team_patch].patch.scale_px_per_m;
   SurfaceColor surface;
   candidate.has_light = now.sample(candidate.views[0].center, step_px(team_colors_[now.team], 0, scale), surface);
   if (!candidate.has_light) return;
   candidate.light = colors_.light_on(surface, teams_[now.team].team_color, color_space(now.frame.format),
-                                     prior_light(now, candidate.views[0].center));
+                                     expected_light(now.light, candidate.views[0].center));
   now.expected.light = nullptr;
 }
 
@@ -224,7 +208,7 @@ Identifier::SlotEvidence Identifier::evidence_in_slot(const Scene& now, const Ca
   out.likelihood = likelihoods(now, candidate.light, s, surface, region != nullptr ? region->color : kBackground);
   for (std::size_t i = 0; i < slot.colors.size(); ++i) {
     const bool in_box = region != nullptr && region->color == slot.colors[i];
-    if (in_box && surface.saturated_channels() < 3 && surface.spread < kUneven_levels) out.likelihood[i] += kBoxVote;
+    if (in_box && surface.saturated_channels() < 3 && surface.spread[0] < kUneven_levels) out.likelihood[i] += kBoxVote;
   }
   // If two channels are saturated, other colors look like the team color. The layout may also use the team color twice.
   const bool may_show_team_color = surface.saturated_channels() < 2 &&
@@ -357,7 +341,7 @@ void Identifier::apply(const Scene& now, std::size_t number, const AssignedIds& 
   if (name == nullptr || assigned.margin < kMinIdMargin) return;
   robot.doubt = IdDoubt::kNone;
   robot.id = name->id;
-  robot.confidence = 1.0f / (1.0f + std::exp(-assigned.margin / kTemperature));
+  robot.confidence = id_probability(assigned.margin);
 }
 
 // Returns the log likelihoods of the names of a robot, over all of its poses.

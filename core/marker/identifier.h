@@ -127,7 +127,6 @@ class Identifier {
   void add_pose(const Scene& now, PoseEvidence pose, Candidate& candidate) const;
   void look_at_team_patch(const Scene& now, Candidate& candidate) const;
   void look_at_floor(const Scene& now, Candidate& candidate) const;
-  [[nodiscard]] static LightPrior prior_light(const Scene& now, PixelPoint at);
   void look_at_light(const Scene& now, Candidate& candidate) const;
   [[nodiscard]] SlotLikelihoods likelihoods(const Scene& now, const LocalLight& on_robot, std::size_t slot,
                                             const SurfaceColor& surface, ColorId box) const;

@@ -172,7 +172,7 @@ bool sample_surface(const Frame& frame, PixelPoint center, int step_px, SurfaceC
     mean[c] = static_cast<float>(sum - low - high) / 7.0f;
     range = std::max(range, high - low);
   }
-  out.spread = kRangeError * static_cast<float>(range);
+  out.spread.fill(kRangeError * static_cast<float>(range));
   out.rgb = to_rgb(mean, info.space);
   out.saturated_from = saturated_from;
   for (std::size_t c = 0; c < 3; ++c) {

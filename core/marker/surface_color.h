@@ -13,7 +13,7 @@ constexpr int kSaturatedValue = 250;
 /// Color of a surface as R, G, B above black, from nine pixels. YUV is converted (ITU-R BT.601).
 struct SurfaceColor {
   std::array<float, 3> rgb{};
-  float spread = 0;  // error of the mean if the surface is not uniform, in levels
+  std::array<float, 3> spread{};  // error of the mean if the surface is not uniform, in levels
   std::array<bool, 3> saturated{};
   int saturated_from = kSaturatedValue;  // least value of a saturated channel in this frame
 

@@ -46,4 +46,18 @@ FieldPoint BlurredOutline::inner_box(float ramp_m) const {
   return {half_length_m_ - 0.5f * ramp_m, half_width_m_ - 0.5f * ramp_m};
 }
 
+float BlurredOutline::depth_m(FieldPoint point) const {
+  const float x = point.x_m, y = std::abs(point.y_m);
+  switch (outline_) {
+    case PatchOutline::kCircle:
+      return (1.0f - std::hypot(x / half_length_m_, y / half_width_m_)) * std::min(half_length_m_, half_width_m_);
+    case PatchOutline::kTriangle:
+      return std::min(2.0f / 3.0f * half_length_m_ + x, nx_ * (reach_x_m_ - x) - ny_ * y);
+    case PatchOutline::kSquare:
+    case PatchOutline::kBar:
+      break;
+  }
+  return std::min(half_length_m_ - std::abs(x), half_width_m_ - y);
+}
+
 }  // namespace touchline

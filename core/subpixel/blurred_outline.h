@@ -29,6 +29,9 @@ class BlurredOutline {
   [[nodiscard]] FieldPoint inner_box(float ramp_m) const;
   /// Smallest width of the outline. A wider ramp would cover no point completely.
   [[nodiscard]] float width_m() const { return width_m_; }
+  /// Distance of a point from the outline along the outline's axes, positive inside. Near an ellipse to first order,
+  /// near a corner the distance from the next edge's line.
+  [[nodiscard]] float depth_m(FieldPoint point) const;
 
  private:
   PatchOutline outline_ = PatchOutline::kSquare;

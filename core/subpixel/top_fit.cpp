@@ -55,6 +55,8 @@ constexpr float kShortStepPx = 0.05f;
 // under light of twice the strength or another tint, ten iterations mend one more than five.
 constexpr int kUsualIterations = 2, kMaxIterations = 8;
 constexpr float kLongStepPx = 0.2f;
+// Light of a black top before one was seen, and the weight of the newest one: two frames of ten robots.
+constexpr float kDarkTop = 0.01f, kNewestTop = 0.05f;
 
 // Returns the covariance of (1 - weight) * first pose + weight * second pose. Both errors have common causes, so they
 // are fully correlated and standard deviations add.
@@ -75,8 +77,7 @@ PoseCovariance scaled(const PoseCovariance& c, float by) {
 class TopFit::Solver {
  public:
   Solver(const FitKernel& kernel, const Marker& marker, const CameraModel& camera, const Frame& frame,
-         const RobotSighting& robot, const BayerPattern& bayer, float ramp_px,
-         std::array<PatchEdge, kMaxPatches>& edges)
+         const Pose& start, const BayerPattern& bayer, float ramp_px, std::array<PatchEdge, kMaxPatches>& edges)
       : kernel_(kernel),
         layout_(marker.layout),
         outlines_(marker.outlines),
@@ -84,7 +85,7 @@ class TopFit::Solver {
         frame_(frame),
         ramp_px_(is_yuv(color_space(frame.format)) ? kSharedChromaPx : ramp_px),
         edges_(edges),
-        pose_(robot.pose) {
+        pose_(start) {
     view_.layout = &layout_;
     view_.outlines = &outlines_;
     view_.half_m = 0.5f * layout_.robot_side_m;
@@ -105,6 +106,7 @@ class TopFit::Solver {
   }
 
   [[nodiscard]] const Pose& pose() const { return pose_; }
+  [[nodiscard]] const std::array<float, 3>& top() const { return view_.top; }
   // Center of patch k alone.
   [[nodiscard]] PixelPoint center(std::size_t k) const {
     const float c = outlines_[k].cos(), s = outlines_[k].sin();
@@ -333,6 +335,7 @@ void TopFit::configure(const std::array<MarkerLayout, 2>& layouts, const CameraM
   camera_ = camera;
   bayer_.reset();
   edge_width_.reset();
+  usual_top_.fill(kDarkTop);
   for (std::size_t team = 0; team < layouts.size(); ++team) {
     markers_[team].layout = layouts[team];
     markers_[team].outlines.clear();
@@ -344,35 +347,57 @@ void TopFit::set_heights(const std::array<float, 2>& height_m) {
   for (std::size_t team = 0; team < markers_.size(); ++team) markers_[team].layout.height_m = height_m[team];
 }
 
+bool TopFit::look(const Frame& frame, Team team, const Pose& start, SeenTop& out, EdgeWidening& widening) {
+  const Marker& marker = markers_[static_cast<std::size_t>(team)];
+  if (marker.layout.patches.size() < 2) return false;
+  Solver fit(*kernel_, marker, camera_, frame, start, bayer_.pattern(), edge_width_.px(), edges_);
+  out.trust = fit.run();
+  if (out.trust == 0.0f) return false;
+  widening.power += fit.widening().power;
+  widening.pull += fit.widening().pull;
+  out.residual_m = fit.residual_m();
+  if (out.residual_m > residual_gate_m(fit.scale_px_per_m())) return false;
+  out.pose = fit.pose();
+  const float larger = fit.underestimate();
+  out.noise = scaled(fit.noise(), larger);
+  // What the residual adds is the same in the next picture.
+  out.lasting_share = 1.0f - (1.0f - fit.lasting_share()) / larger;
+  out.lasts_m = kLastsPx / fit.scale_px_per_m();
+  out.top = fit.top();
+  out.patches.clear();
+  for (std::size_t k = 0; k < marker.layout.patches.size(); ++k) {
+    out.patches.push_back(fit.center(k));
+  }
+  return true;
+}
+
+bool TopFit::look(const Frame& frame, Team team, const Pose& start, SeenTop& out) {
+  EdgeWidening unused;
+  return frame.width_px >= 2 && look(frame, team, start, out, unused);
+}
+
 void TopFit::refine(const Frame& frame, Sightings& sightings) {
   if (frame.width_px < 2) return;
   bayer_.examine(frame);
   EdgeWidening all;
+  SeenTop top;
   for (RobotSighting& robot : sightings.robots) {
-    const Marker& marker = markers_[static_cast<std::size_t>(robot.team)];
-    if (!robot.has_heading || marker.layout.patches.size() < 2) continue;
-    Solver fit(*kernel_, marker, camera_, frame, robot, bayer_.pattern(), edge_width_.px(), edges_);
-    const float trust = fit.run();
-    if (trust == 0.0f) continue;
-    all.power += fit.widening().power;
-    all.pull += fit.widening().pull;
-    if (fit.residual_m() > residual_gate_m(fit.scale_px_per_m())) continue;
+    if (!robot.has_heading || !look(frame, robot.team, robot.pose, top, all)) continue;
+    for (std::size_t c = 0; c < 3; ++c) usual_top_[c] += kNewestTop * (top.top[c] - usual_top_[c]);
     Pose& pose = robot.pose;
-    pose.position.x_m += trust * (fit.pose().position.x_m - pose.position.x_m);
-    pose.position.y_m += trust * (fit.pose().position.y_m - pose.position.y_m);
-    pose.theta_rad = wrap_angle(pose.theta_rad + trust * wrap_angle(fit.pose().theta_rad - pose.theta_rad));
-    robot.residual_m += trust * (fit.residual_m() - robot.residual_m);
-    const float larger = fit.underestimate();
-    const PoseCovariance noise = scaled(fit.noise(), larger);
-    robot.noise = robot.noise.tt > 0.0f && noise.tt > 0.0f ? of_mean(robot.noise, trust, noise) : noise;
-    // What the residual adds is the same in the next picture.
-    robot.lasting_share = 1.0f - (1.0f - fit.lasting_share()) / larger;
-    robot.lasts_m = kLastsPx / fit.scale_px_per_m();
+    pose.position.x_m += top.trust * (top.pose.position.x_m - pose.position.x_m);
+    pose.position.y_m += top.trust * (top.pose.position.y_m - pose.position.y_m);
+    pose.theta_rad = wrap_angle(pose.theta_rad + top.trust * wrap_angle(top.pose.theta_rad - pose.theta_rad));
+    robot.residual_m += top.trust * (top.residual_m - robot.residual_m);
+    const bool are_known = robot.noise.tt > 0.0f && top.noise.tt > 0.0f;
+    robot.noise = are_known ? of_mean(robot.noise, top.trust, top.noise) : top.noise;
+    robot.lasting_share = top.lasting_share;
+    robot.lasts_m = top.lasts_m;
     // robot.patches[i].patch is the index in the layout.
     for (PatchSighting& patch : robot.patches) {
-      const PixelPoint center = fit.center(patch.patch);
-      patch.center.u_px += trust * (center.u_px - patch.center.u_px);
-      patch.center.v_px += trust * (center.v_px - patch.center.v_px);
+      const PixelPoint center = top.patches[patch.patch];
+      patch.center.u_px += top.trust * (center.u_px - patch.center.u_px);
+      patch.center.v_px += top.trust * (center.v_px - patch.center.v_px);
     }
   }
   if (!is_yuv(color_space(frame.format))) edge_width_.follow(all);

@@ -12,6 +12,17 @@
 
 namespace touchline {
 
+/// What a picture shows of a robot's top.
+struct SeenTop {
+  Pose pose;
+  PoseCovariance noise;
+  float trust = 0;                       // weight of `pose` against the start, 0 to 1
+  float residual_m = 0;                  // RMS distance of the patches, each alone, from their positions in the layout
+  float lasting_share = 0, lasts_m = 0;  // as in RobotSighting
+  std::array<float, 3> top{};            // its light
+  FixedVector<PixelPoint, kMaxPatches> patches;  // centers in the layout's order
+};
+
 /// Improves the pose of a recognized robot to a fraction of a pixel: one fit of three parameters to the edges of all
 /// its patches. A pixel counts by the fraction of it that a patch covers. In a region's centroid (Klancar,
 /// section 4.2), a pixel counts completely or not at all, and a region that is torn or bleeds into a neighbor misplaces
@@ -44,18 +55,26 @@ class TopFit {
   /// layout. The scan must have accepted the frame.
   void refine(const Frame& frame, Sightings& sightings);
 
+  /// Looks for a robot of a team near a pose in the frame that refine() has seen. False if the picture does not show
+  /// it.
+  bool look(const Frame& frame, Team team, const Pose& start, SeenTop& out);
+  /// Light of a top on which no lamp shines directly: the mean of the recent ones.
+  [[nodiscard]] const std::array<float, 3>& usual_top() const { return usual_top_; }
+
  private:
   struct Marker {
     MarkerLayout layout;
     FixedVector<BlurredOutline, kMaxPatches> outlines;
   };
   class Solver;
+  bool look(const Frame& frame, Team team, const Pose& start, SeenTop& out, EdgeWidening& widening);
 
   const FitKernel* kernel_ = nullptr;
   std::array<Marker, 2> markers_;
   CameraModel camera_;
   BayerDetector bayer_;
   EdgeWidth edge_width_;
+  std::array<float, 3> usual_top_{};
   std::array<PatchEdge, kMaxPatches> edges_;  // of the robot that is being fitted
 };
 

@@ -152,6 +152,16 @@ std::size_t RobotSet::begin(const RobotSighting& sighting, Instant now, const Tr
   return place;
 }
 
+void RobotSet::expect(Instant now, Instant then, const CommandHistory& commands, const TrackParameters& parameters,
+                      ExpectedRobots& out) const {
+  for (const TrackedRobot& robot : robots_) {
+    if (robot.id() == kUnknownId || !robot.heading_known()) continue;
+    TrackedRobot later = robot;
+    later.look_ahead(now, then, robot.team() == Team::kOwn ? &commands : nullptr, parameters);
+    out.push_back({robot.team(), robot.id(), later.pose()});
+  }
+}
+
 void RobotSet::report(Instant now, Instant action, const CommandHistory& commands, const TrackParameters& parameters,
                       FixedVector<RobotTrack, kMaxRobots>& out) const {
   std::array<std::size_t, kMaxRobots> order{};

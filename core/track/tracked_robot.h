@@ -35,6 +35,7 @@ class TrackedRobot {
 
   [[nodiscard]] Team team() const { return team_; }
   [[nodiscard]] RobotId id() const { return id_; }
+  [[nodiscard]] bool heading_known() const { return heading_known_; }
   [[nodiscard]] std::uint32_t birth() const { return birth_; }
   [[nodiscard]] const LifeCycle& life() const { return life_; }
   [[nodiscard]] FieldPoint position() const;

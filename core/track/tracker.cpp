@@ -58,6 +58,11 @@ ExpectedBall Tracker::expected_ball(Instant capture_time) const {
   return ball_.expected(last_time_, capture_time, parameters_);
 }
 
+void Tracker::expected_robots(Instant capture_time, ExpectedRobots& out) const {
+  out.clear();
+  if (started_ && capture_time > last_time_) robots_.expect(last_time_, capture_time, commands_, parameters_, out);
+}
+
 void Tracker::update(const Sightings& sightings, Instant capture_time, Instant action_time, Tracks& out) {
   const double forgotten_s = std::max(parameters_.lost_after_s, parameters_.ball.lost_after_s);
   if (started_ && seconds(last_time_ - capture_time) > forgotten_s) reset();

@@ -59,6 +59,8 @@ class Shape {
         return shoe(p);
       case ThingKind::kRobot:
         return robot(p);
+      case ThingKind::kGlare:
+        return std::nullopt;  // covers nothing
     }
     return std::nullopt;
   }
@@ -207,6 +209,24 @@ void paint_one(const Thing& thing, const hal::Picture& original, hal::Picture& p
   }
 }
 
+// Adds a spot of light that is uniform in the middle and has a smooth edge: half of it beyond 0.87 radii, nothing
+// beyond two.
+void add_glare(const Thing& glare, hal::Picture& picture) {
+  const double radius = 0.5 * glare.size_px;
+  for (std::uint32_t v = 0; v < picture.height_px; ++v) {
+    for (std::uint32_t u = 0; u < picture.width_px; ++u) {
+      const double away = std::hypot(u - glare.u_px, v - glare.v_px) / radius;
+      if (away >= 2.0) continue;
+      const double added = glare.light * std::exp(-0.5 * std::pow(away / 0.8, 4));
+      std::uint8_t* rgb = &picture.rgb8[3 * (std::size_t{v} * picture.width_px + u)];
+      for (std::size_t k = 0; k < 3; ++k) {
+        const double light = std::min(1.0, linear(rgb[k]) + added);
+        rgb[k] = static_cast<std::uint8_t>(std::lround(255.0 * std::pow(light, 1.0 / kCameraGamma)));
+      }
+    }
+  }
+}
+
 }  // namespace
 
 Result<Things> read_things(const std::string& path) {
@@ -215,7 +235,8 @@ Result<Things> read_things(const std::string& path) {
   const std::map<std::string, ThingKind> kinds{{"paper", ThingKind::kPaper},
                                                {"hand", ThingKind::kHand},
                                                {"shoe", ThingKind::kShoe},
-                                               {"robot", ThingKind::kRobot}};
+                                               {"robot", ThingKind::kRobot},
+                                               {"glare", ThingKind::kGlare}};
   Things out;
   try {
     const nlohmann::json pictures = nlohmann::json::parse(file);
@@ -229,7 +250,8 @@ Result<Things> read_things(const std::string& path) {
         thing.width = one.value("width", 1.0);
         thing.angle_rad = one.value("angle", 0.0);
         thing.seed = one.value("seed", std::uint64_t{1});
-        for (const auto& color : one.at("colors")) {
+        thing.light = one.value("light", 0.0);
+        for (const auto& color : one.value("colors", nlohmann::json::array())) {
           ThingColor& added = thing.colors.emplace_back();
           added.like_pixel = color.contains("like");
           if (added.like_pixel) {
@@ -238,9 +260,12 @@ Result<Things> read_things(const std::string& path) {
             color.at("rgb").get_to(added.rgb);
           }
         }
-        if (thing.colors.empty() || !(thing.size_px > 0) || !(thing.size_px < 1000)) {
-          return Error{ErrorCode::kInconsistent, std::string(path).append(": ").append(name) +
-                                                     ": a thing needs a color and a size below 1000 px"};
+        const bool has_light = thing.light > 0 && thing.light <= 1;
+        if ((thing.kind == ThingKind::kGlare ? !has_light : thing.colors.empty()) || !(thing.size_px > 0) ||
+            !(thing.size_px < 1000)) {
+          return Error{ErrorCode::kInconsistent,
+                       std::string(path).append(": ").append(name) +
+                           ": a thing needs a color (glare: a light of at most 1) and a size below 1000 px"};
         }
         out[name].push_back(thing);
       }
@@ -253,7 +278,13 @@ Result<Things> read_things(const std::string& path) {
 
 void paint(const std::vector<Thing>& things, hal::Picture& picture) {
   const hal::Picture original = picture;
-  for (const Thing& thing : things) paint_one(thing, original, picture);
+  for (const Thing& thing : things) {
+    if (thing.kind == ThingKind::kGlare) {
+      add_glare(thing, picture);
+    } else {
+      paint_one(thing, original, picture);
+    }
+  }
 }
 
 }  // namespace touchline::relight

@@ -108,6 +108,8 @@ Result<std::shared_ptr<const Team>> LockstepGame::team(const std::string& name,
 Result<ArenaParameters> LockstepGame::arena_of(const Team& own, const ResetMessage& message) const {
   ArenaParameters arena = fair_arena(*own.configuration, message.robots);
   arena.robots_return = message.robots_return;
+  // Those of the board file's devices, which this game does not use; they may name robots that do not play.
+  arena.fault.clear();
   for (const ArenaFault& fault : message.faults) TOUCHLINE_TRY(check_fault(fault, arena));
   TOUCHLINE_TRY(check_stalls(message.faults, 0.0));
   if (const auto violation = find_violation(arena)) {

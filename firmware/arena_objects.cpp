@@ -53,6 +53,7 @@ Result<void> ArenaObjects::control(const ArenaRequest& request) {
       if (arena_->faults().size() >= kMaxFaults) {
         return failure(ErrorCode::kFull, "the arena has had %zu faults; start it again for more", kMaxFaults);
       }
+      TOUCHLINE_TRY(check_robot(request.fault, arena_->parameters()));
       hal::mock::ArenaFault fault = request.fault;
       fault.at_s += seconds(arena_->now() - arena_->begin());
       arena_->inject(fault);

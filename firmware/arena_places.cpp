@@ -98,6 +98,13 @@ Result<void> check_places(const WantedPlaces& wanted, const ArenaParameters& are
 
 }  // namespace
 
+Result<void> check_robot(const hal::mock::ArenaFault& fault, const ArenaParameters& arena) {
+  const auto violation = find_violation(fault, arena);
+  if (!violation) return {};
+  return failure(fault.kind == hal::mock::FaultKind::kHideRobot ? ErrorCode::kNotFound : ErrorCode::kInconsistent,
+                 "fault.%s: %s", violation->key.c_str(), violation->message.c_str());
+}
+
 Result<void> put_objects(const ArenaPlaces& places, const std::array<std::string, 2>& colors,
                          const ArenaParameters& arena, hal::mock::Game& game) {
   TOUCHLINE_TRY_ASSIGN(const WantedPlaces wanted, wanted_places(places, colors, game.world()));

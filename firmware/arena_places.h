@@ -42,6 +42,9 @@ struct ArenaRequest {
   std::string text;             // the request as JSON, for an arena in another process
 };
 
+/// kNotFound: the fault names no robot of the arena although its kind needs one; kInconsistent: it names one in vain.
+Result<void> check_robot(const hal::mock::ArenaFault& fault, const hal::mock::ArenaParameters& arena);
+
 /// Puts robots and ball there and stops the robots. Nothing changes on error: kNotFound: no such robot; kOutOfRange:
 /// outside of the walls; kBusy: two objects would overlap. `colors`: names of the teams, by Side.
 Result<void> put_objects(const ArenaPlaces& places, const std::array<std::string, 2>& colors,

@@ -72,6 +72,22 @@ void read_robots(JsonMembers& teams, ArenaPlaces& out) {
   }
 }
 
+// Reads one of the words of a configuration key.
+template <class Enum, std::size_t kCount>
+void read_choice(JsonMembers& members, const char* name, const std::array<Choice<Enum>, kCount>& choices, Enum& value) {
+  const std::string word = members.text(name);
+  const auto found =
+      std::find_if(choices.begin(), choices.end(), [&](const Choice<Enum>& choice) { return choice.word == word; });
+  if (found != choices.end()) {
+    value = found->value;
+    return;
+  }
+  std::string known;
+  for (const Choice<Enum>& choice : choices) known += (known.empty() ? "" : ", ") + std::string(choice.word);
+  members.fail(failure(ErrorCode::kOutOfRange, "%s = %s is not one of %s", members.place_of(name).c_str(),
+                       shown_json(word).c_str(), known.c_str()));
+}
+
 }  // namespace
 
 std::uint64_t read_seed(JsonMembers& members) {
@@ -104,19 +120,11 @@ PlacedBall read_throw(JsonMembers& members) {
 }
 
 ArenaFault read_fault(JsonMembers& members) {
-  members.allow({"kind", "at_s", "for_s"});
+  members.allow({"kind", "at_s", "for_s", "team", "id"});
   ArenaFault fault;
-  const std::string kind = members.text("kind");
-  const auto* const found = std::find_if(hal::mock::kFaultKinds.begin(), hal::mock::kFaultKinds.end(),
-                                         [&](const auto& known) { return known.word == kind; });
-  if (found == hal::mock::kFaultKinds.end()) {
-    std::string known;
-    for (const auto& choice : hal::mock::kFaultKinds) known += (known.empty() ? "" : ", ") + std::string(choice.word);
-    members.fail(failure(ErrorCode::kOutOfRange, "%s = %s is not one of %s", members.place_of("kind").c_str(),
-                         shown_json(kind).c_str(), known.c_str()));
-  } else {
-    fault.kind = found->value;
-  }
+  read_choice(members, "kind", hal::mock::kFaultKinds, fault.kind);
+  if (members.has("team")) read_choice(members, "team", hal::mock::kSides, fault.team);
+  if (members.has("id")) fault.id = static_cast<int>(members.integer("id", 0, std::numeric_limits<RobotId>::max()));
   fault.at_s = members.number_or("at_s", 0.0, kMaxFault_s, 0.0);
   fault.for_s = members.number_or("for_s", 0.0, kMaxFault_s, 1.0);
   return fault;

@@ -17,7 +17,8 @@ std::uint64_t read_seed(JsonMembers& members);
 ArenaPlaces read_places(JsonMembers& places);
 /// Reads {"vx": 1, "vy": 0, "x": 0, "y": 0}; the ball is thrown from where it is without x and y.
 PlacedBall read_throw(JsonMembers& members);
-/// Reads {"kind": "radio_lost", "for_s": 1, "at_s": 3}; `at_s` is counted from now, and 0 if it is absent.
+/// Reads {"kind": "radio_lost", "for_s": 1, "at_s": 3}; `at_s` is counted from now, and 0 if it is absent. "hide_robot"
+/// also has {"team": "own", "id": 2}; whether this robot exists is not checked.
 hal::mock::ArenaFault read_fault(JsonMembers& members);
 
 /// Reads a request with one member: {"reset": {"seed": 2}}, {"place": ...}, {"throw": ...}, {"pause": {}},

@@ -43,9 +43,12 @@ Arena::Arena(const ArenaParameters& parameters, const CameraSettings& camera, co
 
 bool Arena::fault_active(FaultKind kind, Instant at) const {
   const double t = seconds(at - game_.begin());
-  return std::any_of(faults_.begin(), faults_.end(), [&](const ArenaFault& fault) {
-    return fault.kind == kind && t >= fault.at_s && t < fault.at_s + fault.for_s;
-  });
+  return std::any_of(faults_.begin(), faults_.end(),
+                     [&](const ArenaFault& fault) { return fault.kind == kind && fault.is_active(t); });
+}
+
+std::uint32_t Arena::hidden_robots(Instant at) const {
+  return mock::hidden_robots(faults_, parameters_, seconds(at - game_.begin()));
 }
 
 void Arena::advance_to(Instant instant) {
@@ -231,9 +234,10 @@ std::span<const std::uint16_t> Arena::with_led(std::span<const std::uint16_t> pi
 }
 
 void Arena::render(const Exposure& exposure, std::span<std::uint8_t> out) {
-  const std::span<const std::uint16_t> light = fault_active(FaultKind::kDark, exposure.ready)
-                                                   ? renderer_.render_dark()
-                                                   : renderer_.render(exposure.begin, exposure.end, exposure.rows);
+  const std::span<const std::uint16_t> light =
+      fault_active(FaultKind::kDark, exposure.ready)
+          ? renderer_.render_dark()
+          : renderer_.render(exposure.begin, exposure.end, exposure.rows, hidden_robots(exposure.capture_time));
   const auto is_active = [&](FaultKind kind) { return fault_active(kind, exposure.capture_time); };
   sensor_.expose(picture_faults_.change_scene(with_led(light, exposure.led), is_active), out);
   picture_faults_.change_bytes(out, exposure.capture_time, is_active);

@@ -90,7 +90,9 @@ class Arena {
   [[nodiscard]] bool fault_active(FaultKind kind) const { return fault_active(kind, now_); }
   [[nodiscard]] bool fault_active(FaultKind kind, Instant at) const;
   [[nodiscard]] const std::vector<ArenaFault>& faults() const { return faults_; }
-  /// Adds a fault to those of the parameters; allocates.
+  /// Returns the robots that pictures captured at this time do not show, as the function of this name.
+  [[nodiscard]] std::uint32_t hidden_robots(Instant at) const;
+  /// Adds a fault to those of the parameters; allocates. It must have no violation (hal::mock::find_violation()).
   void inject(const ArenaFault& fault);
   [[nodiscard]] ArenaPace& pace() { return pace_; }
   [[nodiscard]] const ArenaParameters& parameters() const { return parameters_; }

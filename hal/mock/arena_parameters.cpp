@@ -75,6 +75,10 @@ std::optional<Violation> check_names(const ArenaParameters& parameters, std::siz
   return {};
 }
 
+bool hides(const ArenaFault& fault, const ArenaRobot& robot) {
+  return robot.team == fault.team && robot.id == fault.id;
+}
+
 }  // namespace
 
 const Paint* find_paint(const ArenaParameters& parameters, std::string_view name) {
@@ -112,7 +116,39 @@ std::optional<Violation> find_violation(const ArenaParameters& parameters) {
     if (auto found = check_names(parameters, i)) return found;
     if (auto found = check_start(parameters, i)) return found;
   }
+  for (std::size_t i = 0; i < parameters.fault.size(); ++i) {
+    auto found = find_violation(parameters.fault[i], parameters);
+    if (!found) continue;
+    found->key = "fault[" + std::to_string(i) + "]." + found->key;
+    return found;
+  }
   return {};
+}
+
+std::optional<Violation> find_violation(const ArenaFault& fault, const ArenaParameters& parameters) {
+  if (fault.kind != FaultKind::kHideRobot) {
+    const bool has_id = fault.id != ArenaFault::kNoRobot;
+    if (!has_id && fault.team == Side::kOwn) return {};
+    return Violation{has_id ? "id" : "team", "belongs to the kind hide_robot only; the other kinds concern no robot"};
+  }
+  const auto& robots = parameters.robot;
+  if (std::any_of(robots.begin(), robots.end(), [&](const ArenaRobot& robot) { return hides(fault, robot); }))
+    return {};
+  if (fault.id == ArenaFault::kNoRobot) return Violation{"id", "is missing; hide_robot hides the robot with this id"};
+  const std::string team(kSides[static_cast<std::size_t>(fault.team)].word);
+  return Violation{"id", "there is no robot " + std::to_string(fault.id) + " of team \"" + team + "\""};
+}
+
+std::uint32_t hidden_robots(std::span<const ArenaFault> faults, const ArenaParameters& parameters, double now_s) {
+  static_assert(kMaxRobots <= 32, "each robot is a bit");
+  std::uint32_t hidden = 0;
+  for (const ArenaFault& fault : faults) {
+    if (fault.kind != FaultKind::kHideRobot || !fault.is_active(now_s)) continue;
+    for (std::size_t i = 0; i < parameters.robot.size(); ++i) {
+      if (hides(fault, parameters.robot[i])) hidden |= std::uint32_t{1} << i;
+    }
+  }
+  return hidden;
 }
 
 }  // namespace touchline::hal::mock

@@ -129,12 +129,13 @@ enum class FaultKind : std::uint8_t {
   kPictureTorn,
   kPictureTurned,
   kPictureRandom,
+  kHideRobot,
   kRadioLost,
   kRadioBusy,
   kEmergencyStop,
   kStartButton
 };
-inline constexpr std::array<Choice<FaultKind>, 14> kFaultKinds{{{"camera_stall", FaultKind::kCameraStall},
+inline constexpr std::array<Choice<FaultKind>, 15> kFaultKinds{{{"camera_stall", FaultKind::kCameraStall},
                                                                 {"camera_lost", FaultKind::kCameraLost},
                                                                 {"frame_short", FaultKind::kFrameShort},
                                                                 {"frame_corrupt", FaultKind::kFrameCorrupt},
@@ -144,6 +145,7 @@ inline constexpr std::array<Choice<FaultKind>, 14> kFaultKinds{{{"camera_stall",
                                                                 {"picture_torn", FaultKind::kPictureTorn},
                                                                 {"picture_turned", FaultKind::kPictureTurned},
                                                                 {"picture_random", FaultKind::kPictureRandom},
+                                                                {"hide_robot", FaultKind::kHideRobot},
                                                                 {"radio_lost", FaultKind::kRadioLost},
                                                                 {"radio_busy", FaultKind::kRadioBusy},
                                                                 {"emergency_stop", FaultKind::kEmergencyStop},
@@ -153,12 +155,21 @@ inline constexpr std::array<Choice<FaultKind>, 14> kFaultKinds{{{"camera_stall",
 struct ArenaFault {
   FaultKind kind = FaultKind::kCameraStall;
   double at_s = 0.0, for_s = 1.0;
+  // The robot that kHideRobot hides. Other kinds concern no single robot and leave these values.
+  Side team = Side::kOwn;
+  int id = kNoRobot;
+
+  static constexpr int kNoRobot = -1;
+  /// Returns whether the fault lasts at this arena time.
+  [[nodiscard]] bool is_active(double now_s) const { return now_s >= at_s && now_s < at_s + for_s; }
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
     visit.choice(self.kind, kFaultKinds, {.name = "kind", .help = "Kind of the fault"});
     visit.number(self.at_s, {.name = "at_s", .range = {0.0, 1e6}, .unit = "s", .help = "Start, in arena time"});
     visit.number(self.for_s, {.name = "for_s", .range = {0.0, 1e6}, .unit = "s", .help = "Duration"});
+    visit.choice(self.team, kSides, {.name = "team", .help = "hide_robot: team of the hidden robot"});
+    visit.number(self.id, {.name = "id", .range = {kNoRobot, 127}, .help = "hide_robot: id of the hidden robot"});
   }
 };
 
@@ -331,7 +342,13 @@ struct Violation {
 
 /// Checks the constraints between keys and returns the first violation: number of patches, robots and colors, names
 /// that are unknown or occur twice, robots that overlap or stand outside of the field, walls that do not fit, a camera
-/// that is not above the robots.
+/// that is not above the robots, faults of robots that do not exist.
 std::optional<Violation> find_violation(const ArenaParameters& parameters);
+/// Checks that a fault names a robot of the arena if it hides one, and no robot otherwise. Violation::key is below the
+/// fault: "id".
+std::optional<Violation> find_violation(const ArenaFault& fault, const ArenaParameters& parameters);
+
+/// Returns the robots that faults hide at this arena time: bit i is ArenaParameters::robot[i].
+std::uint32_t hidden_robots(std::span<const ArenaFault> faults, const ArenaParameters& parameters, double now_s);
 
 }  // namespace touchline::hal::mock

@@ -62,12 +62,14 @@ void Observer::drift(Bias& bias, const Placement& seen, double position_sigma_m,
   bias.heading_rad = next(bias.heading_rad, heading_sigma_rad);
 }
 
-void Observer::observe_robot(const World& world, std::size_t robot, const Placement& truth, Sightings& out) {
+void Observer::observe_robot(const World& world, std::size_t robot, const Placement& truth, bool is_hidden,
+                             Sightings& out) {
   Bias& bias = robots_[robot];
   drift(bias, truth, parameters_.robot_bias_m, parameters_.heading_bias_rad);
   const Vector2 noise{random_.normal(), random_.normal()};
   const double turn = random_.normal();
-  if (random_.bernoulli(parameters_.miss)) return;
+  // A hidden robot draws the same random numbers, so that it changes nothing else.
+  if (random_.bernoulli(parameters_.miss) || is_hidden) return;
   RobotSighting seen;
   seen.team = world.side(robot) == side_ ? Team::kOwn : Team::kOpponent;
   seen.id = static_cast<RobotId>(world.id(robot));
@@ -82,24 +84,30 @@ void Observer::observe_robot(const World& world, std::size_t robot, const Placem
   out.robots.push_back(seen);
 }
 
-bool Observer::is_hidden(const Snapshot& all) const {
+bool Observer::is_ball_hidden(const Snapshot& all, std::uint32_t hidden) const {
   const Vector2 ball{all.ball.x_m, all.ball.y_m}, camera{camera_m_[0], camera_m_[1]};
   if (robot_height_m_ <= ball_radius_m_) return false;
   // The ray from the ball's center to the camera leaves the height of the robots at this share of its way.
   const double share = (robot_height_m_ - ball_radius_m_) / (camera_m_[2] - ball_radius_m_);
   const Vector2 end = ball + share * (camera - ball);
-  return std::any_of(all.robots.begin(), all.robots.end(), [&](const Placement& robot) {
+  for (std::size_t i = 0; i < all.robots.size(); ++i) {
+    // The field's appearance lies over an invisible robot, and a ball beside it is seen.
+    if ((hidden >> i & 1U) != 0) continue;
+    const Placement& robot = all.robots[i];
     const Vector2 center{robot.x_m, robot.y_m};
-    return meets_square(rotated(ball - center, -robot.theta_rad), rotated(end - center, -robot.theta_rad),
-                        robot_half_side_m_);
-  });
+    if (meets_square(rotated(ball - center, -robot.theta_rad), rotated(end - center, -robot.theta_rad),
+                     robot_half_side_m_)) {
+      return true;
+    }
+  }
+  return false;
 }
 
-void Observer::observe_ball(const Snapshot& all, Sightings& out) {
+void Observer::observe_ball(const Snapshot& all, std::uint32_t hidden, Sightings& out) {
   drift(ball_, all.ball, parameters_.ball_bias_m, 0.0);
   const Vector2 noise{random_.normal(), random_.normal()};
   out.ball = {};
-  if (random_.bernoulli(parameters_.miss) || is_hidden(all)) return;
+  if (random_.bernoulli(parameters_.miss) || is_ball_hidden(all, hidden)) return;
   const Vector2 at = Vector2{all.ball.x_m, all.ball.y_m} + ball_.position_m + parameters_.ball_noise_m * noise;
   out.ball.seen = true;
   out.ball.position = in_own_coordinates(at, 0.0).position;
@@ -110,13 +118,15 @@ void Observer::observe_ball(const Snapshot& all, Sightings& out) {
   out.ball.confidence = 1.0f;
 }
 
-void Observer::observe(const World& world, Sightings& out) {
+void Observer::observe(const World& world, Sightings& out, std::uint32_t hidden) {
   const Snapshot all = world.snapshot();
   out.robots.clear();
   out.verdicts.clear();
   out.cut_short = false;
-  for (std::size_t i = 0; i < all.robots.size(); ++i) observe_robot(world, i, all.robots[i], out);
-  observe_ball(all, out);
+  for (std::size_t i = 0; i < all.robots.size(); ++i) {
+    observe_robot(world, i, all.robots[i], (hidden >> i & 1U) != 0, out);
+  }
+  observe_ball(all, hidden, out);
 }
 
 }  // namespace touchline::hal::mock

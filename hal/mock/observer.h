@@ -19,8 +19,8 @@ class Observer {
  public:
   Observer(const ArenaParameters& parameters, Side side, std::uint64_t seed);
 
-  /// Writes what the side recognizes of the world at one instant.
-  void observe(const World& world, Sightings& out);
+  /// Writes what the side recognizes of the world at one instant. `hidden`: bit i is set if robot i is invisible.
+  void observe(const World& world, Sightings& out, std::uint32_t hidden = 0);
 
  private:
   struct Bias {
@@ -31,10 +31,10 @@ class Observer {
     bool begun = false;
   };
   void drift(Bias& bias, const Placement& seen, double position_sigma_m, double heading_sigma_rad);
-  [[nodiscard]] bool is_hidden(const Snapshot& all) const;
+  [[nodiscard]] bool is_ball_hidden(const Snapshot& all, std::uint32_t hidden) const;
   [[nodiscard]] Pose in_own_coordinates(Vector2 position, double theta) const;
-  void observe_robot(const World& world, std::size_t robot, const Placement& truth, Sightings& out);
-  void observe_ball(const Snapshot& all, Sightings& out);
+  void observe_robot(const World& world, std::size_t robot, const Placement& truth, bool is_hidden, Sightings& out);
+  void observe_ball(const Snapshot& all, std::uint32_t hidden, Sightings& out);
 
   const ViewParameters parameters_;
   const Side side_;

@@ -168,7 +168,8 @@ void Renderer::store_pixel(std::size_t index, const LinearRgb& light) {
   }
 }
 
-std::span<const std::uint16_t> Renderer::render(const Snapshot& begin, const Snapshot& end, const RowTiming& rows) {
+std::span<const std::uint16_t> Renderer::render(const Snapshot& begin, const Snapshot& end, const RowTiming& rows,
+                                                std::uint32_t hidden) {
   rows_ = rows;
   for (const std::uint32_t index : covered_pixels_) {
     std::copy_n(&floor_[std::size_t{3} * index], 3, &picture_[std::size_t{3} * index]);
@@ -177,6 +178,7 @@ std::span<const std::uint16_t> Renderer::render(const Snapshot& begin, const Sna
   objects_.clear();
   const std::size_t robots = std::min(begin.robots.size(), appearances_.size());
   for (std::size_t i = 0; i < robots; ++i) {
+    if ((hidden >> i & 1U) != 0) continue;
     add_object(&appearances_[i], begin.robots[i], end.robots[i], half_side_ * 1.4143f, robot_height_);
   }
   add_object(nullptr, begin.ball, end.ball, ball_radius_, 2.0f * ball_radius_);

@@ -34,9 +34,10 @@ class Renderer {
            Floor floor = Floor::kField);
 
   /// Renders a frame. `begin`, `end`: the scene at the beginning of the first row's exposure and at the end of the last
-  /// row's; objects move straight and turn evenly between them. Returns R, G, B of each pixel, 0 to kLinearScale, valid
-  /// until the next call. Does not allocate.
-  std::span<const std::uint16_t> render(const Snapshot& begin, const Snapshot& end, const RowTiming& rows = {});
+  /// row's; objects move straight and turn evenly between them. `hidden`: bit i is set if robot i is not drawn. Returns
+  /// R, G, B of each pixel, 0 to kLinearScale, valid until the next call. Does not allocate.
+  std::span<const std::uint16_t> render(const Snapshot& begin, const Snapshot& end, const RowTiming& rows = {},
+                                        std::uint32_t hidden = 0);
   /// Returns the floor without objects.
   [[nodiscard]] std::span<const std::uint16_t> render_floor() const { return floor_; }
   /// Returns the view with all lamps off.

@@ -54,7 +54,7 @@ void SimulatedSide::capture(Instant now, const World& world) {
   if (waiting_ == pending_.size()) return;  // as a camera without a free buffer
   PendingFrame& frame = pending_[(first_ + waiting_) % pending_.size()];
   ++waiting_;
-  observer_.observe(world, frame.sightings);
+  observer_.observe(world, frame.sightings, hidden_robots_);
   frame.captured = now;
   frame.arrives = now + settings_.frame_latency + (is_late ? from_seconds(view_.late_s) : Duration::zero());
   frame.number = number;

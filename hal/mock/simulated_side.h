@@ -59,6 +59,8 @@ class SimulatedSide {
     camera_stalled_ = camera_stalled;
     radio_lost_ = radio_lost;
   }
+  /// Sets the robots that the camera does not see from now on: bit i is ArenaParameters::robot[i].
+  void set_hidden_robots(std::uint32_t robots) { hidden_robots_ = robots; }
   /// Tells the side the referee's decision, and whether the teams play on each other's half.
   void set_referee(const GameSituation& situation, bool sides_exchanged) {
     inputs_.situation = situation;
@@ -100,6 +102,7 @@ class SimulatedSide {
   Instant begin_{};
   bool begun_ = false;
   bool camera_stalled_ = false, radio_lost_ = false;
+  std::uint32_t hidden_robots_ = 0;
   Duration packet_time_{};
   void (*on_step_)(void* context, const StepTrace& trace) = nullptr;
   void* context_ = nullptr;

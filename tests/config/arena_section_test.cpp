@@ -45,8 +45,25 @@ TEST_F(ArenaSection, KeysAreChecked) {
             "board.toml:17: arena.robot_side_m: 1.0 is out of range: 0.02 to 0.4 m\n"
             "board.toml:23: arena.fault[0].kind: \"fire\" is not one of camera_stall, camera_lost, frame_short, "
             "frame_corrupt, dark, picture_frozen, picture_half_frozen, picture_torn, picture_turned, picture_random, "
-            "radio_lost, radio_busy, emergency_stop, start_button\n"
+            "hide_robot, radio_lost, radio_busy, emergency_stop, start_button\n"
             "board.toml:24: arena.fault[0].at_s: -1.0 is out of range: 0 to 1000000 s\n");
+}
+
+TEST_F(ArenaSection, AFaultNamesTheRobotThatItHidesAndOtherFaultsNameNone) {
+  add("[[arena.fault]]\nkind = \"hide_robot\"\nteam = \"opponent\"\nid = 4\n");
+  EXPECT_TRUE(load().ok()) << errors();
+  replace("board.toml", "id = 4\n", "id = 5\n");
+  EXPECT_EQ(refusal(), "board.toml:18: arena.fault[0].id: there is no robot 5 of team \"opponent\"\n");
+  replace("board.toml", "id = 5\n", "");
+  EXPECT_EQ(refusal(), "board.toml:15: arena.fault[0].id: is missing; hide_robot hides the robot with this id\n");
+  replace("board.toml", "hide_robot", "dark");
+  EXPECT_EQ(
+      refusal(),
+      "board.toml:17: arena.fault[0].team: belongs to the kind hide_robot only; the other kinds concern no robot\n");
+  replace("board.toml", "team = \"opponent\"", "id = 0");
+  EXPECT_EQ(
+      refusal(),
+      "board.toml:17: arena.fault[0].id: belongs to the kind hide_robot only; the other kinds concern no robot\n");
 }
 
 TEST_F(ArenaSection, ColorsMustBeDefinedPaints) {

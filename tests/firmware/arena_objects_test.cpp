@@ -127,6 +127,7 @@ TEST(ArenaObjects, AFaultOfEveryKindChangesThePicturesOfARunningArena) {
     if (kind.value == hal::mock::FaultKind::kCameraStall || kind.value == hal::mock::FaultKind::kCameraLost) continue;
     ArenaRequest fault = request_of(Kind::kFault);
     fault.fault = {kind.value, 0.0, 0.3};
+    if (kind.value == hal::mock::FaultKind::kHideRobot) fault.fault.id = 3;
     ASSERT_TRUE(objects.control(fault).ok()) << kind.word;
     int pictures = 0;
     const Instant end = arena->now() + std::chrono::milliseconds(400);
@@ -139,6 +140,22 @@ TEST(ArenaObjects, AFaultOfEveryKindChangesThePicturesOfARunningArena) {
     }
     EXPECT_GT(pictures, 3) << kind.word;
   }
+  objects.detach();
+}
+
+TEST(ArenaObjects, AFaultHidesARobotThatExists) {
+  ArenaObjects objects;
+  auto arena = small_arena(1);
+  objects.attach(*arena);
+  ArenaRequest fault = request_of(Kind::kFault);
+  fault.fault = {hal::mock::FaultKind::kHideRobot, 0.0, 0.5, hal::mock::Side::kOpponent, 9};
+  EXPECT_EQ(objects.control(fault).text(), "fault.id: there is no robot 9 of team \"opponent\"");
+  EXPECT_EQ(objects.control(fault).code(), ErrorCode::kNotFound);
+  EXPECT_TRUE(arena->faults().empty());
+  fault.fault.id = 2;
+  EXPECT_TRUE(objects.control(fault).ok());
+  EXPECT_EQ(arena->hidden_robots(arena->now()), 1U << 7);
+  EXPECT_EQ(arena->hidden_robots(arena->now() + std::chrono::milliseconds(600)), 0U);
   objects.detach();
 }
 

@@ -235,6 +235,7 @@ std::vector<std::string> lockstep_message_seeds() {
       R"({"place": {"robots": {"blue": {"2": {"x": -0.5, "y": 0, "theta": 1.5}}}}})",
       R"({"throw": {"vx": 1, "vy": -1}})",
       R"({"fault": {"kind": "camera_stall", "for_s": 1}})",
+      R"({"fault": {"kind": "hide_robot", "team": "opponent", "id": 2}})",
       R"({"hash": {}})"};
 }
 

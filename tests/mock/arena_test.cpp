@@ -75,6 +75,7 @@ TEST_F(ArenaTest, AllocatesNothingWhileItRuns) {
   for (const auto& choice : kFaultKinds) {
     if (choice.value == FaultKind::kCameraLost || choice.value == FaultKind::kRadioLost) continue;
     add_fault(choice.value, 1.0 + 0.5 * kind++, 0.3);
+    if (choice.value == FaultKind::kHideRobot) parameters.fault.back().id = 0;
   }
   add_fault(FaultKind::kCameraLost, 8.0, 0.3);
   add_fault(FaultKind::kRadioLost, 8.5, 0.3);

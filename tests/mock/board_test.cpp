@@ -201,6 +201,7 @@ TEST(MockBoard, SurvivesEveryFaultAndContinues) {
   double at_s = 1.0;
   for (const auto& kind : hal::mock::kFaultKinds) {
     faults.push_back({kind.value, at_s, 0.4});
+    if (kind.value == FaultKind::kHideRobot) faults.back().id = 0;
     at_s += 1.5;
   }
   Game game(1, faults);

@@ -19,6 +19,7 @@ class Faults : public DevicesTest {
   Result<void> send() { return radio->send(packet_of(std::array<Drive, 1>{{{0, 0.1, 0.1}}}, ++sequence_)); }
 
   std::uint8_t sequence_ = 0;
+  TruePlaces truth_;  // of the last picture
 };
 
 TEST_F(Faults, StalledCameraGivesNoFramesAndThenASequenceGap) {
@@ -94,6 +95,38 @@ TEST_F(Faults, LampsGoOut) {
   const auto again = wait();
   ASSERT_TRUE(again.ok());
   EXPECT_GT(brightness(again.value()), 50.0);
+}
+
+// A picture shows what it would show if the robot were not in the arena. The robot itself drives on.
+TEST_F(Faults, AHiddenRobotIsMissingInThePicturesOnly) {
+  parameters.robot.push_back({Side::kOpponent, 0, 0.5, 0.3, 0.0, {"red"}});
+  parameters.fault.push_back({FaultKind::kHideRobot, 1.0, 0.5, Side::kOpponent, 0});
+  start();
+  ArenaParameters others = parameters;
+  others.robot.pop_back();
+  others.fault.clear();
+  Arena without(others, settings, radio_settings, 1);
+  without.start_camera();
+  const auto picture = [&](Arena& of, double at_s) {
+    of.advance_to(Arena::kBegin + from_seconds(at_s));
+    while (of.take_exposure()) {  // those before, since the last picture
+    }
+    of.advance_to(Arena::kBegin + from_seconds(at_s + 0.06));
+    const auto exposure = of.take_exposure();
+    EXPECT_TRUE(exposure);
+    std::vector<std::uint8_t> bytes(3 * 64 * 48);
+    if (exposure) of.render(*exposure, bytes);
+    if (exposure) truth_ = of.places_at_capture(*exposure);
+    return bytes;
+  };
+  arena->world().drive(0, 0.2, 0.2, Side::kOpponent);
+  EXPECT_NE(picture(*arena, 0.9), picture(without, 0.9));
+  const double before_m = arena->world().snapshot().robots[1].x_m;
+  const std::vector<std::uint8_t> hidden = picture(*arena, 1.4);
+  EXPECT_EQ(truth_.robots.size(), 2U);
+  EXPECT_EQ(hidden, picture(without, 1.4));
+  EXPECT_NEAR(arena->world().snapshot().robots[1].x_m - before_m, 0.1, 0.01);
+  EXPECT_NE(picture(*arena, 1.6), picture(without, 1.6));
 }
 
 // The camera's pictures with `kind` from 1 s on, for as long as the fault lasts.

@@ -117,6 +117,28 @@ TEST_F(ObserverTest, MissesAsOftenAsStated) {
   EXPECT_NEAR(balls / 2000.0, 0.8, 0.03);
 }
 
+TEST_F(ObserverTest, AHiddenRobotIsNotSeenAndChangesNothingElse) {
+  ArenaParameters parameters = two_robots();
+  parameters.camera.position_m = {0.0, 0.0, 2.0};
+  World world(parameters, 1);
+  world.place(0, {0.8, 0.0, 0.0});
+  world.place_ball({0.8 + 0.0375 + 0.0216, 0.0, 0.0});
+  Observer observer(parameters, Side::kOwn, 1), other(parameters, Side::kOwn, 1);
+  for (int frame = 0; frame < 20; ++frame) {
+    const bool hides = frame >= 5 && frame < 10;
+    observer.observe(world, *sightings_, hides ? 1U : 0U);
+    const Sightings all = *sightings_;
+    other.observe(world, *sightings_);
+    ASSERT_EQ(sightings_->robots.size(), 2U);
+    ASSERT_EQ(all.robots.size(), hides ? 1U : 2U);
+    EXPECT_EQ(all.ball.seen, hides) << "the robot covers the ball";
+    const RobotSighting &seen = all.robots.back(), &expected = sightings_->robots[1];
+    EXPECT_EQ(seen.team, Team::kOpponent);
+    EXPECT_EQ(seen.pose.position.x_m, expected.pose.position.x_m);
+    EXPECT_EQ(seen.pose.theta_rad, expected.pose.theta_rad);
+  }
+}
+
 // The camera hangs above the center. A robot of 75 mm hides a ball that is behind it, seen from there.
 TEST_F(ObserverTest, RobotsHideTheBallBehindThem) {
   ArenaParameters parameters = without_errors(two_robots());

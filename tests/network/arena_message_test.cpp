@@ -30,6 +30,11 @@ TEST(ArenaMessage, HasARequest) {
   EXPECT_EQ(request_in(R"({ "speed" : {"factor": 0.5}})").speed, 0.5);
   EXPECT_EQ(request_in(R"({"throw": {"vx": 1}})").places.ball->velocity_mps.x, 1.0);
   EXPECT_EQ(request_in(R"({"fault": {"kind": "dark", "for_s": 2}})").fault.for_s, 2.0);
+  const ArenaRequest hide =
+      request_in(R"({"fault": {"kind": "hide_robot", "team": "opponent", "id": 3, "at_s": 1, "for_s": 0.3}})");
+  EXPECT_EQ(hide.fault.kind, hal::mock::FaultKind::kHideRobot);
+  EXPECT_EQ(hide.fault.team, hal::mock::Side::kOpponent);
+  EXPECT_EQ(hide.fault.id, 3);
   // A frame's ball and robots can be put back as they are.
   const ArenaRequest place = request_in(
       R"({"place": {"ball": {"x": -0.5, "y": 0.25, "vx": 0.5, "vy": 0, "confidence": 1},
@@ -46,6 +51,9 @@ TEST(ArenaMessage, ErrorsNameMemberAndValue) {
       {R"({"speed": {}})", "speed.factor is missing"},
       {R"({"step": {"frames": 0}})", "step.frames = 0 is not within 1 to 3600"},
       {R"({"pause": {}, "resume": {}})", "a request to the arena has one member, not 2"},
+      {R"({"fault": {"kind": "hide_robot", "team": "blue", "id": 3}})",
+       R"(fault.team = "blue" is not one of own, opponent)"},
+      {R"({"fault": {"kind": "hide_robot", "id": -1}})", "fault.id = -1 is not within 0 to 127"},
       {R"({"reset": {"seed": "a"}})", R"(reset.seed = "a" is not an integer)"}};
   for (const auto& [text, message] : cases) EXPECT_EQ(decode_arena_request(text).text(), message) << text;
 }

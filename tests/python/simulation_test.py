@@ -74,6 +74,9 @@ class Games(unittest.TestCase):
             frame = game.step(frames=12)
             self.assertAlmostEqual(frame.robots["blue"][0].x, 0.2, places=2)
             self.assertGreater(frame.ball.x, -0.45)
+            game.fault("hide_robot", 0.4, team="opponent", id=0)
+            frame = game.step(frames=12)
+            self.assertEqual([frame.robots[team][0].seen for team in ("blue", "yellow")], [True, False])
             before = frame.t
             game.fault("camera_stall", 0.5)
             self.assertGreater(game.step(frames=2).t - before, 0.5)

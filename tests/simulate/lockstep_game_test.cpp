@@ -215,7 +215,29 @@ TEST(LockstepGame, FaultsStallTheCameraAndSilenceTheRadio) {
   EXPECT_EQ(reset_error(*game, {{"faults", {{{"kind", "camera_stall"}, {"at_s", 5}, {"for_s", 61}}}}}),
             "fault.for_s: the camera would stall for 61 s in all; at most 60 s, because steps wait for its frames");
   EXPECT_EQ(inject({{"kind", "dark"}}),
-            "fault.kind: a game without pictures has camera_stall, camera_lost, radio_lost and radio_busy");
+            "fault.kind: a game without pictures has camera_stall, camera_lost, hide_robot, radio_lost and radio_busy");
+}
+
+TEST(LockstepGame, OnlyOurCameraDoesNotSeeAHiddenRobot) {
+  const auto game = new_game();
+  json members = kQuiet;
+  members["opponent"] = "external";
+  members["faults"] = {{{"kind", "hide_robot"}, {"team", "opponent"}, {"id", 1}, {"at_s", 0.5}, {"for_s", 0.3}}};
+  reset(*game, members);
+  int hidden = 0, hidden_from_opponents = 0, hidden_others = 0;
+  for (int i = 0; i < 60; ++i) {
+    const json answer = step(*game);
+    const auto seen = [&answer](const char* frames, const char* team, const char* id) {
+      return answer[frames][0]["robots"][team][id]["seen"].get<bool>();
+    };
+    hidden += seen("frames", "yellow", "1") ? 0 : 1;
+    hidden_from_opponents += seen("opponent_frames", "yellow", "1") ? 0 : 1;
+    hidden_others += seen("frames", "yellow", "0") && seen("frames", "blue", "1") ? 0 : 1;
+  }
+  EXPECT_EQ(hidden, 18) << "0.3 s at 60 frames per second";
+  EXPECT_EQ(hidden_from_opponents + hidden_others, 0);
+  EXPECT_EQ(reset_error(*game, {{"robots", 2}, {"faults", {{{"kind", "hide_robot"}, {"id", 4}}}}}),
+            "fault.id: there is no robot 4 of team \"own\"");
 }
 
 TEST(LockstepGame, AWrongResetLeavesTheFormerGame) {

@@ -80,6 +80,35 @@ ExternalCommands standing() {
   return commands;
 }
 
+// A track follows the commands of a hidden robot. Without them it keeps its velocity.
+TEST(MotionEvaluation, ErrorsOfHiddenRobotsDependOnKnownCommands) {
+  const auto game = std::make_unique<RecordedGame>();
+  ASSERT_OK(
+      game->load_without_pictures({kMockBoard, "", "", {"arena.opponents=play", "arena.opponent_speed_mps=0"}}, 5));
+  ASSERT_OK(game->skip(0.5));
+  game->hide_robots(0.3, 40.0);
+  ASSERT_OK(game->play(40.0));
+  const MotionReport report = evaluate_motion(*game);
+  print(report, std::cout);
+  ASSERT_EQ(report.hidden.size(), 4U);
+  const HiddenRow &own = report.hidden[0], &opponents = report.hidden[1];
+  for (const HiddenRow& hidden : report.hidden) {
+    // Each of five robots 30 times at most; those that stand do not count.
+    EXPECT_GT(hidden.position.count, 40U) << hidden.name;
+    EXPECT_LE(hidden.position.count + hidden.lost, 150U) << hidden.name;
+  }
+  EXPECT_GE(own.position.count, report.hidden[2].position.count);
+  // 3 to 5 mm with other seeds; a robot at 0.5 m/s moves 150 mm meanwhile.
+  EXPECT_GT(own.median_m, 0.001);
+  EXPECT_LT(own.median_m, 0.010);
+  EXPECT_GT(opponents.median_m, 0.025);
+  EXPECT_LT(opponents.median_m, 0.100);
+  std::ostringstream text;
+  print(report, text);
+  EXPECT_NE(text.str().find("at the end of hide_robot"), std::string::npos);
+  EXPECT_EQ(nlohmann::json::parse(to_json(report))["hidden"][1]["track_m"]["median"], opponents.median_m);
+}
+
 // Rows without errors must not look like perfect ones.
 TEST(MotionEvaluation, RowsWithoutValuesAreNotZero) {
   MotionReport report;

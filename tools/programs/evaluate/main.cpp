@@ -26,7 +26,7 @@ struct Options {
   std::string board;
   std::vector<std::string> overrides;
   std::uint64_t seed = 1;
-  double duration_s = 30.0;
+  double duration_s = 30.0, hide_s = 0.0;
   bool spread = false, without_pictures = false;
   double seen_within_m = 0.02;
   PictureTolerance tolerance;
@@ -167,6 +167,7 @@ Result<void> play_game(const Options& options) {
   TOUCHLINE_TRY(options.without_pictures ? game->load_without_pictures(files, options.seed)
                                          : game->load(files, options.seed));
   TOUCHLINE_TRY(game->skip(kSettled_s));
+  if (options.hide_s > 0.0) game->hide_robots(options.hide_s, options.duration_s - kSettled_s);
   TOUCHLINE_TRY(game->play(options.duration_s - kSettled_s));
   const MotionReport report = evaluate_motion(*game);
   print(report, std::cout);
@@ -209,6 +210,10 @@ int main(int argc, char** argv) {
   app.add_flag("--without-pictures", options.without_pictures,
                "The game's own side sees the arena without pictures, as in touchline-simulate")
       ->needs(game);
+  app.add_option("--hide", options.hide_s,
+                 "Hide every robot again and again for so long, in s, and compare its track with the truth at the end")
+      ->check(number_range(0.02, 10.0))
+      ->needs(game);
   app.add_option("--seed", options.seed, "Seed of the game (1)")->needs(game);
   add_overrides(app, options.overrides, "the board, venue and team files")->needs(game);
   app.add_option("--json", options.json, "Write the numbers into this file")->type_name("FILE");
@@ -217,7 +222,8 @@ int main(int argc, char** argv) {
             {"touchline-evaluate before.jsonl after.jsonl", "compare two results of a game without a truth"},
             {"touchline-evaluate --annotated truth.json result.jsonl", "compare pixels of pictures annotated by hand"},
             {"touchline-evaluate --spread result.jsonl", "measure the noise of stationary robots, without a truth"},
-            {"touchline-evaluate --game board.toml", "compare tracks and sightings of a game in the arena"}});
+            {"touchline-evaluate --game board.toml", "compare tracks and sightings of a game in the arena"},
+            {"touchline-evaluate --game board.toml --hide 0.3", "measure tracks of robots that are hidden for 0.3 s"}});
   if (const auto exit_code = parse_arguments(app, argc, argv)) return *exit_code;
 
   if (options.spread && !options.annotated.empty()) return fail("--spread and --annotated exclude each other");

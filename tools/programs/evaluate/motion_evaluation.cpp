@@ -31,6 +31,8 @@ constexpr std::size_t kFramesAfterImpact = 3;
 // Names of the rows, in the order of MotionEvaluation's samples.
 constexpr std::array kRows{"own robots", "opponents", "at rest", "own at 1 m/s", "opponents at 1 m/s"};
 constexpr std::array kImpacts{"own robots", "opponents", "ball"};
+// The last two are among the first two.
+constexpr std::array kHidden{"own robots", "opponents", "own robots without impact", "opponents without impact"};
 constexpr std::array kBalls{"ball", "ball within 60 mm of a wall"};
 constexpr std::array kVelocities{"own robots", "opponents", "ball"};
 
@@ -65,6 +67,11 @@ struct VelocitySamples {
 
 struct BallSamples {
   std::vector<double> sighted, tracked, acted, nees, nis;
+  std::size_t lost = 0;
+};
+
+struct HiddenSamples {
+  std::vector<double> position, angle;
   std::size_t lost = 0;
 };
 
@@ -103,6 +110,9 @@ class MotionEvaluation {
         add_velocities(frames[k - 1], frame);
       }
     }
+    for (const hal::mock::ArenaFault& fault : game.arena().faults()) {
+      if (fault.kind == hal::mock::FaultKind::kHideRobot) add_hidden(fault);
+    }
   }
 
   MotionReport finish() && {
@@ -126,6 +136,15 @@ class MotionEvaluation {
       report_.velocities.push_back(
           {kVelocities[i], statistics::summarize(std::move(v.sighted)), statistics::summarize(std::move(v.tracked)),
            statistics::summarize(std::move(v.sighted_turn)), statistics::summarize(std::move(v.tracked_turn))});
+    }
+    const auto is_empty = [](const HiddenSamples& samples) { return samples.position.empty() && samples.lost == 0; };
+    if (std::all_of(hidden_.begin(), hidden_.end(), is_empty)) return std::move(report_);
+    for (std::size_t i = 0; i < hidden_.size(); ++i) {
+      HiddenSamples& hidden = hidden_[i];
+      const auto median = [](std::vector<double> errors) { return errors.empty() ? 0.0 : statistics::median(errors); };
+      report_.hidden.push_back({kHidden[i], median(hidden.position), median(hidden.angle),
+                                statistics::summarize(hidden.position), statistics::summarize(hidden.angle),
+                                hidden.lost});
     }
     return std::move(report_);
   }
@@ -295,6 +314,41 @@ class MotionEvaluation {
     }
   }
 
+  // Evaluates the last frame that does not show the robot. A robot that was put elsewhere meanwhile does not count.
+  void add_hidden(const hal::mock::ArenaFault& fault) {
+    const auto& robots = game_.configuration().board.arena.robot;
+    const auto is_it = [&](const auto& one) { return one.team == fault.team && one.id == fault.id; };
+    const auto i = static_cast<std::size_t>(std::find_if(robots.begin(), robots.end(), is_it) - robots.begin());
+    const auto of = [i](const Snapshot& s) { return s.robots[i]; };
+    const std::vector<GameFrame>& frames = game_.frames();
+    const Instant begin = game_.arena().begin() + from_seconds(fault.at_s), end = begin + from_seconds(fault.for_s);
+    const auto is_before = [](const GameFrame& frame, Instant at) { return frame.capture_time < at; };
+    const auto first = std::lower_bound(frames.begin(), frames.end(), begin, is_before);
+    const auto after = std::lower_bound(frames.begin(), frames.end(), end, is_before);
+    if (first == frames.begin() || after == frames.end() || first == after) return;
+    const GameFrame& last = *(after - 1);
+    if (!truth_.covers(begin, kMargin)) return;
+    if (speed_between(of(truth_.at(begin - kMargin)), of(truth_.at(begin)), kMargin) < kRest_mps) return;
+    bool touched = false;
+    for (auto frame = first; frame != after; ++frame) {
+      const auto k = static_cast<std::size_t>(frame - frames.begin());
+      if (has_jump(k, of)) return;
+      touched = touched || has_impact(k, of);
+    }
+    const auto* track = find(last.tracks.robots, i);
+    const Placement truth = of(truth_.at(last.capture_time));
+    const std::size_t row = fault.team == hal::mock::Side::kOwn ? 0 : 1;
+    for (HiddenSamples* samples : {&hidden_[row], touched ? nullptr : &hidden_[row + 2]}) {
+      if (samples == nullptr) continue;
+      if (track == nullptr) {
+        ++samples->lost;
+        continue;
+      }
+      samples->position.push_back(distance(position(track->pose), place(truth)));
+      samples->angle.push_back(std::abs(wrap_angle(heading(track->pose) - truth.theta_rad)));
+    }
+  }
+
   static void add_impact(ImpactSamples& row, std::size_t after, const Placement& at, const FieldPoint* tracked,
                          double speed_error_mps) {
     if (tracked == nullptr) {
@@ -312,6 +366,7 @@ class MotionEvaluation {
   std::array<Samples, kRows.size()> rows_;
   std::array<ImpactSamples, kImpacts.size()> impacts_;
   std::array<BallSamples, kBalls.size()> balls_;
+  std::array<HiddenSamples, kHidden.size()> hidden_;
   std::array<VelocitySamples, kVelocities.size()> velocities_;
   MotionReport report_;
 };

@@ -46,12 +46,22 @@ struct VelocityRow {
   statistics::ErrorSummary sighted_turn, tracked_turn;  // rad/s
 };
 
+/// Errors of tracks in the last frame in which a fault of the arena (hide_robot) hides their robot, which was in motion
+/// when it disappeared.
+struct HiddenRow {
+  std::string name;
+  double median_m = 0.0, median_rad = 0.0;
+  statistics::ErrorSummary position, angle;
+  std::size_t lost = 0;  // robots without a track
+};
+
 struct MotionReport {
   std::size_t frames = 0;
   std::vector<MotionRow> robots;
   std::vector<VelocityRow> velocities;
   std::vector<ImpactRow> impacts;
   std::vector<BallRow> balls;
+  std::vector<HiddenRow> hidden;  // empty: no fault hid a robot
 };
 
 /// Compares the recorded frames with the truth.

@@ -77,11 +77,21 @@ void print(const MotionReport& report, std::ostream& out) {
         formatted("   %8s %8s", rms_text(r.speed, 1.0).c_str(), text_of(r.speed, r.speed.p95, 1.0).c_str()) +
             (r.lost == 0 ? "" : ", lost " + std::to_string(r.lost)));
   }
+  if (report.hidden.empty()) return;
+  write_line(out, "\n%-28s %8s %26s %26s", "at the end of hide_robot", "", "mm", "degrees");
+  write_line(out, "%-28s %8s %8s %8s %8s %8s %8s %8s", "", "count", "median", "p95", "max", "median", "p95", "max");
+  for (const HiddenRow& r : report.hidden) {
+    write_row(r.name, r.position.count,
+              {text_of(r.position, r.median_m, kMm), text_of(r.position, r.position.p95, kMm),
+               text_of(r.position, r.position.max, kMm), text_of(r.angle, r.median_rad, kDeg),
+               text_of(r.angle, r.angle.p95, kDeg), text_of(r.angle, r.angle.max, kDeg)},
+              r.lost == 0 ? "" : ", lost " + std::to_string(r.lost));
+  }
 }
 
 std::string to_json(const MotionReport& report) {
   MotionJson robots = MotionJson::array(), impacts = MotionJson::array(), balls = MotionJson::array(),
-             velocities = MotionJson::array();
+             velocities = MotionJson::array(), hidden = MotionJson::array();
   for (const MotionRow& r : report.robots) {
     robots.push_back({{"name", r.name},
                       {"sighting_m", json_of_errors(r.sighted)},
@@ -117,11 +127,14 @@ std::string to_json(const MotionReport& report) {
                           {"sighting_radps", json_of_errors(r.sighted_turn)},
                           {"track_radps", json_of_errors(r.tracked_turn)}});
   }
-  return MotionJson{{"frames", report.frames},
-                    {"robots", robots},
-                    {"balls", balls},
-                    {"velocities", velocities},
-                    {"impacts", impacts}}
+  for (const HiddenRow& r : report.hidden) {
+    MotionJson position = json_of_errors(r.position), angle = json_of_errors(r.angle);
+    position["median"] = r.position.count == 0 ? MotionJson() : MotionJson(r.median_m);
+    angle["median"] = r.angle.count == 0 ? MotionJson() : MotionJson(r.median_rad);
+    hidden.push_back({{"name", r.name}, {"track_m", position}, {"track_rad", angle}, {"lost", r.lost}});
+  }
+  return MotionJson{{"frames", report.frames},  {"robots", robots},   {"balls", balls},
+                    {"velocities", velocities}, {"impacts", impacts}, {"hidden", hidden}}
              .dump(2) +
          "\n";
 }

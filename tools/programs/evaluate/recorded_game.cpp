@@ -1,5 +1,6 @@
 #include "tools/programs/evaluate/recorded_game.h"
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 
@@ -77,12 +78,23 @@ Result<void> RecordedGame::load(const config::FilePaths& files, std::uint64_t se
                      {&RecordedGame::observe, this});
 }
 
+void RecordedGame::hide_robots(double for_s, double duration_s) {
+  const std::vector<hal::mock::ArenaRobot>& robots = configuration_->board.arena.robot;
+  const double begin_s = seconds(arena_->now() - arena_->begin()), period_s = 2.0 * for_s + kSeen_s;
+  for (std::size_t i = 0; i < robots.size(); ++i) {
+    const double first_s = period_s * static_cast<double>(i) / static_cast<double>(robots.size());
+    for (double at_s = first_s; at_s + for_s < duration_s; at_s += period_s) {
+      arena_->inject({hal::mock::FaultKind::kHideRobot, begin_s + at_s, for_s, robots[i].team, robots[i].id});
+    }
+  }
+}
+
 Result<void> RecordedGame::play(double duration_s, bool record) {
   records_ = record;
   const Instant end = arena_->now() + from_seconds(duration_s);
-  if (side_) {
-    clock_->sleep_until(end);
-    return {};
+  while (side_ && arena_->now() < end) {
+    side_->set_hidden_robots(arena_->hidden_robots(arena_->now()));
+    clock_->sleep_until(std::min(end, arena_->now() + kMillisecond));
   }
   while (arena_->now() < end) {
     if (commands_) {

@@ -53,9 +53,14 @@ class RecordedGame {
   /// Sets the own robots that other programs drive until the next call. The built-in play drives all own robots before
   /// the first call, and robots that `commands` does not list.
   void drive(const ExternalCommands& commands) { commands_ = commands; }
+  /// Hides every robot from the own side again and again, each for `for_s` > 0 and then not for as long and kSeen_s
+  /// more, from now on for `duration_s`. The robots' turns are spread evenly, so that the others are seen meanwhile.
+  void hide_robots(double for_s, double duration_s);
+  static constexpr double kSeen_s = 0.7;
 
   [[nodiscard]] const config::Configuration& configuration() const { return *configuration_; }
   [[nodiscard]] hal::mock::World& world() { return arena_->world(); }
+  [[nodiscard]] const hal::mock::Arena& arena() const { return *arena_; }
   [[nodiscard]] const RecordingClock& truth() const { return *clock_; }
   [[nodiscard]] const std::vector<GameFrame>& frames() const { return frames_; }
 

@@ -34,10 +34,13 @@ bool is_program(const std::string& name) { return name == kExternal || name == k
 bool stalls_camera(FaultKind kind) { return kind == FaultKind::kCameraStall || kind == FaultKind::kCameraLost; }
 bool stalls_radio(FaultKind kind) { return kind == FaultKind::kRadioLost || kind == FaultKind::kRadioBusy; }
 
-Result<void> check_fault(const ArenaFault& fault) {
-  if (stalls_camera(fault.kind) || stalls_radio(fault.kind)) return {};
-  return failure(ErrorCode::kUnsupported,
-                 "fault.kind: a game without pictures has camera_stall, camera_lost, radio_lost and radio_busy");
+Result<void> check_fault(const ArenaFault& fault, const ArenaParameters& arena) {
+  if (!stalls_camera(fault.kind) && !stalls_radio(fault.kind) && fault.kind != FaultKind::kHideRobot) {
+    return failure(ErrorCode::kUnsupported,
+                   "fault.kind: a game without pictures has camera_stall, camera_lost, hide_robot, radio_lost and "
+                   "radio_busy");
+  }
+  return check_robot(fault, arena);
 }
 
 // A step waits for its frames, and the server answers nothing meanwhile: a minute takes it less than a second.
@@ -105,7 +108,9 @@ Result<std::shared_ptr<const Team>> LockstepGame::team(const std::string& name,
 Result<ArenaParameters> LockstepGame::arena_of(const Team& own, const ResetMessage& message) const {
   ArenaParameters arena = fair_arena(*own.configuration, message.robots);
   arena.robots_return = message.robots_return;
-  for (const ArenaFault& fault : message.faults) TOUCHLINE_TRY(check_fault(fault));
+  // Those of the board file's devices, which this game does not use; they may name robots that do not play.
+  arena.fault.clear();
+  for (const ArenaFault& fault : message.faults) TOUCHLINE_TRY(check_fault(fault, arena));
   TOUCHLINE_TRY(check_stalls(message.faults, 0.0));
   if (const auto violation = find_violation(arena)) {
     return failure(ErrorCode::kInconsistent, "arena.%s: %s", violation->key.c_str(), violation->message.c_str());
@@ -255,12 +260,13 @@ void LockstepGame::apply_faults() {
   const double now_s = time_s();
   bool camera = false, radio = false;
   for (const ArenaFault& fault : faults_) {
-    if (now_s < fault.at_s || now_s >= fault.at_s + fault.for_s) continue;
+    if (!fault.is_active(now_s)) continue;
     camera = camera || stalls_camera(fault.kind);
     radio = radio || stalls_radio(fault.kind);
   }
   // As in `touchline run`, the faults are those of the own side's devices.
   player(Side::kOwn).player.side->set_faults(camera, radio);
+  player(Side::kOwn).player.side->set_hidden_robots(hidden_robots(faults_, arena_, now_s));
 }
 
 void LockstepGame::run() {
@@ -397,7 +403,7 @@ Result<std::string> LockstepGame::place(const PlaceMessage& message) {
 }
 
 Result<std::string> LockstepGame::inject(const FaultMessage& message) {
-  TOUCHLINE_TRY(check_fault(message.fault));
+  TOUCHLINE_TRY(check_fault(message.fault, arena_));
   const double now_s = time_s();
   // Faults that are over leave the list, so that it does not grow.
   std::erase_if(faults_, [now_s](const ArenaFault& fault) { return now_s >= fault.at_s + fault.for_s; });

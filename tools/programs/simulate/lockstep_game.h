@@ -50,7 +50,7 @@ class LockstepGame {
 
   /// Errors of put_objects().
   Result<std::string> place(const PlaceMessage& message);
-  /// kUnsupported: this kind needs pictures.
+  /// kUnsupported: this kind needs pictures; kNotFound: there is no such robot.
   Result<std::string> inject(const FaultMessage& message);
   [[nodiscard]] std::string hash() const;
 

@@ -335,7 +335,7 @@ export type ArenaRequest =
   | { speed: { factor: number } }
   | { reset: { seed: number } }
   | { throw: { vx: number; vy: number } }
-  | { fault: { kind: string; for_s: number } };
+  | { fault: { kind: string; for_s: number; team?: TeamName; id?: number } };
 
 export type ClientMessage =
   | { type: 'watch'; picture: { rate_hz: number; max_width_px: number } | null; state_hz: number; setup?: boolean; findings?: FindingsName[] }

@@ -1,4 +1,5 @@
-import type { RobotSighting, State, TeamName } from './protocol';
+import type { TeamName } from './message_types';
+import type { RobotSighting, State } from './protocol';
 
 /** How far the sightings of a frame are from where the arena says that everything was. */
 export interface OffTruth {

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <optional>
 
 #include "firmware/recording/step_message.h"
@@ -35,11 +36,11 @@ class ResumedGame : public MockGame {
   void run_until(double end_s) {
     while (now_s() < end_s) ASSERT_FALSE(loop->iterate().has_value());
   }
-  void put_command() {
+  void put_command(float x_m) {
     ExternalCommand command;
     command.id = 2;
     command.kind = ExternalCommand::Kind::kPose;
-    command.target = {{-0.4f, 0.5f}, 1.0f};
+    command.target = {{x_m, 0.1f}, 1.0f};
     command.has_heading = true;
     command.received = hal::MonotonicClock::read();
     ExternalCommands table;
@@ -57,7 +58,8 @@ class ResumedGame : public MockGame {
   Mailbox<ExternalCommands> commands;
   Mailbox<RefereeState> referee;
   std::array<int, kResultParts> differences{};
-  int compared = 0, states = 0, stops = 0, revoked = 0, corrected_wheels = 0, corrected_lag = 0, corrected_delay = 0;
+  int compared = 0, moving = 0, exchanged = 0, states = 0, stops = 0, corrected_wheels = 0, corrected_lag = 0,
+      corrected_delay = 0;
   std::size_t largest = 0;
 
  private:
@@ -71,7 +73,8 @@ class ResumedGame : public MockGame {
     corrected_wheels += drives.wheels.empty() ? 0 : 1;
     corrected_lag += drives.lag_s ? 1 : 0;
     corrected_delay += drives.more_delay != Duration::zero() ? 1 : 0;
-    revoked += trace.revoked ? 1 : 0;
+    moving += trace.commands.stop ? 0 : 1;
+    exchanged += trace.inputs->teams.colors_exchanged && trace.inputs->teams.sides_exchanged ? 1 : 0;
     StepResults first, second;
     write_results(trace.sightings, trace.tracks, trace.commands, trace.packets, first);
     if (states > 0) {
@@ -131,20 +134,40 @@ class ResumedGame : public MockGame {
 void expect_no_differences(const ResumedGame& game) { EXPECT_EQ(game.differences, (std::array<int, kResultParts>{})); }
 
 TEST(PipelineState, AGameGoesOnAfterIt) {
-  ResumedGame game({{FaultKind::kCameraLost, 3.0, 0.3}, {FaultKind::kEmergencyStop, 4.0, 0.3}});
-  game.run_until(1.0);
-  game.put_command();
-  game.run_until(1.6);
-  game.put_teams(false, true);
-  game.run_until(2.0);
-  game.put_teams(true, false);
-  game.run_until(9.0);
+  ResumedGame game({{FaultKind::kCameraLost, 3.0, 0.3},
+                    {FaultKind::kEmergencyStop, 4.0, 0.3},
+                    {FaultKind::kStartButton, 4.6, 0.1},
+                    {FaultKind::kRadioLost, 6.0, 0.2}});
+  game.run_until(16.0);
   expect_no_differences(game);
-  EXPECT_GT(game.compared, 400);
-  EXPECT_GT(game.states, 20);
+  EXPECT_GT(game.compared, 800);
+  EXPECT_GT(game.moving, 700);
+  EXPECT_GT(game.states, 40);
   EXPECT_GT(game.stops, 2);
   EXPECT_GT(game.largest, 8000U);
   EXPECT_LT(game.largest, 30000U) << "see kMaxStateBytes";
+}
+
+// Another program sends a robot through the others, there and back.
+TEST(PipelineState, TheWayToAPoseGoesOnAfterIt) {
+  ResumedGame game({}, {}, 7);
+  while (game.now_s() < 5.0) {
+    game.put_command(std::fmod(game.now_s(), 2.5) < 1.25 ? 0.7f : -0.7f);
+    game.run_until(game.now_s() + 0.02);
+  }
+  expect_no_differences(game);
+  EXPECT_GT(game.moving, 200);
+}
+
+TEST(PipelineState, TheAssignmentOfTeamsGoesOnAfterIt) {
+  ResumedGame game({});
+  game.run_until(1.0);
+  game.put_teams(false, true);
+  game.run_until(1.6);
+  game.put_teams(true, false);
+  game.run_until(2.2);
+  expect_no_differences(game);
+  EXPECT_GT(game.exchanged, 20);
 }
 
 // The second pipeline has measured nothing: what the first one has measured is an input.

@@ -59,7 +59,7 @@ static_assert(std::is_trivially_copyable_v<StepParts> && std::is_trivially_copya
 /// kStatePeriod-th one are recorded with the pipeline's state after them, from which a replay can continue.
 class StepTap {
  public:
-  // 5 s at 60 Hz: a part that is cut out of a recording is soon compared. A state has 15 KB, an eighth of what the
+  // 5 s at 60 Hz: a part that is cut out of a recording is soon compared. A state has 14 KB, an eighth of what the
   // steps have in a second.
   static constexpr std::uint64_t kStatePeriod = 300;
 

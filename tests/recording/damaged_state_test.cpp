@@ -38,8 +38,11 @@ class SeenGame {
                     static_cast<float>(std::remainder(angle + 1.5708, 6.2831853))};
       robot.noise = {1e-6f, 1e-6f, 1e-4f, 0.0f, 0.0f, 0.0f};
       robot.confidence = 0.99f;
-      // Now and then a robot is hidden.
-      if ((frame_ + 3 * i) % 29 != 0) sightings_->robots.push_back(robot);
+      if (i / 2 == 2 || i / 2 == 3) robot.id = kUnknownId;
+      // Somebody carries robots away and back, and now and then a robot is hidden.
+      if (i < 2 && frame_ % 50 < 12) robot.pose.position.x_m += 0.2f;
+      const bool is_away = i % 4 == 1 && frame_ % 200 < 120;
+      if (!is_away && (frame_ + 3 * i) % 29 != 0) sightings_->robots.push_back(robot);
     }
     sightings_->ball.seen = frame_ % 11 != 0;
     sightings_->ball.position = {static_cast<float>(0.1 * turned), 0.05f};
@@ -49,6 +52,8 @@ class SeenGame {
     frame.capture_time = Instant(std::chrono::seconds(100) + since);
     frame.sightings = sightings_.get();
     inputs_.now = frame.capture_time;
+    inputs_.drives.reset();
+    if (&pipeline != pipeline_.get()) inputs_.drives = pipeline_->drive_corrections();
     return pipeline.step(frame, inputs_);
   }
   /// Returns the state of the pipeline.
@@ -56,6 +61,10 @@ class SeenGame {
     write_state(*pipeline_, *bytes_);
     EXPECT_TRUE(bytes_->fits());
     return {bytes_->bytes().begin(), bytes_->bytes().end()};
+  }
+  void restart() {
+    configure(*pipeline_);
+    frame_ = 0;
   }
   [[nodiscard]] std::int64_t frame() const { return frame_; }
   void rewind(std::int64_t frame) { frame_ = frame; }
@@ -90,6 +99,32 @@ TEST(PipelineState, IsReadAsItWasWritten) {
   const auto again = std::make_unique<StateBytes>();
   write_state(*second, *again);
   EXPECT_EQ(std::vector<std::byte>(again->bytes().begin(), again->bytes().end()), state);
+}
+
+// Robots without ids come and go, and robots are carried away, which the arena's robots are not.
+TEST(PipelineState, TracksOfRobotsThatComeAndGoGoOnAfterIt) {
+  SeenGame game(5, 60.0, std::chrono::milliseconds(40));
+  const auto second = std::make_unique<Pipeline>();
+  const auto results_of = [](const StepTrace& trace) {
+    StepResults results;
+    write_results(trace.sightings, trace.tracks, trace.commands, trace.packets, results);
+    return results;
+  };
+  constexpr int kFrames = 400, kPeriod = 45;
+  for (int begin = 1; begin < kPeriod; begin += 7) {
+    game.restart();
+    for (int i = 1; i < kFrames; ++i) {
+      const std::int64_t frame = game.frame();
+      const StepResults expected = results_of(game.step());
+      if (i > begin) {
+        game.rewind(frame);
+        ASSERT_TRUE(results_of(game.step(*second)) == expected) << "frame " << i;
+      }
+      if (i % kPeriod != begin) continue;
+      game.configure(*second);
+      ASSERT_TRUE(read_state(game.state(), *second).ok());
+    }
+  }
 }
 
 TEST(PipelineState, EachCutIsRefused) {

@@ -4,6 +4,7 @@
 #include <cstring>
 #include <filesystem>
 #include <random>
+#include <utility>
 
 #include "firmware/config/light_map_file.h"
 #include "firmware/config/reload.h"
@@ -115,6 +116,13 @@ class JpegRecording : public ::testing::Test {
   }
 
   void write_step(std::span<const std::byte> record, bool with_picture) {
+    if (std::exchange(breaks_state_, false)) {
+      std::vector<std::byte> bytes(record.begin(), record.end());
+      // The first byte of a state is a bool.
+      bytes[sizeof(StepParts) + sizeof(Snapshot)] = std::byte{7};
+      ASSERT_TRUE(writer_.add_step(bytes).ok());
+      return;
+    }
     if (with_picture) {
       ASSERT_TRUE(writer_.add_step(record).ok());
       return;
@@ -174,6 +182,7 @@ class JpegRecording : public ::testing::Test {
   int noise_from_ = kFrames, noise_to_ = kFrames, reload_at_ = -1, pictures_until_ = kFrames;
   // Steps: the one with which the recording begins, and the one for which there is no memory.
   int begins_at_ = 0, full_at_ = -1;
+  bool breaks_state_ = false;  // of the first step
 };
 
 TEST_F(JpegRecording, IsReplayedFromItsPictures) {
@@ -233,6 +242,18 @@ TEST_F(JpegRecording, ARecordingThatBeginsLateIsReplayedFromItsFirstState) {
   EXPECT_EQ(replayed.different, 0);
   EXPECT_EQ(replayed.hash, writer_.hash().line());
   EXPECT_EQ(writer_.hash().steps(), static_cast<std::uint64_t>(kFrames - 11));
+}
+
+TEST_F(JpegRecording, AStateThatCannotBeReadEndsTheReplayWithItsPlace) {
+  begins_at_ = 8;
+  breaks_state_ = true;
+  record(1);
+  replay::RecordingSource source({});
+  ASSERT_TRUE(source.open(path_.string()).ok());
+  const auto step = source.next();
+  EXPECT_EQ(step.code(), ErrorCode::kCorruptFrame);
+  EXPECT_NE(step.text().find(path_.string() + ": byte "), std::string::npos) << step.text();
+  EXPECT_NE(step.text().find("the state of the filters and the play cannot be read"), std::string::npos) << step.text();
 }
 
 TEST_F(JpegRecording, AReloadInAGapIsInForceAfterIt) {

@@ -80,11 +80,9 @@ void Pipeline::adapt() {
   drives_.add_commands(sent_, trace_.frame.capture_time + inputs_.action_delay - inputs_.radio_delay, inputs_.lateness);
   drives_.work();
   trace_.drives = drives_.reports();
-  use_measured_lag();
 }
 
-void Pipeline::use_measured_lag() {
-  const double lag_s = trace_.drives.lag_s.used;
+void Pipeline::use_lag(double lag_s) {
   if (lag_s == robot_filter_.wheel_lag_s) return;
   robot_filter_.wheel_lag_s = lag_s;
   tracker_.set_wheel_lag(lag_s);
@@ -163,6 +161,8 @@ void Pipeline::apply(const StepInputs& inputs) {
   trace_.revoked = false;
   const StepEvents& events = inputs_.events;
   released_tables_ = nullptr;
+  const ComparedValue& lag_s = drives_.reports().lag_s;
+  use_lag(inputs_.drives ? inputs_.drives->lag_s.value_or(lag_s.stated) : lag_s.used);
   if (events.tables != nullptr && events.adaptation != nullptr) {
     adaptation_ = *events.adaptation;
     matcher_.set_typical_colors(adaptation_.typical_colors());
@@ -192,6 +192,8 @@ void Pipeline::apply(const StepInputs& inputs) {
     if (id >= 0) tracker_.set_lateness(id, inputs_.lateness[i]);
   }
   drives_.set_stated_delay(inputs_.radio_delay);
+  drives_.write(drive_corrections_);
+  if (inputs_.drives) drive_corrections_ = *inputs_.drives;
   controller_.set_external(inputs_.commands, inputs_.now);
   controller_.set_situation(inputs_.situation);
 }
@@ -210,7 +212,7 @@ const StepTrace& Pipeline::step(const Frame& frame, const StepInputs& inputs) {
   }
   trace_.overload = trace_.runs_dropped + trace_.regions_dropped > 0 || trace_.sightings.cut_short;
   check_picture();
-  const Instant acts_at = frame.capture_time + inputs_.action_delay + drives_.more_delay();
+  const Instant acts_at = frame.capture_time + inputs_.action_delay + drive_corrections_.more_delay;
   {
     const StageTimer t = timer(Stage::kTrack);
     tracker_.update(trace_.sightings, frame.capture_time, acts_at, trace_.tracks);
@@ -303,7 +305,7 @@ void Pipeline::revoke() {
 
 void Pipeline::stop_from(Instant now) {
   trace_.commands.stop = true;
-  tracker_.add_commands(trace_.commands, now + inputs_.action_delay + drives_.more_delay());
+  tracker_.add_commands(trace_.commands, now + inputs_.action_delay + drive_corrections_.more_delay);
   encode_commands(now);
 }
 
@@ -322,11 +324,13 @@ void Pipeline::correct_commands() {
   sent_ = trace_.commands;
   const float limit = static_cast<float>(control_.drive.max_wheel_speed_mps);
   for (RobotCommand& robot : sent_.robots) {
-    const std::array<float, 2> correction = drives_.correction_of(robot.id);
-    if (correction == std::array<float, 2>{1.0f, 1.0f}) continue;
+    const auto& corrections = drive_corrections_.wheels;
+    const auto* const correction =
+        std::find_if(corrections.begin(), corrections.end(), [&](const auto& other) { return other.id == robot.id; });
+    if (correction == corrections.end()) continue;
     WheelSpeeds& wheels = robot.wheels;
-    wheels.left_mps *= correction[0];
-    wheels.right_mps *= correction[1];
+    wheels.left_mps *= correction->factor[0];
+    wheels.right_mps *= correction->factor[1];
     const float fastest = std::max(std::abs(wheels.left_mps), std::abs(wheels.right_mps));
     if (!(fastest > limit)) continue;
     wheels.left_mps = std::clamp(wheels.left_mps * (limit / fastest), -limit, limit);

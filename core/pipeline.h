@@ -1,5 +1,7 @@
 #pragma once
 
+#include <type_traits>
+
 #include "core/adaptation.h"
 #include "core/control/controller.h"
 #include "core/geometry/camera_model.h"
@@ -64,6 +66,8 @@ class Pipeline {
   void copy_classifier(PixelClassifier& out) const { scanner_.copy_to(out); }
   [[nodiscard]] AdaptationMode adaptation() const { return adaptation_.mode(); }
   [[nodiscard]] const RobotReports& reports() const { return trace_.reports; }
+  /// Returns what the measured drives changed in the last call, for StepInputs::drives.
+  [[nodiscard]] const DriveCorrections& drive_corrections() const { return drive_corrections_; }
   /// Returns the tables that the last call no longer uses, because its inputs contained new ones; null: there were
   /// none.
   [[nodiscard]] ScanTables* released_tables() const { return released_tables_; }
@@ -85,6 +89,27 @@ class Pipeline {
   /// robots must stop before the step's packet was sent. StepTrace::revoked tells a recording.
   void revoke();
 
+  /// Passes to `archive` all that tracks, commands and packets of the next steps depend on beside the configuration and
+  /// the inputs, if their frames have sightings, and the inputs have StepInputs::was_unusable and drives. So what the
+  /// recognition and the checks of the picture have learned, and the measurements of the drives, which have 1 MB, are
+  /// left out, and also a strategy of set_strategy(). Call it after adapt(), or after a stop.
+  /// `self` is constant if the archive writes. An archive that reads gets a pipeline with the same configuration, and
+  /// its refuse() is called for values that are not possible; then the pipeline cannot be used any more.
+  /// `archive(members...)` calls visit_state() of each member that is a class with this function.
+  template <class Self, class Archive>
+  static void visit_state(Self& self, Archive& archive) {
+    TeamAssignment assignment = self.assignment_;
+    archive(assignment);
+    if constexpr (!std::is_const_v<Self>) {
+      if (!self.assign_teams(assignment).ok()) return archive.refuse();
+    }
+    archive(self.tracker_, self.controller_, self.is_unusable_, self.packet_sequence_, self.starts_left_,
+            self.last_start_);
+    if constexpr (!std::is_const_v<Self>) {
+      if (self.starts_left_ < 0 || self.starts_left_ > kStarts) archive.refuse();
+    }
+  }
+
  private:
   // Radio links lose packets: with 3 % of loss, all three are lost once in 40,000 times.
   static constexpr int kStarts = 3;
@@ -103,7 +128,8 @@ class Pipeline {
   void reset();
   void check_picture();
   void stop_from(Instant now);
-  void use_measured_lag();
+  // Uses this time constant of the wheels from now on.
+  void use_lag(double lag_s);
   void correct_commands();
   void encode_commands(Instant now);
 
@@ -122,7 +148,8 @@ class Pipeline {
   Adaptation adaptation_;
   RobotMonitor monitor_;
   DriveMonitor drives_;
-  ControlParameters control_;  // as configured
+  DriveCorrections drive_corrections_;  // in force
+  ControlParameters control_;           // as configured
   PictureCheck picture_check_;
   bool is_unusable_ = false;  // the last picture
   StageClock clock_ = nullptr;

@@ -92,6 +92,9 @@ struct StepInputs {
   // Whether the frame's picture was unusable (PictureTrace::is_unusable()), for a replay that does not have it; tracks
   // begin anew after unusable pictures. nullopt: the checks tell.
   std::optional<bool> was_unusable;
+  // What the measured drives changed, for a replay that does not know what was measured before. nullopt: as the
+  // pipeline has measured.
+  std::optional<DriveCorrections> drives;
   StepEvents events;
 };
 static_assert(std::is_trivially_copyable_v<StepInputs>, "a recorder copies it");

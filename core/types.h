@@ -397,6 +397,17 @@ struct DriveReports {
   ComparedValue delay_s, lag_s;                       // of all robots together
 };
 
+/// What the measured drives change in a step. Nothing, unless a measurement contradicts the files.
+struct DriveCorrections {
+  struct Wheels {
+    RobotId id = kUnknownId;
+    std::array<float, 2> factor{1.0f, 1.0f};  // of the speeds of the left and right wheel
+  };
+  Duration more_delay{};          // how much longer than stated the delay of the radio and the robots is
+  std::optional<double> lag_s{};  // time constant of the wheels; nullopt: as the files state
+  FixedVector<Wheels, kMaxRobotsPerTeam> wheels;  // of other robots: 1
+};
+
 // --- whole pipeline ------------------------------------------------------------------------------------------------
 
 enum class Stage : std::uint8_t { kRegion, kMarker, kTrack, kControl, kRadio };  // classification is part of kRegion

@@ -182,7 +182,7 @@ void Loop::process_frame(const hal::FrameLease& lease) {
   if (settings_.snapshots != nullptr) settings_.snapshots->write(snapshot_);
   // The picture follows the snapshot, so that whoever gets the picture also finds the results.
   if (is_picture_wanted) settings_.pictures->put(frame, settings_.first_number + statistics_.frames - 1);
-  if (settings_.recording != nullptr) settings_.recording->add(trace, snapshot_, lease);
+  if (settings_.recording != nullptr) settings_.recording->add(pipeline_, trace, snapshot_, lease);
 }
 
 void Loop::fill_snapshot(const StepTrace& trace, const hal::FrameLease& lease, const StepTiming& timing,
@@ -292,7 +292,7 @@ void Loop::send_stop(Instant now) {
   fill_inputs(now, inputs_.action_delay);
   const OutgoingPackets& packets = pipeline_.stop(inputs_);
   if (observer_.on_stop != nullptr) observer_.on_stop(observer_.context, inputs_);
-  if (settings_.recording != nullptr) settings_.recording->add_stop(inputs_, packets);
+  if (settings_.recording != nullptr) settings_.recording->add_stop(pipeline_, inputs_, packets);
   on_inputs_used(now);
   send(packets, true, now);
 }

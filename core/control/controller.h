@@ -41,12 +41,26 @@ class Controller {
 
   [[nodiscard]] const Play& play() const { return play_; }
 
+  /// See Pipeline::visit_state(). The rest is set before each decision. A strategy of set_strategy() is left out.
+  template <class Self, class Archive>
+  static void visit_state(Self& self, Archive& archive) {
+    auto& [parameters, play, other, external, line_up, situation, motion, turned, turned_tracks, states, started,
+           last_time] = self;
+    archive(play, motion, states, started, last_time);
+  }
+
  private:
   struct RobotState {
     RobotId id = kUnknownId;
     bool listed = false;
     Twist command;  // last command
     Twist wheels;   // predicted velocities of the wheels when the next command begins to act
+
+    template <class Self, class Archive>
+    static void visit_state(Self& self, Archive& archive) {
+      auto& [id, listed, command, wheels] = self;
+      archive(id, listed, command, wheels);
+    }
   };
   [[nodiscard]] Strategy& strategy() { return other_ != nullptr ? *other_ : play_; }
   [[nodiscard]] const Strategy& strategy() const {

@@ -22,11 +22,25 @@ class Play final : public Strategy {  // NOLINT(cppcoreguidelines-virtual-class-
   [[nodiscard]] RobotId attacker() const { return attacker_; }
   [[nodiscard]] const FieldParameters& field() const { return field_; }
 
+  /// See Pipeline::visit_state(). The rest is found in each frame.
+  template <class Self, class Archive>
+  static void visit_state(Self& self, Archive& archive) {
+    auto& [field, scene, options, openings, roles, goalkeeper, attacker, goalkeeper_seen, strike, ball_stayed_at, tried,
+           decisions] = self;
+    archive(scene, roles, goalkeeper, attacker, goalkeeper_seen, strike, ball_stayed_at, tried);
+  }
+
  private:
   // A robot that has attacked for so long without moving the ball.
   struct Tried {
     RobotId id = kUnknownId;
     double time_s = 0.0;
+
+    template <class Self, class Archive>
+    static void visit_state(Self& self, Archive& archive) {
+      auto& [id, time_s] = self;
+      archive(id, time_s);
+    }
   };
   [[nodiscard]] double tried_by(RobotId id) const;
   double add_try(RobotId id, double time_s);

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <type_traits>
+
 #include "core/control/scene.h"
 
 namespace touchline {
@@ -28,11 +30,26 @@ class Roles {
   [[nodiscard]] int opening_of(RobotId id) const;
   [[nodiscard]] RobotId holder_of(int opening) const;
 
+  /// See Pipeline::visit_state().
+  template <class Self, class Archive>
+  static void visit_state(Self& self, Archive& archive) {
+    archive(self.held_);
+  }
+
  private:
   struct Held {
     RobotId id = kUnknownId;
     int opening = -1;
     Job job = Job::kNone;
+
+    template <class Self, class Archive>
+    static void visit_state(Self& self, Archive& archive) {
+      auto& [id, opening, job] = self;
+      archive(id, opening, job);
+      if constexpr (!std::is_const_v<Self>) {
+        if (opening < -1 || opening >= static_cast<int>(kMaxRobotsPerTeam)) archive.refuse();
+      }
+    }
   };
   FixedVector<Held, kMaxRobotsPerTeam> held_;
 };

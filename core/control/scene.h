@@ -28,6 +28,14 @@ struct Scene {
   double ball_stays_s = 0.0;      // the attacker is at the ball, which has not moved, for so long
   // Time in s until the first opponent can be at the ball.
   double opponent_at_ball_s = 1e9;
+
+  /// See Pipeline::visit_state(). The play finds the rest in each frame.
+  template <class Self, class Archive>
+  static void visit_state(Self& self, Archive& archive) {
+    auto& [pitch, parameters, now, period_s, ball_known, ball, ball_velocity, path, opponents, players,
+           goalkeeper_plays, ball_stays_s, opponent_at_ball_s] = self;
+    archive(now, period_s, ball_known, ball, ball_velocity, goalkeeper_plays, ball_stays_s, opponent_at_ball_s);
+  }
 };
 
 }  // namespace touchline

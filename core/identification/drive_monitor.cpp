@@ -213,6 +213,16 @@ std::array<float, 2> DriveMonitor::correction_of(RobotId id) const {
   return factor;
 }
 
+void DriveMonitor::write(DriveCorrections& out) const {
+  out = {};
+  out.more_delay = more_delay();
+  if (reports_.lag_s.is_contradicted()) out.lag_s = reports_.lag_s.used;
+  for (const Robot& robot : robots_) {
+    const DriveCorrections::Wheels wheels{robot.drive.id, correction_of(robot.drive.id)};
+    if (wheels.factor != std::array<float, 2>{1.0f, 1.0f}) out.wheels.push_back(wheels);
+  }
+}
+
 bool DriveMonitor::is_complete() const {
   return std::all_of(robots_.begin(), robots_.end(), [](const Robot& robot) {
     return std::isfinite(robot.drive.delay_s.sigma) || !has_record(robot.estimator);

@@ -53,6 +53,8 @@ class DriveMonitor {
   [[nodiscard]] Duration more_delay() const { return from_seconds(reports_.delay_s.used - reports_.delay_s.stated); }
   /// Factor for the wheel speeds of robot `id` whose packet is encoded with the stated gains.
   [[nodiscard]] std::array<float, 2> correction_of(RobotId id) const;
+  /// Writes all that is in force and not as stated.
+  void write(DriveCorrections& out) const;
 
  private:
   struct Robot {

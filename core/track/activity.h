@@ -20,6 +20,12 @@ class Activity {
     scale(change, lower_limit);
   }
 
+  /// See Pipeline::visit_state().
+  template <class Self, class Archive>
+  static void visit_state(Self& self, Archive& archive) {
+    archive(self.value_);
+  }
+
  protected:
   void scale(double change, double lower_limit) { value_ = std::clamp(change * value_, lower_limit, 1.0); }
 
@@ -48,6 +54,13 @@ class FreeActivity : public Activity {
     // Persistent innovations do not count as noise.
     const double noisier = product < 0.0 ? excess : std::min(0.0, excess);
     noise_ = std::clamp(noise_ * std::min(kMaxRatio, 1.0 + kGain * noisier), 1.0, kMaxNoiseFactor);
+  }
+
+  /// See Pipeline::visit_state().
+  template <class Self, class Archive>
+  static void visit_state(Self& self, Archive& archive) {
+    Activity::visit_state(self, archive);
+    archive(self.noise_, self.former_);
   }
 
  private:

@@ -56,7 +56,7 @@ void Association::collect_pairs(const RobotSightings& sightings, const TrackedRo
       const double reach = (other_id ? parameters.separation_m : parameters.association_m) + 3.0 * sigma;
       const Vector2 offset = to_vector(sightings[i].pose.position) - at;
       const double distance2 = dot(offset, offset);
-      if (distance2 > reach * reach) continue;
+      if (!(distance2 <= reach * reach)) continue;  // also if a filter is broken
       // Cost: twice the negative log density of a normal distribution in two dimensions, relative to a track without
       // error.
       const double excess = sigma * sigma / kCollision2_m2;

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <type_traits>
 
 #include "core/types.h"
 
@@ -38,12 +39,36 @@ class CommandHistory {
   /// Returns the number of commands that were removed for lack of space although they could still act.
   [[nodiscard]] std::uint64_t dropped() const { return dropped_; }
 
+  /// See Pipeline::visit_state(). The lateness is set before each use.
+  template <class Self, class Archive>
+  static void visit_state(Self& self, Archive& archive) {
+    auto& [lateness, entries, first, size, dropped] = self;
+    auto count = static_cast<std::uint16_t>(size);
+    archive(count);
+    if constexpr (!std::is_const_v<Self>) {
+      if (count > kCapacity) return archive.refuse();
+      first = 0;
+      size = count;
+    }
+    for (std::size_t i = 0; i < count; ++i) archive(entries[(first + i) % kCapacity]);
+  }
+
  private:
   struct Entry {
     Instant acts_at{};
     std::uint8_t count = 0;
     std::array<RobotId, kMaxRobotsPerTeam> ids{};
     std::array<Twist, kMaxRobotsPerTeam> twists{};
+
+    template <class Self, class Archive>
+    static void visit_state(Self& self, Archive& archive) {
+      auto& [acts_at, count, ids, twists] = self;
+      archive(acts_at, count);
+      if constexpr (!std::is_const_v<Self>) {
+        if (count > kMaxRobotsPerTeam) return archive.refuse();
+      }
+      for (std::size_t i = 0; i < count; ++i) archive(ids[i], twists[i]);
+    }
   };
   // Enough for the longest configurable delay (1 s) with the fastest camera of the leagues (240 Hz).
   static constexpr std::size_t kCapacity = 256;

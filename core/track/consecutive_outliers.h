@@ -14,6 +14,12 @@ class ConsecutiveOutliers {
     Pose pose;
     bool has_heading = false;
     Instant when{};
+
+    template <class Self, class Archive>
+    static void visit_state(Self& self, Archive& archive) {
+      auto& [pose, has_heading, when] = self;
+      archive(pose, has_heading, when);
+    }
   };
 
   void clear() { count_ = 0; }
@@ -38,6 +44,13 @@ class ConsecutiveOutliers {
     const double distance = std::hypot(static_cast<double>(outlier.pose.position.x_m - from.x_m),
                                        static_cast<double>(outlier.pose.position.y_m - from.y_m));
     return distance <= reach_m + max_speed_mps * seconds(outlier.when - then);
+  }
+
+  /// See Pipeline::visit_state().
+  template <class Self, class Archive>
+  static void visit_state(Self& self, Archive& archive) {
+    auto& [first, last, count] = self;
+    archive(first, last, count);
   }
 
  private:

@@ -105,6 +105,13 @@ class DriveFilter {
   /// Returns the covariance of x and y.
   [[nodiscard]] double xy_covariance() const { return p_[1]; }
 
+  /// See Pipeline::visit_state().
+  template <class Self, class Archive>
+  static void visit_state(Self& self, Archive& archive) {
+    auto& [slides, wheel_mps, x, p, with_lasting] = self;
+    archive(slides, wheel_mps, x, p, with_lasting);
+  }
+
  private:
   enum class Extent { kState, kAll };
   void predict(double dt_s, const DriveInput& input, const RobotFilterParameters& parameters, Extent extent);

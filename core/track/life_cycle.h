@@ -38,6 +38,13 @@ class LifeCycle {
   [[nodiscard]] bool lost() const { return state_ == TrackState::kLost; }
   [[nodiscard]] Instant last_seen() const { return last_seen_; }
 
+  /// See Pipeline::visit_state().
+  template <class Self, class Archive>
+  static void visit_state(Self& self, Archive& archive) {
+    auto& [state, sightings, last_seen] = self;
+    archive(state, sightings, last_seen);
+  }
+
  private:
   TrackState state_ = TrackState::kLost;
   int sightings_ = 0;

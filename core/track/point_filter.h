@@ -49,6 +49,13 @@ class PointFilter {
   [[nodiscard]] double cross_covariance() const { return c_; }
   [[nodiscard]] double velocity_variance() const { return q_; }
 
+  /// See Pipeline::visit_state().
+  template <class Self, class Archive>
+  static void visit_state(Self& self, Archive& archive) {
+    auto& [x, y, vx, vy, p, c, q, lasting, p_lasting, q_lasting] = self;
+    archive(x, y, vx, vy, p, c, q, lasting, p_lasting, q_lasting);
+  }
+
  private:
   double x_ = 0.0, y_ = 0.0, vx_ = 0.0, vy_ = 0.0;
   double p_ = 1.0, c_ = 0.0, q_ = 1.0;  // covariance of each axis: position, cross term, velocity

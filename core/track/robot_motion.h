@@ -46,6 +46,13 @@ class RobotMotion {
   [[nodiscard]] double sigma(std::size_t i) const;
   [[nodiscard]] double xy_covariance() const;
 
+  /// See Pipeline::visit_state().
+  template <class Self, class Archive>
+  static void visit_state(Self& self, Archive& archive) {
+    auto& [free, contact, contact_probability, unmixed_s, lasting, lasting_since, same_position, same_heading] = self;
+    archive(free, contact, contact_probability, unmixed_s, lasting, lasting_since, same_position, same_heading);
+  }
+
  private:
   [[nodiscard]] DriveFilter::State state() const { return free_.mixed_state(contact_, contact_probability_); }
 

@@ -36,6 +36,9 @@ void RobotSet::update(const Sightings& sightings, Instant from, Instant now, con
   for (const Team team : {Team::kOwn, Team::kOpponent})
     ids_[static_cast<std::size_t>(team)].assign(team, served_, robots_);
   separate(parameters);
+  for (TrackedRobot& robot : robots_) {
+    if (!robot.is_finite()) robot.lose();
+  }
   remove_lost();
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 
 #include "core/track/association.h"
@@ -28,6 +29,19 @@ class RobotSet {
 
   /// Returns the number of sightings that started no track for lack of space.
   [[nodiscard]] std::uint64_t dropped() const { return dropped_; }
+
+  /// See Pipeline::visit_state(). The rest is that of one frame.
+  template <class Self, class Archive>
+  static void visit_state(Self& self, Archive& archive) {
+    auto& [robots, ids, association, served, fused, births, dropped] = self;
+    archive(robots, ids, births);
+  }
+  /// Returns when a robot was last seen, at the latest.
+  [[nodiscard]] Instant last_seen() const {
+    Instant last = Instant::min();
+    for (const TrackedRobot& robot : robots_) last = std::max(last, robot.life().last_seen());
+    return last;
+  }
 
  private:
   static constexpr std::size_t kNone = kMaxRobots;

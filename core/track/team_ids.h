@@ -18,6 +18,12 @@ class TeamIds {
   /// because a team has at most 11 tracks with evidence.
   void assign(Team team, const std::array<bool, kMaxRobots>& served, TrackedRobots& robots);
 
+  /// See Pipeline::visit_state().
+  template <class Self, class Archive>
+  static void visit_state(Self& self, Archive& archive) {
+    archive(self.ids_);
+  }
+
  private:
   FixedVector<RobotId, kMaxRobotsPerTeam> ids_;
 };

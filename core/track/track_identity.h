@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <type_traits>
 
 #include "core/id_assignment.h"
 #include "core/types.h"
@@ -39,6 +40,18 @@ class TrackIdentity {
   [[nodiscard]] std::size_t slot() const { return is_sure_ ? slot_ : kNoSlot; }
   /// Returns the probability that the id is right.
   [[nodiscard]] float confidence() const { return confidence_; }
+
+  /// See Pipeline::visit_state().
+  template <class Self, class Archive>
+  static void visit_state(Self& self, Archive& archive) {
+    auto& [evidence, slot, is_sure, confidence, continuity, reliability, last_confidence, last] = self;
+    auto place = static_cast<std::uint8_t>(slot);
+    archive(evidence, place, is_sure, confidence, continuity, reliability, last_confidence, last);
+    if constexpr (!std::is_const_v<Self>) {
+      if (place > kNoSlot) return archive.refuse();
+      slot = place;
+    }
+  }
 
  private:
   [[nodiscard]] float probability(float margin) const;

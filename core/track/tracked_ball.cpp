@@ -84,6 +84,9 @@ void TrackedBall::update(const BallSighting& sighting, Instant from, Instant now
   if (!life_.lost() && seconds(now - life_.last_seen()) > parameters.ball.lost_after_s) life_.lose();
   if (!life_.lost()) filter_.predict(seconds(now - from), ball_motion(parameters.ball, activity_.value()));
   const bool fused = credible(sighting) && fuse(sighting, now, parameters);
+  // Only the state of a damaged recording breaks the filter (visit_state()).
+  const FieldPoint at = filter_.position(), moves = filter_.velocity();
+  if (!std::isfinite(at.x_m + at.y_m + moves.x_m + moves.y_m)) life_.lose();
   if (fused || life_.lost()) return;
   activity_.restore();
   life_.missed(now, ball_limits(parameters));

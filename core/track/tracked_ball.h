@@ -21,6 +21,14 @@ class TrackedBall {
   /// Reports the track at `now`, the time of the last update, and its prediction to `action`.
   void report(Instant now, Instant action, const TrackParameters& parameters, BallTrack& out) const;
 
+  /// See Pipeline::visit_state().
+  template <class Self, class Archive>
+  static void visit_state(Self& self, Archive& archive) {
+    auto& [filter, life, outliers, last_position, confidence, innovation2, activity, lasting_m, lasting_since, same] =
+        self;
+    archive(filter, life, outliers, last_position, confidence, innovation2, activity, lasting_m, lasting_since, same);
+  }
+
  private:
   // Standard deviations along one axis.
   struct Errors {

@@ -148,6 +148,13 @@ void TrackedRobot::start_drive(const RobotSighting& sighting, const DriveFilter:
   turn_activity_.restore();
 }
 
+bool TrackedRobot::is_finite() const {
+  const Pose at = pose();
+  const Twist moves = twist();
+  return std::isfinite(at.position.x_m) && std::isfinite(at.position.y_m) && std::isfinite(at.theta_rad) &&
+         std::isfinite(moves.v_mps) && std::isfinite(moves.w_radps) && std::isfinite(position_sigma_m());
+}
+
 const CommandHistory* TrackedRobot::own_commands(const CommandHistory* commands) const {
   return id_ != kUnknownId && identity_.confidence() >= kSureOfCommands ? commands : nullptr;
 }

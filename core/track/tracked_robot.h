@@ -45,6 +45,17 @@ class TrackedRobot {
   [[nodiscard]] RobotTrack report(const TrackParameters& parameters) const;
   [[nodiscard]] Pose pose() const;
   [[nodiscard]] Twist twist() const;
+  /// Returns false if the filter is broken, which only the state of a damaged recording can do (visit_state()).
+  [[nodiscard]] bool is_finite() const;
+
+  /// See Pipeline::visit_state().
+  template <class Self, class Archive>
+  static void visit_state(Self& self, Archive& archive) {
+    auto& [team, id, birth, heading_known, commands_known, drive, point, life, outliers, last_position, confidence,
+           innovation2, surprise, drive_activity, turn_activity, identity] = self;
+    archive(team, id, birth, heading_known, commands_known, drive, point, life, outliers, last_position, confidence,
+            innovation2, surprise, drive_activity, turn_activity, identity);
+  }
 
  private:
   /// Returns `commands` if they are certainly meant for this robot, else null.

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <type_traits>
+
 #include "core/track/command_history.h"
 #include "core/track/robot_set.h"
 #include "core/track/track_parameters.h"
@@ -44,6 +46,17 @@ class Tracker {
   /// Returns the number of sightings without a free track, and of commands that were removed too early for lack of
   /// space.
   [[nodiscard]] std::uint64_t dropped() const { return robots_.dropped() + commands_.dropped(); }
+
+  /// See Pipeline::visit_state().
+  template <class Self, class Archive>
+  static void visit_state(Self& self, Archive& archive) {
+    auto& [parameters, commands, robots, ball, started, last_time] = self;
+    archive(commands, robots, ball, started, last_time);
+    if constexpr (!std::is_const_v<Self>) {
+      // Otherwise the next prediction could cover years, in steps of milliseconds.
+      if (robots.last_seen() > last_time) archive.refuse();
+    }
+  }
 
  private:
   TrackParameters parameters_;

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <bit>
+#include <cmath>
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
@@ -24,10 +25,11 @@ static_assert(std::endian::native == std::endian::little, "numbers are copied fr
 template <class T>
 concept Plain = (std::is_arithmetic_v<T> && !std::same_as<T, bool>) || std::is_enum_v<T>;
 
-/// Appends values to bytes.
+/// Appends values to bytes: a string, or anything else that appends as a string does.
+template <class Bytes = std::string>
 class ArchiveWriter {
  public:
-  explicit ArchiveWriter(std::string& out) : out_(out) {}
+  explicit ArchiveWriter(Bytes& out) : out_(out) {}
 
   template <class... Values>
   void operator()(const Values&... values) {
@@ -62,7 +64,32 @@ class ArchiveWriter {
   requires std::is_class_v<T>
   void put(const T& value) { fields(*this, value); }
 
-  std::string& out_;
+  Bytes& out_;
+};
+
+/// Bytes of a fixed capacity, which a loop may fill.
+template <std::size_t kCapacity>
+class FixedBytes {
+ public:
+  void clear() { size_ = 0; }
+  /// What does not fit is left out, and fits() is false until clear().
+  void append(const char* bytes, std::size_t count) {
+    if (fits() && count <= kCapacity - size_) {
+      std::memcpy(bytes_.data() + size_, bytes, count);
+      size_ += count;
+    } else {
+      size_ = kCapacity + 1;
+    }
+  }
+  [[nodiscard]] bool fits() const { return size_ <= kCapacity; }
+  /// Empty if not everything fits.
+  [[nodiscard]] std::span<const std::byte> bytes() const {
+    return std::as_bytes(std::span(bytes_)).first(fits() ? size_ : 0);
+  }
+
+ private:
+  std::array<char, kCapacity> bytes_{};
+  std::size_t size_ = 0;
 };
 
 /// The last value of an enum that is read, as its member `value`. Each such enum specializes it, because a file may
@@ -70,11 +97,16 @@ class ArchiveWriter {
 template <class Enum>
 struct LastOf;
 
+/// Which numbers an ArchiveReader takes. kSound: finite ones of at most 1e12, whole ones of at most 2^30, and times of
+/// at most 73 years, with which filters compute without an overflow.
+enum class Numbers : std::uint8_t { kAny, kSound };
+
 /// Reads what ArchiveWriter has written. After a read beyond the end, of a list that is too long, or of a byte that is
 /// no value of its enum or bool, ok() is false and further values keep what they have.
 class ArchiveReader {
  public:
-  explicit ArchiveReader(std::span<const std::byte> bytes) : rest_(bytes) {}
+  explicit ArchiveReader(std::span<const std::byte> bytes, Numbers numbers = Numbers::kAny)
+      : rest_(bytes), numbers_(numbers) {}
 
   template <class... Values>
   void operator()(Values&... values) {
@@ -92,7 +124,13 @@ class ArchiveReader {
     if (!ok_) return;
     std::memcpy(&value, rest_.data(), sizeof(T));
     rest_ = rest_.subspan(sizeof(T));
+    if constexpr (std::is_floating_point_v<T>) {
+      limit(std::abs(value) <= T(1e12));  // false for NaN
+    } else if constexpr (std::same_as<T, std::int32_t>) {
+      limit(value >= -(1 << 30) && value <= 1 << 30);
+    }
   }
+  void limit(bool is_sound) { ok_ = ok_ && (is_sound || numbers_ == Numbers::kAny); }
   template <class T>
   requires(std::is_enum_v<T> && !std::same_as<T, std::byte>) void get(T& value) {
     static_assert(std::is_unsigned_v<std::underlying_type_t<T>>, "one bound is enough");
@@ -108,8 +146,10 @@ class ArchiveReader {
     if (ok_) value = byte != 0;
   }
   void get(Duration& value) {
+    constexpr std::int64_t kLongest = std::int64_t{1} << 61;
     std::int64_t count = 0;
     get(count);
+    limit(count >= -kLongest && count <= kLongest);
     value = Duration(count);
   }
   void get(Instant& value) {
@@ -145,11 +185,17 @@ class ArchiveReader {
   void get(T& value) { fields(*this, value); }
 
   std::span<const std::byte> rest_;
+  Numbers numbers_ = Numbers::kAny;
   bool ok_ = true;
 };
 
 /// A struct or a constant one: fields() serves both archives.
 template <class Value, class Struct>
 concept Of = std::same_as<std::remove_const_t<Value>, Struct>;
+
+/// Classes of the core pass the members on which the next steps depend themselves.
+template <class Archive, class Value>
+requires requires(Value& value, Archive& archive) { Value::visit_state(value, archive); }
+void fields(Archive& archive, Value& value) { Value::visit_state(value, archive); }
 
 }  // namespace touchline::recording

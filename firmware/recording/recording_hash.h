@@ -10,21 +10,23 @@
 
 namespace touchline::recording {
 
-/// The hash of the results of all complete stretches. A stretch begins with a session and ends with it, or before the
-/// first step that was lost: what follows depends on an input that nobody knows. A run and its replay have the same
-/// hash.
+/// The hash of the results of all complete stretches. A stretch begins with a session, or after a step whose state is
+/// recorded. It ends with the session, or before the first step that was lost: what follows depends on an input that
+/// nobody knows. A run and its replay have the same hash.
 class RecordingHash {
  public:
-  /// Tells which step comes next. Returns whether it belongs to a complete stretch; then add() has to follow.
-  bool covers(const StepHeader& step) {
+  /// Tells which step comes next, and whether the state after it is recorded. Returns whether the step belongs to a
+  /// complete stretch; then add() has to follow.
+  bool covers(const StepHeader& step, bool has_state) {
     if (step.session != session_) {
       session_ = step.session;
       next_ = 0;
       is_complete_ = true;
     }
-    is_complete_ = is_complete_ && step.number == next_ && step.session != left_out_;
+    const bool is_covered = is_complete_ && step.number == next_ && step.session != left_out_;
+    is_complete_ = is_covered || (has_state && step.session != left_out_);
     next_ = step.number + 1;
-    return is_complete_;
+    return is_covered;
   }
   /// Leaves out a session that cannot be replayed, because it is not calibrated.
   void leave_out(std::uint32_t session) { left_out_ = session; }

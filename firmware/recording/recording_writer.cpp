@@ -165,6 +165,7 @@ Result<void> RecordingWriter::add_step(std::span<const std::byte> record) {
   StepMessage& message = *message_;
   message.header = parts.header;
   message.inputs = parts.inputs;
+  message.drives = parts.drives;
   if (parts.header.kind == StepKind::kFrame) {
     std::memcpy(snapshot_.get(), rest.data(), sizeof(Snapshot));
     rest = rest.subspan(sizeof(Snapshot));
@@ -175,6 +176,8 @@ Result<void> RecordingWriter::add_step(std::span<const std::byte> record) {
   } else {
     write_results(parts.packets, message.results);
   }
+  message.state.assign(reinterpret_cast<const char*>(rest.data()), parts.state_bytes);
+  rest = rest.subspan(parts.state_bytes);
   if (parts.header.picture != PictureKind::kNone) {
     write_picture_head(parts.header, time_ns, rest.size(), bytes_);
     const bool is_jpeg = parts.header.picture == PictureKind::kJpeg;
@@ -189,7 +192,7 @@ Result<void> RecordingWriter::add_step(std::span<const std::byte> record) {
   }
   if (parts.header.kind == StepKind::kFrame) add_shown(*snapshot_, time_ns);
   add_packets(parts.packets, time_ns);
-  if (hash_.covers(parts.header)) hash_.add(message.results);
+  if (hash_.covers(parts.header, !message.state.empty())) hash_.add(message.results);
   ++counts_.steps;
   return file_.chunk_bytes() >= hal::mcap::McapWriter::kChunkBytes ? flush() : Result<void>();
 }

@@ -127,6 +127,17 @@ void fields(Archive& archive, Value& value) {
   if constexpr (!std::is_const_v<Value>) receiver = static_cast<std::size_t>(to);
 }
 
+template <class Archive, Of<DriveCorrections::Wheels> Value>
+void fields(Archive& archive, Value& value) {
+  auto& [id, factor] = value;
+  archive(id, factor);
+}
+template <class Archive, Of<DriveCorrections> Value>
+void fields(Archive& archive, Value& value) {
+  auto& [more_delay, lag, wheels] = value;
+  archive(more_delay, lag, wheels);
+}
+
 // --- Inputs ---------------------------------------------------------------------------------------------------------
 
 template <class Archive, Of<ExternalCommand> Value>
@@ -168,9 +179,10 @@ void fields(Archive& archive, Value& value) {
 }
 template <class Archive, Of<StepInputs> Value>
 void fields(Archive& archive, Value& value) {
-  // `was_unusable` is for a replay only, which takes it from StepHeader::is_unusable.
+  // `was_unusable` and `drives` are for a replay only, which takes them from StepHeader::is_unusable and
+  // StepMessage::drives.
   auto& [now, action_delay, radio_delay, lateness, commands, teams, situation, halt, observing, picture_check,
-         was_unusable, events] = value;
+         was_unusable, drives, events] = value;
   archive(now, action_delay, radio_delay, lateness, commands, teams, situation, halt, observing, picture_check, events);
 }
 

@@ -61,39 +61,47 @@ void add_to(hal::Fnv1a& hash, const StepResults& results) {
 }
 
 std::string_view step_schema() {
-  return "Inputs and results of a step of Touchline, format 1, for touchline-replay: see "
+  return "Inputs and results of a step of Touchline, format 2, for touchline-replay: see "
          "firmware/recording/step_fields.h";
 }
 
 void encode(const StepMessage& message, std::string& out) {
-  write(out, kStepFormat, message.header, message.inputs);
-  ArchiveWriter archive(out);
-  for (const std::string& part : message.results) {
+  write(out, kStepFormat, message.header, message.inputs, message.drives);
+  const auto add = [&out](const std::string& part) {
+    ArchiveWriter archive(out);
     archive(static_cast<std::uint32_t>(part.size()));
     out += part;
-  }
+  };
+  for (const std::string& part : message.results) add(part);
+  add(message.state);
 }
 
 Result<void> decode(std::span<const std::byte> bytes, StepMessage& out) {
   ArchiveReader archive(bytes);
   std::uint8_t format = 0;
   archive(format);
-  if (archive.ok() && format != kStepFormat) {
+  const bool has_state = format == kStepFormat;
+  if (archive.ok() && !has_state && format != kStepFormatWithoutState) {
     return failure(ErrorCode::kUnsupported,
-                   "its steps have format %d, this program replays format %d: use the version that recorded it",
-                   int{format}, int{kStepFormat});
+                   "its steps have format %d, this program replays formats %d and %d: use the version that recorded it",
+                   int{format}, int{kStepFormatWithoutState}, int{kStepFormat});
   }
   // What a message does not hold, such as the settings of a reload, is not that of the former one.
   out.inputs = {};
+  out.drives = {};
+  out.state.clear();
   archive(out.header, out.inputs);
-  for (std::string& part : out.results) {
+  if (has_state) archive(out.drives);
+  const auto take = [&archive](std::string& part) {
     std::uint32_t size = 0;
     archive(size);
     const std::span<const std::byte> rest = archive.rest();
-    if (!archive.ok() || size > rest.size()) return unreadable();
+    if (!archive.ok() || size > rest.size()) return archive.refuse();
     part.assign(reinterpret_cast<const char*>(rest.data()), size);
     archive = ArchiveReader(rest.subspan(size));
-  }
+  };
+  for (std::string& part : out.results) take(part);
+  if (has_state) take(out.state);
   if (!archive.ok() || !archive.rest().empty()) return unreadable();
   return {};
 }

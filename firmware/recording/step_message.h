@@ -38,11 +38,13 @@ void add_to(hal::Fnv1a& hash, const StepResults& results);
 struct StepMessage {
   StepHeader header;
   StepInputs inputs;
+  DriveCorrections drives;  // in force
   StepResults results;
+  std::string state;  // after the step, as write_state() has written it; empty: not recorded
 };
 
-/// Format of the messages; another one cannot be replayed.
-inline constexpr std::uint8_t kStepFormat = 1;
+/// Format of the messages that are written. The former one has neither drives nor state; others cannot be replayed.
+inline constexpr std::uint8_t kStepFormat = 2, kStepFormatWithoutState = 1;
 /// Describes the format for people who look into the file.
 std::string_view step_schema();
 

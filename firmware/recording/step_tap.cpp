@@ -41,6 +41,7 @@ void StepTap::begin_session(bool waits) {
   waits_ = waits;
   reloads_ = 0;
   next_ = 0;
+  complete_ = 0;
 }
 
 StepHeader StepTap::next_header(const StepInputs& inputs, StepKind kind) {
@@ -53,14 +54,27 @@ StepHeader StepTap::next_header(const StepInputs& inputs, StepKind kind) {
   return header;
 }
 
-void StepTap::add(const StepTrace& trace, const Snapshot& snapshot, const hal::FrameLease& lease) {
+void StepTap::note_state(const Pipeline& pipeline) {
+  // A session begins with what its configuration says.
+  if (parts_.header.number == 0) complete_ = parts_.recording;
+  state_.clear();
+  const bool is_due = parts_.header.number % kStatePeriod == kStatePeriod - 1;
+  if (is_due || complete_ != parts_.recording) write_state(pipeline, state_);
+  parts_.state_bytes = static_cast<std::uint32_t>(state_.bytes().size());
+}
+
+void StepTap::add(const Pipeline& pipeline, const StepTrace& trace, const Snapshot& snapshot,
+                  const hal::FrameLease& lease) {
   half_.store(snapshot.referee.half, std::memory_order_relaxed);
   const Frame& frame = trace.frame;
   StepHeader& header = parts_.header;
   // Counts also while nothing is recorded: what begins later begins with a gap.
   header = next_header(*trace.inputs, StepKind::kFrame);
   parts_.recording = recording_.load(std::memory_order_acquire);
-  if (parts_.recording == 0) return;
+  if (parts_.recording == 0) {
+    complete_ = 0;
+    return;
+  }
   header.format = frame.format;
   header.width_px = frame.width_px;
   header.height_px = frame.height_px;
@@ -71,19 +85,26 @@ void StepTap::add(const StepTrace& trace, const Snapshot& snapshot, const hal::F
   header.was_cut_short = trace.sightings.cut_short;
   header.frame_number = snapshot.number;
   parts_.inputs = *trace.inputs;
+  parts_.drives = pipeline.drive_corrections();
   parts_.packets = trace.packets;
+  note_state(pipeline);
   const bool is_wanted = every_ > 0 && snapshot.number % every_ == 0 && frame.sightings == nullptr;
   if (is_wanted) header.picture = lease.jpeg().empty() ? PictureKind::kRaw : PictureKind::kJpeg;
   put(&snapshot, &frame, lease.jpeg());
 }
 
-void StepTap::add_stop(const StepInputs& inputs, const OutgoingPackets& packets) {
+void StepTap::add_stop(const Pipeline& pipeline, const StepInputs& inputs, const OutgoingPackets& packets) {
   parts_.header = next_header(inputs, StepKind::kStop);
   parts_.recording = recording_.load(std::memory_order_acquire);
-  if (parts_.recording == 0) return;
+  if (parts_.recording == 0) {
+    complete_ = 0;
+    return;
+  }
   parts_.header.captured = inputs.now;
   parts_.inputs = inputs;
+  parts_.drives = pipeline.drive_corrections();
   parts_.packets = packets;
+  note_state(pipeline);
   put(nullptr, nullptr, {});
 }
 
@@ -110,7 +131,8 @@ void StepTap::put(const Snapshot* snapshot, const Frame* frame, std::span<const 
   if (kind == PictureKind::kRaw) {
     picture = picture_layout(frame->format, frame->width_px, frame->height_px).bytes;
   }
-  const std::size_t bytes = sizeof(StepParts) + (snapshot != nullptr ? sizeof(Snapshot) : 0);
+  const std::span<const std::byte> state = state_.bytes();
+  const std::size_t bytes = sizeof(StepParts) + (snapshot != nullptr ? sizeof(Snapshot) : 0) + state.size();
   const std::size_t reserve = ring_.capacity() / kShareForSteps;
   // A record that meets the memory's end needs at most twice its size.
   wait_for(std::min(picture > 0 ? 2 * (bytes + picture) + reserve : 4 * bytes, ring_.capacity()));
@@ -125,13 +147,16 @@ void StepTap::put(const Snapshot* snapshot, const Frame* frame, std::span<const 
   }
   if (room.empty()) {
     lost_steps_.fetch_add(1, std::memory_order_relaxed);
+    complete_ = 0;
     return;
   }
   std::byte* to = append(room.data(), &parts_, sizeof(StepParts));
   if (snapshot != nullptr) to = append(to, snapshot, sizeof(Snapshot));
+  to = append(to, state.data(), state.size());
   if (kind == PictureKind::kJpeg) to = append(to, jpeg.data(), jpeg.size());
   if (kind == PictureKind::kRaw) copy_rows(*frame, to);
   ring_.commit();
+  if (!state.empty()) complete_ = parts_.recording;
 }
 
 }  // namespace touchline::recording

@@ -6,9 +6,11 @@
 #include <span>
 #include <type_traits>
 
+#include "core/pipeline.h"
 #include "core/step_inputs.h"
 #include "core/types.h"
 #include "firmware/recording/byte_ring.h"
+#include "firmware/recording/pipeline_state.h"
 #include "firmware/snapshot.h"
 #include "hal/camera.h"
 
@@ -36,13 +38,15 @@ struct StepHeader {
   std::uint64_t frame_number = 0;  // Snapshot::number
 };
 
-/// A step on its way from the loop to the recorder: these parts follow each other in the ring, then the bytes of the
-/// picture. A stop has no snapshot.
+/// A step on its way from the loop to the recorder: these parts follow each other in the ring, then the snapshot, the
+/// state after the step, and the bytes of the picture. A stop has no snapshot.
 struct StepParts {
   StepHeader header;
   StepInputs inputs;
+  DriveCorrections drives;  // in force
   OutgoingPackets packets;
-  std::uint32_t recording = 0;  // for which it was taken, see StepTap::begin()
+  std::uint32_t state_bytes = 0;  // of write_state()
+  std::uint32_t recording = 0;    // for which it was taken, see StepTap::begin()
 };
 static_assert(std::is_trivially_copyable_v<StepParts> && std::is_trivially_copyable_v<Snapshot>);
 
@@ -50,8 +54,15 @@ static_assert(std::is_trivially_copyable_v<StepParts> && std::is_trivially_copya
 /// Never blocks or allocates, unless the recorder may hold up simulated time, for two seconds at most. If memory runs
 /// short, pictures are left out first, so that inputs and results, which are a hundredth of them, are still recorded. A
 /// copy of a picture of 640 x 480 pixels of 3 bytes takes 0.1 ms, one of a JPEG 3 us.
+///
+/// The first step of a recording that begins within a session, the first one after steps that were lost, and every
+/// kStatePeriod-th one are recorded with the pipeline's state after them, from which a replay can continue.
 class StepTap {
  public:
+  // 5 s at 60 Hz: a part that is cut out of a recording is soon compared. A state has 14 KB, an eighth of what the
+  // steps have in a second.
+  static constexpr std::uint64_t kStatePeriod = 300;
+
   /// Every `every`-th picture is recorded; 0: none. `ring` must outlive the tap.
   StepTap(ByteRing& ring, std::uint32_t every) : ring_(ring), every_(every) {}
 
@@ -65,8 +76,8 @@ class StepTap {
   void end() { begin(0); }
 
   // The loop calls these.
-  void add(const StepTrace& trace, const Snapshot& snapshot, const hal::FrameLease& lease);
-  void add_stop(const StepInputs& inputs, const OutgoingPackets& packets);
+  void add(const Pipeline& pipeline, const StepTrace& trace, const Snapshot& snapshot, const hal::FrameLease& lease);
+  void add_stop(const Pipeline& pipeline, const StepInputs& inputs, const OutgoingPackets& packets);
 
   // Any thread may call these.
   /// Returns the half of the game that the referee announces, from 1 on; 0: none. Also if nothing is recorded.
@@ -79,6 +90,8 @@ class StepTap {
   [[nodiscard]] StepHeader next_header(const StepInputs& inputs, StepKind kind);
   /// In simulated time, waits until so many bytes are free, but not for a recorder that makes no room any more.
   void wait_for(std::size_t bytes);
+  /// Notes the pipeline's state if the recording lacks it.
+  void note_state(const Pipeline& pipeline);
   /// Puts parts_ and the given parts into the ring.
   void put(const Snapshot* snapshot, const Frame* frame, std::span<const std::uint8_t> jpeg);
 
@@ -90,6 +103,8 @@ class StepTap {
   // Free bytes after a wait in vain: until there are more, nothing waits, as in real time.
   std::optional<std::size_t> stalled_free_;
   StepParts parts_;  // too large for the stack
+  StateBytes state_;
+  std::uint32_t complete_ = 0;  // recording that has all steps since a known state; 0: none
   std::atomic<std::uint32_t> recording_{1};
   std::atomic<std::uint8_t> half_{0};
   std::atomic<std::uint64_t> lost_steps_{0}, lost_pictures_{0};

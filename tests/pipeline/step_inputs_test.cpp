@@ -143,13 +143,14 @@ class StepInputsTest : public ::testing::Test {
   std::vector<Case> cases() {
     const StepInputs inputs;
     const auto& [now, action_delay, radio_delay, lateness, commands, teams, situation, halt, observing, picture_check,
-                 was_unusable, events] = inputs;
+                 was_unusable, drives, events] = inputs;
     const auto& [colors, sides, heights] = teams;
     const auto& [phase, restart, ours, lines_up] = situation;
     const auto& [oldest, unusable_frames] = picture_check;
     const auto& [tables, adaptation, mode, control, reset, acknowledged, opened, telemetry, parts, received] = events;
     EXPECT_EQ(now, Instant{});
     EXPECT_FALSE(was_unusable) << "the checks tell";
+    EXPECT_FALSE(drives) << "the measurements tell";
     EXPECT_FALSE(colors || ours || reset || oldest == 0s) << "the bindings are only counted";
     const auto always = [](auto set) { return [set](int, StepInputs& in) { set(in); }; };
     // The robot lines up if no other program drives it.
@@ -192,6 +193,11 @@ class StepInputsTest : public ::testing::Test {
         {"picture_check.unusable_frames", always([](StepInputs& in) { in.picture_check.unusable_frames = 12; })},
         // Tracks begin anew after it.
         {"was_unusable", [](int frame, StepInputs& in) { in.was_unusable = frame == kEventFrame; }},
+        {"drives.more_delay", always([](StepInputs& in) { in.drives.emplace().more_delay = 15ms; })},
+        {"drives.lag_s", always([](StepInputs& in) { in.drives.emplace().lag_s = 0.04; })},
+        {"drives.wheels", always([](StepInputs& in) {
+           in.drives.emplace().wheels.push_back({0, {0.9f, 1.1f}});
+         })},
         {"events.tables, adaptation", once([this](StepInputs& in) {
            in.events.tables = tables_.get();
            in.events.adaptation = adaptation_.get();

@@ -4,6 +4,7 @@
 #include <cstring>
 #include <filesystem>
 #include <random>
+#include <utility>
 
 #include "firmware/config/light_map_file.h"
 #include "firmware/config/reload.h"
@@ -51,6 +52,16 @@ class JpegRecording : public ::testing::Test {
     EXPECT_GT(robots_, 50U) << "the pictures show robots";
   }
 
+  /// Leaves no room in the ring.
+  static void fill(ByteRing& ring) {
+    for (std::size_t size = ring.free(); size > 0; size /= 2) {
+      while (!ring.reserve(size).empty()) ring.commit();
+    }
+  }
+  static void drain(ByteRing& ring) {
+    while (!ring.front().empty()) ring.pop();
+  }
+
   void record_session(ByteRing& ring, StepTap& tap, int lost) {
     const config::BoardFile& board = configuration_->board;
     const auto arena = std::make_unique<hal::mock::Arena>(board.arena, board.camera, board.radio, 1);
@@ -91,15 +102,27 @@ class JpegRecording : public ::testing::Test {
       robots_ += trace.tracks.robots.size();
       copy_trace(trace, *snapshot);
       snapshot->number = static_cast<std::uint64_t>(i);
-      tap.add(trace, *snapshot, lease);
+      if (i == begins_at_) tap.begin(1);
+      if (i < begins_at_) tap.end();
+      if (i == full_at_) fill(ring);
+      tap.add(*pipeline_, trace, *snapshot, lease);
+      if (i == full_at_) drain(ring);
       pipeline_->adapt();
       unusable_ += trace.picture.is_unusable() ? 1U : 0U;
+      if (ring.front().empty()) continue;
       if (i != lost) write_step(ring.front(), i < pictures_until_);
       ring.pop();
     }
   }
 
   void write_step(std::span<const std::byte> record, bool with_picture) {
+    if (std::exchange(breaks_state_, false)) {
+      std::vector<std::byte> bytes(record.begin(), record.end());
+      // The first byte of a state is a bool.
+      bytes[sizeof(StepParts) + sizeof(Snapshot)] = std::byte{7};
+      ASSERT_TRUE(writer_.add_step(bytes).ok());
+      return;
+    }
     if (with_picture) {
       ASSERT_TRUE(writer_.add_step(record).ok());
       return;
@@ -157,6 +180,9 @@ class JpegRecording : public ::testing::Test {
   static constexpr double kReloadedSpeed_mps = 0.31;
   // Steps: those whose picture is noise, the one that uses a reload, the first one whose picture is lost.
   int noise_from_ = kFrames, noise_to_ = kFrames, reload_at_ = -1, pictures_until_ = kFrames;
+  // Steps: the one with which the recording begins, and the one for which there is no memory.
+  int begins_at_ = 0, full_at_ = -1;
+  bool breaks_state_ = false;  // of the first step
 };
 
 TEST_F(JpegRecording, IsReplayedFromItsPictures) {
@@ -188,6 +214,56 @@ TEST_F(JpegRecording, ALostStepEndsTheHash) {
   EXPECT_EQ(replayed.hash, writer_.hash().line());
   EXPECT_EQ(writer_.hash().steps(), 10U);
   EXPECT_NE(replayed.notes.find("frame 11: 1 step before it not recorded"), std::string::npos) << replayed.notes;
+}
+
+// The tap notices the loss, so the next step is recorded with the state after it.
+TEST_F(JpegRecording, AfterAGapTheReplayContinuesFromTheRecordedState) {
+  full_at_ = 10;
+  record(1);
+  const Replayed replayed = replay_all();
+  EXPECT_EQ(replayed.frames, kFrames - 1);
+  EXPECT_EQ(replayed.from_pictures, 11);
+  EXPECT_EQ(replayed.not_compared, 1);
+  EXPECT_EQ(replayed.different, 0);
+  EXPECT_EQ(replayed.hash, writer_.hash().line());
+  EXPECT_EQ(writer_.hash().steps(), static_cast<std::uint64_t>(kFrames - 2));
+  EXPECT_NE(replayed.notes.find("frame 11: 1 step before it not recorded"), std::string::npos) << replayed.notes;
+  EXPECT_NE(replayed.notes.find("frame 11: its state is recorded"), std::string::npos) << replayed.notes;
+}
+
+TEST_F(JpegRecording, ARecordingThatBeginsLateIsReplayedFromItsFirstState) {
+  begins_at_ = 8;
+  full_at_ = 15;
+  record(1);
+  const Replayed replayed = replay_all();
+  EXPECT_EQ(replayed.frames, kFrames - 9);
+  EXPECT_EQ(replayed.from_pictures, 1);
+  EXPECT_EQ(replayed.not_compared, 2);
+  EXPECT_EQ(replayed.different, 0);
+  EXPECT_EQ(replayed.hash, writer_.hash().line());
+  EXPECT_EQ(writer_.hash().steps(), static_cast<std::uint64_t>(kFrames - 11));
+}
+
+TEST_F(JpegRecording, AStateThatCannotBeReadEndsTheReplayWithItsPlace) {
+  begins_at_ = 8;
+  breaks_state_ = true;
+  record(1);
+  replay::RecordingSource source({});
+  ASSERT_TRUE(source.open(path_.string()).ok());
+  const auto step = source.next();
+  EXPECT_EQ(step.code(), ErrorCode::kCorruptFrame);
+  EXPECT_NE(step.text().find(path_.string() + ": byte "), std::string::npos) << step.text();
+  EXPECT_NE(step.text().find("the state of the filters and the play cannot be read"), std::string::npos) << step.text();
+}
+
+TEST_F(JpegRecording, AReloadInAGapIsInForceAfterIt) {
+  reload_at_ = full_at_ = 10;
+  record(1);
+  const Replayed replayed = replay_all();
+  EXPECT_EQ(replayed.max_speed_mps, kReloadedSpeed_mps);
+  EXPECT_EQ(replayed.not_compared, 1);
+  EXPECT_EQ(replayed.different, 0);
+  EXPECT_EQ(replayed.hash, writer_.hash().line());
 }
 
 TEST_F(JpegRecording, AReloadIsRepeated) {

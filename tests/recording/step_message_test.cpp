@@ -45,6 +45,11 @@ std::unique_ptr<StepMessage> example_message() {
   inputs.events.telemetry_parts.push_back({1, 4});
   inputs.events.telemetry_received = Instant(Duration(55));
 
+  message->drives.more_delay = Duration(3'000'000);
+  message->drives.lag_s = 0.125;
+  message->drives.wheels.push_back({4, {0.5f, 1.25f}});
+  message->state = "state";
+
   Sightings sightings;
   sightings.ball.seen = true;
   sightings.ball.position = {0.3f, 0.4f};
@@ -82,6 +87,9 @@ TEST(StepMessage, ReadsBackAsItWasWritten) {
   EXPECT_EQ(read->inputs.events.telemetry_parts[0].sender, 4U);
   EXPECT_EQ(read->inputs.events.adaptation_mode, AdaptationMode::kFrozen);
   EXPECT_EQ(read->inputs.halt, 0x80000001U);
+  EXPECT_EQ(read->drives.lag_s, 0.125);
+  EXPECT_EQ(read->drives.wheels[0].factor[1], 1.25f);
+  EXPECT_EQ(read->state, "state");
   const auto sightings = std::make_unique<Sightings>();
   ASSERT_TRUE(decode_sightings(read->results, *sightings).ok());
   EXPECT_EQ(sightings->robots[0].patches[0].center.v_px, 20.0f);
@@ -145,6 +153,28 @@ TEST(StepMessage, SightingsWithNumbersBeyondTheirTablesAreRefused) {
   expect_refused([](RobotSighting& robot) { robot.patches[0].role = static_cast<PatchRole>(2); });
   expect_refused([](RobotSighting& robot) { robot.patches[0].color = kMaxColors + 1; });
   expect_refused([](RobotSighting& robot) { robot.patches[0].patch = 200; });
+}
+
+// Recordings of the former version have neither drives nor a state.
+TEST(StepMessage, TheFormerFormatIsRead) {
+  const auto written = example_message();
+  written->drives = {};
+  written->state.clear();
+  std::string bytes;
+  encode(*written, bytes);
+  std::size_t after_drives = sizeof(std::uint32_t);
+  for (const std::string& part : written->results) after_drives += sizeof(std::uint32_t) + part.size();
+  constexpr std::size_t kNoDrives = sizeof(std::int64_t) + sizeof(std::uint8_t) + sizeof(std::uint16_t);
+  bytes.erase(bytes.size() - after_drives - kNoDrives, kNoDrives);
+  bytes.resize(bytes.size() - sizeof(std::uint32_t));
+  bytes[0] = kStepFormatWithoutState;
+  const auto read = example_message();
+  const Result<void> decoded = decode(bytes_of(bytes), *read);
+  ASSERT_TRUE(decoded.ok()) << decoded.text();
+  EXPECT_EQ(read->results, written->results);
+  EXPECT_EQ(read->inputs.halt, written->inputs.halt);
+  EXPECT_EQ(read->drives.lag_s, std::nullopt);
+  EXPECT_TRUE(read->state.empty());
 }
 
 TEST(StepMessage, AnotherFormatIsNamed) {

@@ -26,6 +26,13 @@ class MotionPlanner {
     return touchline::time_to(robot, goal, parameters_.drive, area_);
   }
 
+  /// See Pipeline::visit_state(). The rest belongs to one frame or follows from the parameters.
+  template <class Self, class Archive>
+  static void visit_state(Self& self, Archive& archive) {
+    auto& [parameters, limits, area, step_s, period_s, begun, last_time, robots, memory, obstacles] = self;
+    archive(period_s, begun, last_time, memory);
+  }
+
  private:
   struct Robot {
     Team team = Team::kOwn;
@@ -39,6 +46,12 @@ class MotionPlanner {
     Vector2 via, goal;   // equal: direct
     bool used = false;   // in this frame
     bool known = false;  // via and goal are those of the last frame
+
+    template <class Self, class Archive>
+    static void visit_state(Self& self, Archive& archive) {
+      auto& [id, via, goal, used, known] = self;
+      archive(id, via, goal, used, known);
+    }
   };
   struct Choice {
     Vector2 via;

@@ -136,8 +136,10 @@ int main(int argc, char** argv) {
                "touchline-replay"};
   app.add_option(
          "input", options.input,
-         "A recording NAME.mcap (touchline run --record), a folder of pictures (png, ppm, jpg), one picture, a video, "
-         "or a game log NAME.log or NAME.log.gz of the Small Size League")
+         "A recording NAME.mcap (touchline run --record), which is repeated and compared bit for bit, after missing "
+         "steps "
+         "from the next recorded state on; a folder of pictures (png, ppm, jpg), one picture, a video, or a game log "
+         "NAME.log or NAME.log.gz of the Small Size League")
       ->required()
       ->type_name("PATH");
   app.add_option("--venue", options.venue, "Venue file, for pictures and game logs; a recording has its own")

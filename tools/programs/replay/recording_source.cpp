@@ -5,6 +5,7 @@
 
 #include "firmware/config/reload.h"
 #include "firmware/recording/picture_message.h"
+#include "firmware/recording/pipeline_state.h"
 #include "firmware/recording/recording_writer.h"
 
 namespace touchline::replay {
@@ -15,6 +16,9 @@ using recording::ResultPart;
 using recording::StepKind;
 
 std::string frame_text(const recording::StepHeader& header) { return "frame " + std::to_string(header.frame_number); }
+std::string step_text(const recording::StepHeader& header) {
+  return header.kind == StepKind::kFrame ? frame_text(header) : "stop (step " + std::to_string(header.number) + ")";
+}
 
 // The pipeline exchanges the teams of foreign sightings as the referee has assigned the colors; the recorded ones are
 // what it made of them.
@@ -82,7 +86,7 @@ Result<void> RecordingSource::begin_session(const recording::ConfigurationText& 
   prepared_reload_ = 0;
   applied_reload_.reset();
   next_number_ = 0;
-  had_gap_ = false;
+  had_gap_ = was_restored_ = false;
   const std::string name = "session " + std::to_string(session_);
   if (!is_calibrated_) {
     notes_.push_back(name + " is not calibrated: nothing was recognized, and nothing is replayed");
@@ -155,10 +159,23 @@ void RecordingSource::note_gap() {
     had_gap_ = true;
     message_->inputs.events.reset = true;
     const std::uint64_t lost = header.number - next_number_;
-    notes_.push_back(frame_text(header) + ": " + std::to_string(lost) + (lost == 1 ? " step" : " steps") +
-                     " before it not recorded: tracks begin anew, and the hash leaves out the rest of the session");
+    notes_.push_back(step_text(header) + ": " + std::to_string(lost) + (lost == 1 ? " step" : " steps") +
+                     " before it not recorded: tracks begin anew, and nothing is compared until a state is recorded");
   }
   next_number_ = header.number + 1;
+}
+
+// After a gap, continues with the state after this step.
+Result<void> RecordingSource::restore_state() {
+  if (!had_gap_ || message_->state.empty()) return {};
+  TOUCHLINE_TRY(recording::read_state(std::as_bytes(std::span(message_->state)), *pipeline_));
+  had_gap_ = false;
+  was_restored_ = true;
+  uses_pictures_ = false;
+  notes_.push_back(step_text(message_->header) +
+                   ": its state is recorded: from the next step on, the replay continues with it, uses the recorded "
+                   "sightings and compares");
+  return {};
 }
 
 // Returns whether the frame has its picture.
@@ -230,7 +247,9 @@ Result<std::optional<RecordingSource::Step>> RecordingSource::run(std::span<cons
     notes_.push_back(frame_text(header) + ": reload " + std::to_string(header.reload) +
                      " took effect in a step that was not recorded; it takes effect here");
   }
+  if (was_restored_) message_->inputs.drives = message_->drives;
   Step step{header};
+  step.is_compared = !had_gap_;
   if (header.kind == StepKind::kFrame) {
     Frame frame;
     TOUCHLINE_TRY(fill_frame(frame));
@@ -247,9 +266,9 @@ Result<std::optional<RecordingSource::Step>> RecordingSource::run(std::span<cons
     recording::write_results(pipeline_->stop(message_->inputs), results_);
   }
   if (reloads) finish_reload();
-  if (hash_.covers(header)) hash_.add(results_);
+  TOUCHLINE_TRY(restore_state());
+  if (hash_.covers(header, !message_->state.empty())) hash_.add(results_);
   for (std::size_t i = 0; i < recording::kResultParts; ++i) step.differs[i] = results_[i] != message_->results[i];
-  step.is_compared = !had_gap_;
   return std::optional(step);
 }
 

@@ -27,7 +27,7 @@ namespace touchline::replay {
 /// As long as all pictures of a session are recorded, the pipeline gets pictures. From the first missing one on, it
 /// gets the recorded sightings until the session's end, because the adaptation to the light has missed a picture: then
 /// tracks, commands and packets are reproduced, and recognition is not repeated. After a step that was lost, tracks
-/// begin anew.
+/// begin anew, until a step has the state after it; from the next one on, all is reproduced from recorded sightings.
 class RecordingSource {
  public:
   /// A step that the pipeline has made.
@@ -36,7 +36,7 @@ class RecordingSource {
     const StepTrace* trace = nullptr;  // null: a stop
     bool has_picture = false;          // the frame's pixels are valid
     std::array<bool, recording::kResultParts> differs{};
-    bool is_compared = true;  // false: a step before it was lost
+    bool is_compared = true;  // false: a step before it was lost, and no state was recorded since
   };
 
   /// `overrides`: "key=value" that replace the recorded ones, also those of reloads.
@@ -59,6 +59,7 @@ class RecordingSource {
   Result<void> prepare_reload(const recording::ConfigurationText& text);
   Result<std::optional<Step>> run(std::span<const std::byte> bytes);
   void note_gap();
+  Result<void> restore_state();
   Result<void> fill_frame(Frame& frame);
   Result<bool> decode_picture(Frame& frame);
   Result<bool> take_reload();
@@ -76,7 +77,7 @@ class RecordingSource {
   LiveSettingsBuilder live_settings_;
   std::uint32_t session_ = 0, prepared_reload_ = 0;
   std::optional<std::uint32_t> applied_reload_;  // nullopt: before the session's first step
-  bool is_calibrated_ = true, uses_pictures_ = true, had_gap_ = false;
+  bool is_calibrated_ = true, uses_pictures_ = true, had_gap_ = false, was_restored_ = false;
   std::uint64_t next_number_ = 0;
   std::unique_ptr<recording::StepMessage> message_ = std::make_unique<recording::StepMessage>();
   std::unique_ptr<Sightings> sightings_ = std::make_unique<Sightings>();

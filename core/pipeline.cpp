@@ -95,7 +95,7 @@ Status Pipeline::configure_recognition(const PipelineParameters& parameters) {
   if (Status s = camera_.configure(parameters.camera); !s.ok()) return s;
   if (Status s = matcher_.configure(parameters.marker, camera_); !s.ok()) return s;
   matcher_.set_typical_colors(parameters.adaptation.typical);
-  missed_robots_.configure(camera_);
+  missed_robots_.configure(camera_, parameters.marker.field);
   missed_robots_.set_teams(parameters.marker.teams);
   missed_robots_.set_typical(parameters.adaptation.typical);
   const KernelChoice kernel = parameters.scan.kernel;
@@ -243,10 +243,11 @@ void Pipeline::recognize(const Frame& frame) {
   matcher_.match(&frame, adaptation_.expected_gain(scanner_), tracker_.expected_ball(frame.capture_time), trace_.runs,
                  trace_.regions, trace_.sightings);
   // If the scan rejected the frame, there are no regions and no sightings.
-  if (!trace_.status.ok()) return;
   top_fit_.refine(frame, trace_.sightings);
-  tracker_.expected_robots(frame.capture_time, expected_robots_);
-  missed_robots_.find(frame, adaptation_.expected_gain(scanner_), expected_robots_, top_fit_, trace_.sightings);
+  if (trace_.status.ok() || trace_.status == Status(ErrorCode::kFull)) {
+    tracker_.expected_robots(frame.capture_time, expected_robots_);
+    missed_robots_.find(frame, adaptation_.expected_gain(scanner_), expected_robots_, top_fit_, trace_.sightings);
+  }
   ball_center_fit_.refine(frame, trace_.sightings);
 }
 

@@ -191,6 +191,7 @@ struct RobotSighting {
   float confidence = 0.0f;  // see Confidence
   FixedVector<PatchSighting, kMaxPatches> patches;
   IdDoubt doubt = IdDoubt::kNone;
+  bool is_by_track = false;  // found only because its track expected it here (core/subpixel/missed_robots.h)
 };
 
 struct BallSighting {

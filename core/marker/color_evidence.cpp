@@ -109,6 +109,14 @@ void ColorEvidence::configure(const TypicalColors& typical) {
   }
 }
 
+bool ColorEvidence::can_name(const TeamMarking& team) const {
+  return team.team_color != kBackground && team.layout.patches.size() > 1 && !team.robots.empty() &&
+         knows(team.team_color) &&
+         std::all_of(team.robots.begin(), team.robots.end(), [this](const RobotMarking& robot) {
+           return std::all_of(robot.colors.begin(), robot.colors.end(), [this](ColorId color) { return knows(color); });
+         });
+}
+
 LocalLight ColorEvidence::light_on(const SurfaceColor& seen_patch, ColorId team_color, ColorSpace space,
                                    const LightPrior& prior) const {
   const std::array<float, 3>& typical = typical_rgb(team_color, space);

@@ -5,6 +5,7 @@
 #include "core/color/typical_colors.h"
 #include "core/light/expected_gain.h"
 #include "core/marker/border_color.h"
+#include "core/marker/marker_layout.h"
 #include "core/marker/simd4.h"
 #include "core/marker/surface_color.h"
 #include "core/types.h"
@@ -67,6 +68,9 @@ class ColorEvidence {
 
   /// Returns true if the typical value of the color was measured.
   [[nodiscard]] bool knows(ColorId color) const { return typical_.measured[color]; }
+
+  /// Returns true if the typical values of all colors of a team with an id were measured. Other teams are not named.
+  [[nodiscard]] bool can_name(const TeamMarking& team) const;
 
   /// Returns the typical value of a color as R, G, B above black.
   [[nodiscard]] const std::array<float, 3>& typical_rgb(ColorId color, ColorSpace space) const {

@@ -76,7 +76,7 @@ void Identifier::set_teams(const std::array<TeamMarking, 2>& teams) {
     const TeamMarking& team = teams[t];
     TeamColors& out = team_colors_[t];
     const std::size_t slots = team.layout.patches.empty() ? 0 : team.layout.patches.size() - 1;
-    out.usable = team.team_color != kBackground && slots > 0 && !team.robots.empty() && colors_.knows(team.team_color);
+    out.usable = colors_.can_name(team);
     for (std::size_t k = 0; k < team.layout.patches.size(); ++k) {
       out.radius_m[k] = inner_radius_m(team.layout.patches[k]);
     }
@@ -85,7 +85,6 @@ void Identifier::set_teams(const std::array<TeamMarking, 2>& teams) {
       slot.colors.clear();
       for (std::size_t r = 0; r < team.robots.size(); ++r) {
         const ColorId color = team.robots[r].colors[s];
-        out.usable = out.usable && colors_.knows(color);
         const auto* const known = std::find(slot.colors.begin(), slot.colors.end(), color);
         slot.of_robot[r] = static_cast<std::uint8_t>(known - slot.colors.begin());
         if (known == slot.colors.end()) slot.colors.push_back(color);
@@ -208,7 +207,9 @@ Identifier::SlotEvidence Identifier::evidence_in_slot(const Scene& now, const Ca
   out.likelihood = likelihoods(now, candidate.light, s, surface, region != nullptr ? region->color : kBackground);
   for (std::size_t i = 0; i < slot.colors.size(); ++i) {
     const bool in_box = region != nullptr && region->color == slot.colors[i];
-    if (in_box && surface.saturated_channels() < 3 && surface.spread[0] < kUneven_levels) out.likelihood[i] += kBoxVote;
+    if (in_box && surface.saturated_channels() < 3 &&
+        *std::max_element(surface.spread.begin(), surface.spread.end()) < kUneven_levels)
+      out.likelihood[i] += kBoxVote;
   }
   // If two channels are saturated, other colors look like the team color. The layout may also use the team color twice.
   const bool may_show_team_color = surface.saturated_channels() < 2 &&

@@ -12,16 +12,18 @@ namespace {
 
 // 256 samples: on the smallest robots about one for each pixel.
 constexpr int kGrid = 16;
-// Pixels nearer to an edge show two surfaces.
-constexpr float kPureFrom_px = 1.2f;
-// A surface with fewer samples has no mean.
+// Pixels nearer to an edge show two surfaces: half of a usual lens's blur (EdgeWidth) and half a pixel. Where two
+// pixels share chroma, almost one more.
+constexpr float kPureFrom_px = 1.2f, kPureChromaFrom_px = 2.0f;
+// The mean of fewer samples would be that of a corner.
 constexpr float kMinSamples = 4;
-// A channel is saturated if it is in more than this share of the samples.
+// A channel is saturated if it is in more than this share of the samples. With fewer, the mean is too low by less than
+// color_evidence.h expects of two patches under the same lamps.
 constexpr float kSaturatedShare = 0.25f;
 // Weight of "the lamp's light is uniform", in samples at the top's edges, for each sample: tops without a free
 // quadrant leave some terms nearly open.
 constexpr float kUniform = 0.01f;
-constexpr float kGamma = 2.2f;
+constexpr float kGamma = 2.2f;  // as in simd/linear_rgb.h
 
 // x, y, x^2, xy, y^2 from the robot's center, in half sides.
 constexpr int kTerms = 5;
@@ -41,7 +43,7 @@ struct Surface {
   Terms clear_terms = Terms::Zero(), gray_terms = Terms::Zero();
   Normal squares = Normal::Zero();
 
-  void add(const std::array<float, 3>& rgb, const Terms& at) {
+  void add(const std::array<float, 3>& rgb, const Terms& at, float saturated_from) {
     count += 1;
     terms += at;
     bool is_clear = true;
@@ -50,7 +52,7 @@ struct Surface {
       const float of_channel = to_light(rgb[c]);
       light[c] += of_channel;
       mean += of_channel / 3.0f;
-      if (rgb[c] < kSaturatedValue) continue;
+      if (rgb[c] < saturated_from) continue;
       saturated[c] += 1;
       is_clear = false;
     }
@@ -62,6 +64,7 @@ struct Surface {
     gray_terms += mean * at;
     squares += at * at.transpose();
   }
+  [[nodiscard]] bool is_saturated(std::size_t channel) const { return saturated[channel] > kSaturatedShare * count; }
 };
 
 // The surfaces of a top: its patches, then what is free.
@@ -83,11 +86,11 @@ class TopSampler {
     by_x_ = {front.u_px - middle_.u_px, front.v_px - middle_.v_px};
     by_y_ = {left.u_px - middle_.u_px, left.v_px - middle_.v_px};
     const float half_px = std::sqrt(std::abs(by_x_.u_px * by_y_.v_px - by_x_.v_px * by_y_.u_px));
-    pure_m_ = kPureFrom_px * half_m_ / half_px;
+    pure_m_ = (is_yuv(info_.space) ? kPureChromaFrom_px : kPureFrom_px) * half_m_ / half_px;
     for (const PatchPlace& place : layout.patches) outlines_.push_back(BlurredOutline(place));
   }
 
-  void sample(Surfaces& out) const {
+  void sample(float saturated_from, Surfaces& out) const {
     out.clear();
     out.resize(outlines_.size() + 1);
     for (int row = 0; row < kGrid; ++row) {
@@ -99,7 +102,7 @@ class TopSampler {
         if (!shows_one(x, y, surface) || !read(x, y, rgb)) continue;
         Terms terms;
         terms << x, y, x * x, x * y, y * y;
-        out[surface].add(rgb, terms);
+        out[surface].add(rgb, terms, saturated_from);
       }
     }
   }
@@ -169,26 +172,30 @@ Lamp lamp_on(const Surfaces& surfaces) {
 }  // namespace
 
 bool see_paints(const Frame& frame, const CameraModel& camera, const MarkerLayout& layout, const Pose& pose,
-                const std::array<float, 3>& usual_top, PaintColors& out) {
+                const std::array<float, 3>& usual_top, int saturated_from, PaintColors& out) {
   Surfaces surfaces;
-  TopSampler(frame, camera, layout, pose).sample(surfaces);
+  TopSampler(frame, camera, layout, pose).sample(static_cast<float>(saturated_from), surfaces);
   for (const Surface& one : surfaces) {
-    if (one.count < kMinSamples) return false;
+    const bool is_white = one.is_saturated(0) && one.is_saturated(1) && one.is_saturated(2);
+    if (one.count < kMinSamples || is_white) return false;
   }
   const Lamp lamp = lamp_on(surfaces);
   const Surface& top = surfaces.back();
+  // Then nothing tells how much light the lamp adds.
+  if (top.is_saturated(0) || top.is_saturated(1) || top.is_saturated(2)) return false;
   out.clear();
   for (std::size_t k = 0; k + 1 < surfaces.size(); ++k) {
     const Surface& patch = surfaces[k];
     const float more_lamp = lamp.by.dot(patch.terms / patch.count - top.terms / top.count);
     const float sigma = std::sqrt(lamp.variance * (1.0f / patch.count + 1.0f / top.count));
     SurfaceColor paint;
+    paint.saturated_from = saturated_from;
     for (std::size_t c = 0; c < 3; ++c) {
       const float above_top = patch.light[c] / patch.count - top.light[c] / top.count - more_lamp;
       const float light = usual_top[c] + above_top;
       paint.rgb[c] = to_value(light);
       paint.spread[c] = 0.5f * (to_value(light + sigma) - to_value(light - sigma));
-      paint.saturated[c] = patch.saturated[c] > kSaturatedShare * patch.count;
+      paint.saturated[c] = patch.is_saturated(c);
     }
     out.push_back(paint);
   }

@@ -13,13 +13,14 @@ using PaintColors = FixedVector<SurfaceColor, kMaxPatches>;
 
 /// Finds the colors of a robot's patches as they would be if no lamp were mirrored in its top. A lamp adds white light
 /// that varies smoothly over the top: in linear light, a pixel at x of surface k (a patch, or the free top) shows
-/// L_k + g + q(x), where q has the terms x, y, x^2, xy and y^2. Least squares over all pixels that show a single surface
-/// give q: each surface's own mean is projected out. The free top shows g, because its light without a lamp is
+/// L_k + g + q(x), where q has the terms x, y, x^2, xy and y^2. Least squares over all pixels that show a single
+/// surface give q: each surface's own mean is projected out. The free top shows g, because its light without a lamp is
 /// `usual_top` (R, G, B; 1: pixel value 255).
 ///
-/// `out`: by patch of the layout, with the errors of the means in `spread`. A channel that the lamp saturates is a lower
-/// bound. The work is 256 samples. False if the top or a patch shows too few pixels.
+/// `saturated_from`: as in SurfaceColor. `out`: by patch of the layout, with the errors of the means in `spread`. A
+/// channel that the lamp saturates is a lower bound. The work is 256 samples. False if the top or a patch shows too few
+/// pixels, as where patches leave gaps of a pixel, if a patch is white, or if a channel of the top is saturated.
 bool see_paints(const Frame& frame, const CameraModel& camera, const MarkerLayout& layout, const Pose& pose,
-                const std::array<float, 3>& usual_top, PaintColors& out);
+                const std::array<float, 3>& usual_top, int saturated_from, PaintColors& out);
 
 }  // namespace touchline

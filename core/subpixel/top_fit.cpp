@@ -55,7 +55,8 @@ constexpr float kShortStepPx = 0.05f;
 // under light of twice the strength or another tint, ten iterations mend one more than five.
 constexpr int kUsualIterations = 2, kMaxIterations = 8;
 constexpr float kLongStepPx = 0.2f;
-// Light of a black top before one was seen, and the weight of the newest one: two frames of ten robots.
+// Light of a top before one was seen (a pixel value of 31, as black paper shows it), and the weight of the newest one:
+// the mean of about four frames of five robots.
 constexpr float kDarkTop = 0.01f, kNewestTop = 0.05f;
 
 // Returns the covariance of (1 - weight) * first pose + weight * second pose. Both errors have common causes, so they
@@ -335,10 +336,10 @@ void TopFit::configure(const std::array<MarkerLayout, 2>& layouts, const CameraM
   camera_ = camera;
   bayer_.reset();
   edge_width_.reset();
-  usual_top_.fill(kDarkTop);
   for (std::size_t team = 0; team < layouts.size(); ++team) {
     markers_[team].layout = layouts[team];
     markers_[team].outlines.clear();
+    markers_[team].usual_top.fill(kDarkTop);
     for (const PatchPlace& place : layouts[team].patches) markers_[team].outlines.push_back(BlurredOutline(place));
   }
 }
@@ -348,7 +349,7 @@ void TopFit::set_heights(const std::array<float, 2>& height_m) {
 }
 
 bool TopFit::look(const Frame& frame, Team team, const Pose& start, SeenTop& out, EdgeWidening& widening) {
-  const Marker& marker = markers_[static_cast<std::size_t>(team)];
+  const Marker& marker = markers_[index_of(team)];
   if (marker.layout.patches.size() < 2) return false;
   Solver fit(*kernel_, marker, camera_, frame, start, bayer_.pattern(), edge_width_.px(), edges_);
   out.trust = fit.run();
@@ -357,6 +358,7 @@ bool TopFit::look(const Frame& frame, Team team, const Pose& start, SeenTop& out
   widening.pull += fit.widening().pull;
   out.residual_m = fit.residual_m();
   if (out.residual_m > residual_gate_m(fit.scale_px_per_m())) return false;
+  out.is_precise = out.residual_m <= precise_gate_m(fit.scale_px_per_m());
   out.pose = fit.pose();
   const float larger = fit.underestimate();
   out.noise = scaled(fit.noise(), larger);
@@ -383,7 +385,10 @@ void TopFit::refine(const Frame& frame, Sightings& sightings) {
   SeenTop top;
   for (RobotSighting& robot : sightings.robots) {
     if (!robot.has_heading || !look(frame, robot.team, robot.pose, top, all)) continue;
-    for (std::size_t c = 0; c < 3; ++c) usual_top_[c] += kNewestTop * (top.top[c] - usual_top_[c]);
+    if (top.trust == 1.0f) {
+      std::array<float, 3>& usual = markers_[index_of(robot.team)].usual_top;
+      for (std::size_t c = 0; c < 3; ++c) usual[c] += kNewestTop * (top.top[c] - usual[c]);
+    }
     Pose& pose = robot.pose;
     pose.position.x_m += top.trust * (top.pose.position.x_m - pose.position.x_m);
     pose.position.y_m += top.trust * (top.pose.position.y_m - pose.position.y_m);

@@ -18,6 +18,7 @@ struct SeenTop {
   PoseCovariance noise;
   float trust = 0;                       // weight of `pose` against the start, 0 to 1
   float residual_m = 0;                  // RMS distance of the patches, each alone, from their positions in the layout
+  bool is_precise = false;               // whether this residual allows an id
   float lasting_share = 0, lasts_m = 0;  // as in RobotSighting
   std::array<float, 3> top{};            // its light
   FixedVector<PixelPoint, kMaxPatches> patches;  // centers in the layout's order
@@ -56,15 +57,17 @@ class TopFit {
   void refine(const Frame& frame, Sightings& sightings);
 
   /// Looks for a robot of a team near a pose in the frame that refine() has seen. False if the picture does not show
-  /// it.
+  /// it: then positions or light of the patches do not fit at all.
   bool look(const Frame& frame, Team team, const Pose& start, SeenTop& out);
-  /// Light of a top on which no lamp shines directly: the mean of the recent ones.
-  [[nodiscard]] const std::array<float, 3>& usual_top() const { return usual_top_; }
+  /// Light of the team's tops: the mean of the recent ones that were recognized and fit the model, so hardly any of
+  /// them mirrors a lamp.
+  [[nodiscard]] const std::array<float, 3>& usual_top(Team team) const { return markers_[index_of(team)].usual_top; }
 
  private:
   struct Marker {
     MarkerLayout layout;
     FixedVector<BlurredOutline, kMaxPatches> outlines;
+    std::array<float, 3> usual_top{};
   };
   class Solver;
   bool look(const Frame& frame, Team team, const Pose& start, SeenTop& out, EdgeWidening& widening);
@@ -74,7 +77,6 @@ class TopFit {
   CameraModel camera_;
   BayerDetector bayer_;
   EdgeWidth edge_width_;
-  std::array<float, 3> usual_top_{};
   std::array<PatchEdge, kMaxPatches> edges_;  // of the robot that is being fitted
 };
 

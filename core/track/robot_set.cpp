@@ -158,7 +158,9 @@ std::size_t RobotSet::begin(const RobotSighting& sighting, Instant now, const Tr
 void RobotSet::expect(Instant now, Instant then, const CommandHistory& commands, const TrackParameters& parameters,
                       ExpectedRobots& out) const {
   for (const TrackedRobot& robot : robots_) {
-    if (robot.id() == kUnknownId || !robot.heading_known()) continue;
+    // After a long pause there is nothing to predict from.
+    const bool is_lost = seconds(then - robot.life().last_seen()) > parameters.lost_after_s;
+    if (is_lost || robot.id() == kUnknownId || !robot.heading_known()) continue;
     TrackedRobot later = robot;
     later.look_ahead(now, then, robot.team() == Team::kOwn ? &commands : nullptr, parameters);
     out.push_back({robot.team(), robot.id(), later.pose()});

@@ -20,7 +20,7 @@ class RobotSet {
   ///  - Two tracks of a team never share a sighting or a position: a track without a sighting gives way.
   void update(const FixedVector<RobotSighting, kMaxRobots>& sightings, Instant from, Instant now,
               const CommandHistory& commands, const TrackParameters& parameters);
-  /// Adds the robots with an id and a heading, where they should be at `then`.
+  /// Adds the robots with an id and a heading, where they should be at `then`, unless they will be lost by then.
   void expect(Instant now, Instant then, const CommandHistory& commands, const TrackParameters& parameters,
               ExpectedRobots& out) const;
   /// Lists the tracks: own team first, by id; unidentified ones last, by age.

@@ -32,8 +32,8 @@ class Tracker {
 
   /// Returns the ball's expected position in the next frame; unknown if the ball was not seen for long.
   [[nodiscard]] ExpectedBall expected_ball(Instant capture_time) const;
-  /// Lists where the robots with an id and a heading should be at a capture time after the last one. Empty before the
-  /// first frame.
+  /// Lists where the robots with an id and a heading should be at a capture time after the last one, except those that
+  /// are lost by then. Empty before the first frame.
   void expected_robots(Instant capture_time, ExpectedRobots& out) const;
 
   /// Longest useful prediction. The pipeline's action delay is at most this long.

@@ -74,7 +74,9 @@ void fields(Archive& archive, Value& value) {
 }
 template <class Archive, Of<RobotSighting> Value>
 void fields(Archive& archive, Value& value) {
-  auto& [team, id, has_heading, pose, residual, noise, lasting_share, lasts, confidence, patches, doubt] = value;
+  auto& [team, id, has_heading, pose, residual, noise, lasting_share, lasts, confidence, patches, doubt, is_by_track] =
+      value;
+  static_cast<void>(is_by_track);  // matters only while the picture is there
   archive(team, id, has_heading, pose, residual, noise, lasting_share, lasts, confidence, patches, doubt);
 }
 template <class Archive, Of<BallSighting> Value>

@@ -16,6 +16,9 @@ void write(std::string& out, const Values&... values) {
   archive(values...);
 }
 
+// Within the range of tracking.robot.wheel_lag_s.
+bool is_time_constant(const std::optional<double>& lag_s) { return !lag_s || (*lag_s >= 0.0 && *lag_s <= 1.0); }
+
 Error unreadable() { return failure(ErrorCode::kCorruptFrame, "the message of a step cannot be read"); }
 
 template <class Value>
@@ -91,7 +94,12 @@ Result<void> decode(std::span<const std::byte> bytes, StepMessage& out) {
   out.drives = {};
   out.state.clear();
   archive(out.header, out.inputs);
-  if (has_state) archive(out.drives);
+  if (has_state) {
+    ArchiveReader sound(archive.rest(), Numbers::kSound);
+    sound(out.drives);
+    if (!archive.ok() || !sound.ok() || !is_time_constant(out.drives.lag_s)) return unreadable();
+    archive = ArchiveReader(sound.rest());
+  }
   const auto take = [&archive](std::string& part) {
     std::uint32_t size = 0;
     archive(size);

@@ -138,6 +138,28 @@ TEST(PaintedThings, HaveTheLightOfTheFloorAroundThem) {
   EXPECT_EQ(pixel(picture, 340, 60), (Rgb{73, 73, 73})) << "beside the paper";
 }
 
+// A lamp's image adds the same light to every surface.
+TEST(PaintedThings, GlareAddsLight) {
+  hal::Picture picture;
+  picture.width_px = 100;
+  picture.height_px = 50;
+  for (int i = 0; i < 100 * 50; ++i) {
+    const std::uint8_t level = i % 100 < 50 ? 100 : 200;
+    picture.rgb8.insert(picture.rgb8.end(), {level, 0, 255});
+  }
+  Thing glare;
+  glare.kind = ThingKind::kGlare;
+  glare.u_px = 50;
+  glare.v_px = 25;
+  glare.size_px = 20;
+  glare.light = 0.15;
+  paint({glare}, picture);
+  // 255 (0.15 + (value / 255)^2.2)^(1 / 2.2)
+  EXPECT_EQ(pixel(picture, 49, 25), (Rgb{142, 108, 255}));
+  EXPECT_EQ(pixel(picture, 50, 25), (Rgb{222, 108, 255}));
+  EXPECT_EQ(pixel(picture, 70, 25), (Rgb{200, 0, 255})) << "two radii away";
+}
+
 TEST(PaintedThings, FileWithAnUnknownKindIsRefusedByName) {
   const std::filesystem::path file = std::filesystem::path(::testing::TempDir()) / "things.json";
   {
@@ -152,6 +174,11 @@ TEST(PaintedThings, FileWithAnUnknownKindIsRefusedByName) {
     out << R"({"a.png": [{"kind": "cat", "u": 1, "v": 2, "size": 3, "colors": [{"rgb": [1, 2, 3]}]}]})";
   }
   EXPECT_EQ(read_things(file.string()).code(), ErrorCode::kInconsistent);
+  {
+    std::ofstream out(file);
+    out << R"({"a.png": [{"kind": "glare", "u": 1, "v": 2, "size": 3}]})";
+  }
+  EXPECT_EQ(read_things(file.string()).code(), ErrorCode::kInconsistent) << "glare without light";
 }
 
 }  // namespace

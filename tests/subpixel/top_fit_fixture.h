@@ -39,7 +39,7 @@ class TopFitTest : public ::testing::Test {
     const float half = layout_.robot_side_m / 2;
     if (std::abs(local.x_m) <= half && std::abs(local.y_m) <= half) {
       for (std::size_t k = 0; k < layout_.patches.size(); ++k) {
-        if (covers(layout_.patches[k], local)) return kPatchLight[k];
+        if (covers(layout_.patches[k], local)) return patch_light_[k];
       }
       return kTop;
     }
@@ -121,6 +121,7 @@ class TopFitTest : public ::testing::Test {
 
   CameraModel camera_ = tilted();
   MarkerLayout layout_;
+  std::array<Light, 5> patch_light_ = kPatchLight;
   TopFit fit_;
   Sightings sightings_;
   PortableRandom dice_{77};

@@ -202,7 +202,7 @@ int main(int argc, char** argv) {
       app.add_option("--things", options.things,
                      "JSON file with things to paint into the pictures: {\"NAME.png\": [{\"kind\": paper, "
                      "hand, shoe or robot, \"u\", \"v\", \"size\": px, \"colors\": [{\"rgb\": [R,G,B]} or "
-                     "{\"like\": [U,V]}]}]}")
+                     "{\"like\": [U,V]}]}]}; glare, the image of a lamp, has \"light\" (0 to 1) instead of colors")
           ->type_name("FILE")
           ->group("Changes"));
   add_change("--every", options.every, "Only every n-th picture or frame", CLI::Range(1, 1000000));

@@ -45,8 +45,8 @@ using Things = std::map<std::string, std::vector<Thing>>;
 /// file cannot be read. kInconsistent: its content is invalid; the message says what is wrong.
 Result<Things> read_things(const std::string& path);
 
-/// Paints the things into an 8-bit RGB picture of a camera with a gamma of 2.2. A thing gets the same light as the
-/// floor around it, estimated by the median of the pixels there.
+/// Paints the things into an 8-bit RGB picture of a camera with a gamma of 2.2. A thing other than glare gets the same
+/// light as the floor around it, estimated by the median of the pixels there.
 void paint(const std::vector<Thing>& things, hal::Picture& picture);
 
 }  // namespace touchline::relight

@@ -209,9 +209,10 @@ class Simulation:
             raise ValueError(f"throw: {'y' if y is None else 'x'} is missing; give both coordinates of the place, or none")
         self._ask("throw", {"vx": vx, "vy": vy, **({} if x is None else {"x": x, "y": y})})
 
-    def fault(self, kind: str, duration: float = 1.0, **robot: object) -> None:
+    def fault(self, kind: str, duration: float = 1.0, *, id: int | None = None, team: str | None = None) -> None:
         """Injects a fault of our camera or radio, beginning now: camera_stall, camera_lost, radio_lost, radio_busy, or hide_robot, which
-        needs the id of the robot that our camera does not see (id=3), and team="opponent" if it is not ours."""
+        needs the id of the robot that our camera does not see, and team="opponent" if it is not ours."""
+        robot = {key: value for key, value in (("id", id), ("team", team)) if value is not None}
         self._ask("fault", {"kind": kind, "for_s": duration, **robot})
 
     def hash(self) -> str:

@@ -23,6 +23,9 @@ constexpr float kSaturatedShare = 0.25f;
 // Weight of "the lamp's light is uniform", in samples at the top's edges, for each sample: tops without a free
 // quadrant leave some terms nearly open.
 constexpr float kUniform = 0.01f;
+// Largest variation of light within surfaces that the lamp does not explain, relative to a patch's light: something
+// covers a part. As kWorstUnevenness of top_fit.cpp.
+constexpr float kMaxUnevenness = 0.30f;
 constexpr float kGamma = 2.2f;  // as in simd/linear_rgb.h
 
 // x, y, x^2, xy, y^2 from the robot's center, in half sides.
@@ -190,13 +193,16 @@ bool see_paints(const Frame& frame, const CameraModel& camera, const MarkerLayou
     const float sigma = std::sqrt(lamp.variance * (1.0f / patch.count + 1.0f / top.count));
     SurfaceColor paint;
     paint.saturated_from = saturated_from;
+    float power = 0;
     for (std::size_t c = 0; c < 3; ++c) {
       const float above_top = patch.light[c] / patch.count - top.light[c] / top.count - more_lamp;
+      power += above_top * above_top;
       const float light = usual_top[c] + above_top;
       paint.rgb[c] = to_value(light);
       paint.spread[c] = 0.5f * (to_value(light + sigma) - to_value(light - sigma));
       paint.saturated[c] = patch.is_saturated(c);
     }
+    if (3.0f * lamp.variance > kMaxUnevenness * kMaxUnevenness * power) return false;
     out.push_back(paint);
   }
   return true;

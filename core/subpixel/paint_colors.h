@@ -19,7 +19,8 @@ using PaintColors = FixedVector<SurfaceColor, kMaxPatches>;
 ///
 /// `saturated_from`: as in SurfaceColor. `out`: by patch of the layout, with the errors of the means in `spread`. A
 /// channel that the lamp saturates is a lower bound. The work is 256 samples. False if the top or a patch shows too few
-/// pixels, as where patches leave gaps of a pixel, if a patch is white, or if a channel of the top is saturated.
+/// pixels, as where patches leave gaps of a pixel, if a patch is white, if a channel of the top is saturated, or if the
+/// light of the surfaces is uneven beyond the lamp.
 bool see_paints(const Frame& frame, const CameraModel& camera, const MarkerLayout& layout, const Pose& pose,
                 const std::array<float, 3>& usual_top, int saturated_from, PaintColors& out);
 

@@ -97,13 +97,13 @@ class TopFit::Solver {
   }
 
   // Returns the weight of the fit, 0 to 1; the pose of the start has the rest.
-  float run() {
+  float run(bool is_light_even) {
     if (!converge()) return 0.0f;
     const auto good = [](float value, float best, float worst) {
       return std::clamp((worst - value) / (worst - best), 0.0f, 1.0f);
     };
-    return std::min(good(worst_coverage_, kGoodCoverage, kWorstCoverage),
-                    good(unevenness_, kGoodUnevenness, kWorstUnevenness));
+    const float coverage = good(worst_coverage_, kGoodCoverage, kWorstCoverage);
+    return is_light_even ? std::min(coverage, good(unevenness_, kGoodUnevenness, kWorstUnevenness)) : coverage;
   }
 
   [[nodiscard]] const Pose& pose() const { return pose_; }
@@ -348,11 +348,12 @@ void TopFit::set_heights(const std::array<float, 2>& height_m) {
   for (std::size_t team = 0; team < markers_.size(); ++team) markers_[team].layout.height_m = height_m[team];
 }
 
-bool TopFit::look(const Frame& frame, Team team, const Pose& start, SeenTop& out, EdgeWidening& widening) {
+bool TopFit::look(const Frame& frame, Team team, const Pose& start, bool is_light_even, SeenTop& out,
+                  EdgeWidening& widening) {
   const Marker& marker = markers_[index_of(team)];
   if (marker.layout.patches.size() < 2) return false;
   Solver fit(*kernel_, marker, camera_, frame, start, bayer_.pattern(), edge_width_.px(), edges_);
-  out.trust = fit.run();
+  out.trust = fit.run(is_light_even);
   if (out.trust == 0.0f) return false;
   widening.power += fit.widening().power;
   widening.pull += fit.widening().pull;
@@ -375,7 +376,7 @@ bool TopFit::look(const Frame& frame, Team team, const Pose& start, SeenTop& out
 
 bool TopFit::look(const Frame& frame, Team team, const Pose& start, SeenTop& out) {
   EdgeWidening unused;
-  return frame.width_px >= 2 && look(frame, team, start, out, unused);
+  return frame.width_px >= 2 && look(frame, team, start, false, out, unused);
 }
 
 void TopFit::refine(const Frame& frame, Sightings& sightings) {
@@ -384,7 +385,7 @@ void TopFit::refine(const Frame& frame, Sightings& sightings) {
   EdgeWidening all;
   SeenTop top;
   for (RobotSighting& robot : sightings.robots) {
-    if (!robot.has_heading || !look(frame, robot.team, robot.pose, top, all)) continue;
+    if (!robot.has_heading || !look(frame, robot.team, robot.pose, true, top, all)) continue;
     if (top.trust == 1.0f) {
       std::array<float, 3>& usual = markers_[index_of(robot.team)].usual_top;
       for (std::size_t c = 0; c < 3; ++c) usual[c] += kNewestTop * (top.top[c] - usual[c]);

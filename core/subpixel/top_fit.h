@@ -57,7 +57,7 @@ class TopFit {
   void refine(const Frame& frame, Sightings& sightings);
 
   /// Looks for a robot of a team near a pose in the frame that refine() has seen. False if the picture does not show
-  /// it: then positions or light of the patches do not fit at all.
+  /// it: then positions or light of the patches do not fit at all. Light may be uneven within a patch.
   bool look(const Frame& frame, Team team, const Pose& start, SeenTop& out);
   /// Light of the team's tops: the mean of the recent ones that were recognized and fit the model, so hardly any of
   /// them mirrors a lamp.
@@ -70,7 +70,7 @@ class TopFit {
     std::array<float, 3> usual_top{};
   };
   class Solver;
-  bool look(const Frame& frame, Team team, const Pose& start, SeenTop& out, EdgeWidening& widening);
+  bool look(const Frame& frame, Team team, const Pose& start, bool is_light_even, SeenTop& out, EdgeWidening& widening);
 
   const FitKernel* kernel_ = nullptr;
   std::array<Marker, 2> markers_;

@@ -26,27 +26,27 @@ constexpr float kUniform = 0.01f;
 // Largest variation of light within surfaces that the lamp does not explain, relative to a patch's light: something
 // covers a part. As kWorstUnevenness of top_fit.cpp.
 constexpr float kMaxUnevenness = 0.30f;
-constexpr float kGamma = 2.2f;  // as in simd/linear_rgb.h
+constexpr float kCameraGamma = 2.2f;  // as in simd/linear_rgb.h
 
 // x, y, x^2, xy, y^2 from the robot's center, in half sides.
-constexpr int kTerms = 5;
-using Terms = Eigen::Matrix<float, kTerms, 1>;
-using Normal = Eigen::Matrix<float, kTerms, kTerms>;
+constexpr int kLampTerms = 5;
+using LampTerms = Eigen::Matrix<float, kLampTerms, 1>;
+using LampEquations = Eigen::Matrix<float, kLampTerms, kLampTerms>;
 
-float to_light(float value) { return std::pow(value / 255.0f, kGamma); }
-float to_value(float light) { return 255.0f * std::pow(std::max(0.0f, light), 1.0f / kGamma); }
+float to_light(float value) { return std::pow(value / 255.0f, kCameraGamma); }
+float to_value(float light) { return 255.0f * std::pow(std::max(0.0f, light), 1.0f / kCameraGamma); }
 
 // Sums over the samples of one surface.
 struct Surface {
   float count = 0;
   std::array<float, 3> light{}, saturated{};
-  Terms terms = Terms::Zero();
+  LampTerms terms = LampTerms::Zero();
   // Of the samples without a saturated channel; `gray` is the mean light of the channels.
   float clear = 0, gray = 0, gray_squares = 0;
-  Terms clear_terms = Terms::Zero(), gray_terms = Terms::Zero();
-  Normal squares = Normal::Zero();
+  LampTerms clear_terms = LampTerms::Zero(), gray_terms = LampTerms::Zero();
+  LampEquations squares = LampEquations::Zero();
 
-  void add(const std::array<float, 3>& rgb, const Terms& at, float saturated_from) {
+  void add(const std::array<float, 3>& rgb, const LampTerms& at, float saturated_from) {
     count += 1;
     terms += at;
     bool is_clear = true;
@@ -103,7 +103,7 @@ class TopSampler {
         std::size_t surface = 0;
         std::array<float, 3> rgb;
         if (!shows_one(x, y, surface) || !read(x, y, rgb)) continue;
-        Terms terms;
+        LampTerms terms;
         terms << x, y, x * x, x * y, y * y;
         out[surface].add(rgb, terms, saturated_from);
       }
@@ -148,22 +148,22 @@ class TopSampler {
 
 // What varies of the lamp's light, and the variance of one sample's light around surfaces and lamp.
 struct Lamp {
-  Terms by = Terms::Zero();
+  LampTerms by = LampTerms::Zero();
   float variance = 0;
 };
 
 // Each surface's own light is projected out of the least squares: its means are subtracted.
 Lamp lamp_on(const Surfaces& surfaces) {
-  Normal normal = Normal::Zero();
-  Terms right = Terms::Zero();
-  float squares = 0, freedom = -kTerms;
+  LampEquations normal = LampEquations::Zero();
+  LampTerms right = LampTerms::Zero();
+  float squares = 0, freedom = -kLampTerms;
   for (const Surface& one : surfaces) {
     if (one.clear == 0) continue;
     normal += one.squares - one.clear_terms * one.clear_terms.transpose() / one.clear;
     right += one.gray_terms - one.clear_terms * (one.gray / one.clear);
     squares += one.gray_squares - one.gray * one.gray / one.clear;
     freedom += one.clear - 1;
-    normal += Terms::Constant(kUniform * one.clear).asDiagonal();
+    normal += LampTerms::Constant(kUniform * one.clear).asDiagonal();
   }
   Lamp lamp;
   if (freedom < 1) return lamp;

@@ -138,11 +138,11 @@ TEST(Surface, IsTheMeanWithoutTheOutliers) {
   SurfaceColor surface;
   ASSERT_TRUE(sample_surface(picture.frame(), {10.0f, 10.0f}, 1, surface));
   EXPECT_EQ(surface.rgb, (std::array<float, 3>{100, 50, 20}));
-  EXPECT_GT(surface.spread, 30.0f);
+  EXPECT_GT(surface.spread[0], 30.0f);
   // A lamp's reflection in one pixel does not change the mean.
   EXPECT_FALSE(surface.saturated[0]);
   ASSERT_TRUE(sample_surface(picture.frame(), {10.0f, 10.0f}, 3, surface));
-  EXPECT_EQ(surface.spread, 0.0f);
+  EXPECT_EQ(surface.spread[0], 0.0f);
   for (int u = 8; u < 13; ++u) {
     for (int v = 8; v < 13; ++v) picture.set(u, v, {254, 50, 20});
   }

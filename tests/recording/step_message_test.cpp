@@ -1,6 +1,8 @@
 // The message of a step keeps every input and result, and a damaged one is refused.
 #include "firmware/recording/step_message.h"
 
+#include <cmath>
+
 #include "firmware/recording/picture_message.h"
 
 namespace touchline::testing {
@@ -72,6 +74,23 @@ std::unique_ptr<StepMessage> example_message() {
 }
 
 std::span<const std::byte> bytes_of(const std::string& text) { return std::as_bytes(std::span(text)); }
+
+// Filters must not compute with them.
+TEST(StepMessage, RefusesCorrectionsThatNoDriveHas) {
+  const auto is_read = [](auto change) {
+    const auto message = example_message(), read = std::make_unique<StepMessage>();
+    change(message->drives);
+    std::string bytes;
+    encode(*message, bytes);
+    return decode(bytes_of(bytes), *read).ok();
+  };
+  EXPECT_TRUE(is_read([](DriveCorrections&) {}));
+  EXPECT_FALSE(is_read([](DriveCorrections& drives) { drives.lag_s = -0.1; }));
+  EXPECT_FALSE(is_read([](DriveCorrections& drives) { drives.lag_s = 1.1; }));
+  EXPECT_FALSE(is_read([](DriveCorrections& drives) { drives.lag_s = std::nan(""); }));
+  EXPECT_FALSE(is_read([](DriveCorrections& drives) { drives.wheels[0].factor[1] = std::nanf(""); }));
+  EXPECT_FALSE(is_read([](DriveCorrections& drives) { drives.more_delay = Duration::max(); }));
+}
 
 TEST(StepMessage, ReadsBackAsItWasWritten) {
   const auto written = example_message();

@@ -291,6 +291,30 @@ TEST_F(TrackerTest, RejectsParametersThatBreakAFilter) {
   EXPECT_FALSE(refused([](TrackParameters&) {}));
 }
 
+TEST_F(TrackerTest, ExpectsRobotsUntilTheyAreLost) {
+  ExpectedRobots expected;
+  tracker_.expected_robots(at(now_), expected);
+  EXPECT_TRUE(expected.empty()) << "before the first frame";
+  // At 1 m/s along x; a robot without an id stands still.
+  Sightings sightings;
+  for (int k = 0; k < 20; ++k) {
+    sightings.robots.clear();
+    sightings.robots.push_back(sighting_of(Team::kOpponent, 4, pose(kDt * k, 0.2)));
+    sightings.robots.push_back(sighting_of(Team::kOwn, kUnknownId, pose(-0.5, 0.0)));
+    frame(sightings);
+  }
+  tracker_.expected_robots(at(now_ + 0.1), expected);
+  ASSERT_EQ(expected.size(), 1u);
+  EXPECT_EQ(expected[0].team, Team::kOpponent);
+  EXPECT_EQ(expected[0].id, 4);
+  EXPECT_NEAR(expected[0].pose.position.x_m, 19 * kDt + 0.1, 0.02);
+  tracker_.expected_robots(at(now_ + TrackParameters{}.lost_after_s + 0.01), expected);
+  EXPECT_TRUE(expected.empty());
+  // Steps of some milliseconds over a hundred years would take minutes.
+  tracker_.expected_robots(at(now_ + 3e9), expected);
+  EXPECT_TRUE(expected.empty());
+}
+
 // From its first sighting on: otherwise a second ball would make the second frame ambiguous.
 TEST(Tracker, ExpectsTheBallAtItsPlaceAndAsFarAsItMayHaveMoved) {
   Tracker tracker;

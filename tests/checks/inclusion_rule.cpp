@@ -35,7 +35,7 @@ const std::vector<FolderRule>& stage_rules() {
       {"color", {"light"}},
       {"region", {"light", "color"}},
       {"marker", {"light", "geometry", "color", "region"}},
-      {"subpixel", {"geometry", "color", "marker"}},
+      {"subpixel", {"geometry", "color", "light", "marker"}},
       {"track", {"geometry"}},
       {"control", {"geometry"}},
       {"radio", {}},

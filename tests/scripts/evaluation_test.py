@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """Tests how tools/evaluate-all judges, and what it keeps when a set fails. Runs none of Touchline's programs."""
 import json
+import math
 import os
 import pathlib
 import subprocess
@@ -10,6 +11,7 @@ import unittest
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 sys.path.insert(0, str(ROOT / "tools" / "evaluation"))
+import glare  # noqa: E402
 import judging  # noqa: E402
 import motion  # noqa: E402
 import real_sets  # noqa: E402
@@ -178,6 +180,22 @@ class Turns(unittest.TestCase):
         self.assertIn("2 of 3 accepted, refused: b", table.text_of({"set": "s", "case": "each", **row, "goal": {}}, {}))
 
 
+class Glare(unittest.TestCase):
+    def test_strikes_each_third_of_the_robots_in_turn(self):
+        robot = {"team_px": [100, 100], "ident_px": [[110, 110]]}
+        truth = [{"file": f"{k}.png", "robots": [robot] * 6} for k in range(glare.FREE + 3 * glare.BLOCK)]
+        spots, struck = glare.strike(truth, 0.15, 7)
+        self.assertNotIn(f"{glare.FREE - 1}.png", struck)
+        self.assertEqual([struck[f"{glare.FREE + k * glare.BLOCK}.png"] for k in range(3)], [[0, 3], [2, 5], [1, 4]])
+        first, last = (spots[f"{glare.FREE + k}.png"] for k in (0, glare.BLOCK - 1))
+        self.assertEqual(first, last)
+        side = 14.142 / glare.PATCHES_APART * glare.ROBOT_SIDE
+        for spot in first:
+            self.assertLessEqual(side, spot["size"] + 0.01)
+            self.assertLessEqual(spot["size"], 3 * side + 0.01)
+            self.assertLessEqual(math.dist((spot["u"], spot["v"]), (105, 105)), 0.3 * side * 1.415)
+
+
 class Program(unittest.TestCase):
     def test_keeps_its_results_when_every_set_fails(self):
         with tempfile.TemporaryDirectory() as folder:
@@ -191,7 +209,8 @@ class Program(unittest.TestCase):
                                   text=True, check=False)
             self.assertEqual(done.returncode, 1, done.stderr)
             rows = json.loads((folder / "out" / "evaluation.json").read_text())["rows"]
-            self.assertEqual([r["set"] for r in rows if "failed" in r], ["first", "second"] + ["motion"] * len(motion.SEEDS))
+            self.assertEqual([r["set"] for r in rows if "failed" in r], ["first", "second"] + ["motion"] * len(motion.SEEDS) +
+                             ["glare"] * len(glare.CASES))
             self.assertIn("second", (folder / "out" / "evaluation.html").read_text())
             self.assertIn("failed", done.stdout)
 

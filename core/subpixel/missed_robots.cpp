@@ -27,7 +27,8 @@ bool is_replaceable(const RobotSighting& robot) {
 }
 
 bool is_in(const Frame& frame, PixelPoint point) {
-  return point.u_px >= 0.0f && point.v_px >= 0.0f && point.u_px < frame.width_px && point.v_px < frame.height_px;
+  return point.u_px >= 0.0f && point.v_px >= 0.0f && point.u_px < static_cast<float>(frame.width_px) &&
+         point.v_px < static_cast<float>(frame.height_px);
 }
 
 template <class Condition>

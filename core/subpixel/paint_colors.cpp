@@ -127,7 +127,8 @@ class TopSampler {
   bool read(float x, float y, std::array<float, 3>& rgb) const {
     const float u = middle_.u_px + x * by_x_.u_px + y * by_y_.u_px + 0.5f;
     const float v = middle_.v_px + x * by_x_.v_px + y * by_y_.v_px + 0.5f;
-    if (!(u >= 0.0f && v >= 0.0f && u < frame_.width_px && v < frame_.height_px)) return false;
+    const auto width = static_cast<float>(frame_.width_px), height = static_cast<float>(frame_.height_px);
+    if (!(u >= 0.0f && v >= 0.0f && u < width && v < height)) return false;
     const auto column = static_cast<std::size_t>(u), row = static_cast<std::size_t>(v);
     for (std::size_t c = 0; c < 3; ++c) {
       const ChannelLayout& channel = info_.channel[c];

@@ -207,9 +207,8 @@ Identifier::SlotEvidence Identifier::evidence_in_slot(const Scene& now, const Ca
   out.likelihood = likelihoods(now, candidate.light, s, surface, region != nullptr ? region->color : kBackground);
   for (std::size_t i = 0; i < slot.colors.size(); ++i) {
     const bool in_box = region != nullptr && region->color == slot.colors[i];
-    if (in_box && surface.saturated_channels() < 3 &&
-        *std::max_element(surface.spread.begin(), surface.spread.end()) < kUneven_levels)
-      out.likelihood[i] += kBoxVote;
+    const float spread = *std::max_element(surface.spread.begin(), surface.spread.end());
+    if (in_box && surface.saturated_channels() < 3 && spread < kUneven_levels) out.likelihood[i] += kBoxVote;
   }
   // If two channels are saturated, other colors look like the team color. The layout may also use the team color twice.
   const bool may_show_team_color = surface.saturated_channels() < 2 &&

@@ -13,7 +13,8 @@ namespace {
 // Two centers that are closer than this part of a robot's side belong to one robot: those of two robots are at least a
 // side apart, and a robot without a heading is reported at its team patch, at most half a diagonal from its center.
 constexpr float kSamePlace = 0.75f;
-// Least weight of a fit, see kWorstCoverage of top_fit.cpp. A lamp that whitens half of a patch leaves 0.6.
+// Least weight of a fit. Below it, more than half of a recognized robot's pose would be that of the start, and here the
+// start is only a prediction.
 constexpr float kMinTrust = 0.5f;
 
 bool is_at(const RobotSighting& robot, FieldPoint place, float side_m) {
@@ -113,12 +114,14 @@ void MissedRobots::look(const Frame& frame, const ExpectedGain& light, const Exp
 
 void MissedRobots::report(const SeenTop& top, Team of, RobotId id, float margin, Sightings& out) const {
   const TeamMarking& team = teams_[index_of(of)];
-  erase_if(out.robots, [&](const RobotSighting& robot) {
+  const auto is_replaced = [&](const RobotSighting& robot) {
     return robot.id == kUnknownId && is_at(robot, top.pose.position, team.layout.robot_side_m);
+  };
+  const auto others = std::count_if(out.robots.begin(), out.robots.end(), [&](const RobotSighting& robot) {
+    return robot.team == of && !is_replaced(robot);
   });
-  const auto robots = std::count_if(out.robots.begin(), out.robots.end(),
-                                    [of](const RobotSighting& robot) { return robot.team == of; });
-  if (robots >= team.max_robots) return;
+  if (others >= team.max_robots) return;
+  erase_if(out.robots, is_replaced);
   RobotSighting robot;
   robot.team = of;
   robot.id = id;

@@ -17,11 +17,10 @@ constexpr int kGrid = 16;
 constexpr float kPureFrom_px = 1.2f, kPureChromaFrom_px = 2.0f;
 // The mean of fewer samples would be that of a corner.
 constexpr float kMinSamples = 4;
-// A channel is saturated if it is in more than this share of the samples. With fewer, the mean is too low by less than
-// color_evidence.h expects of two patches under the same lamps.
+// A channel is saturated if it is in more than this share of the samples. A choice, not tuned.
 constexpr float kSaturatedShare = 0.25f;
-// Weight of "the lamp's light is uniform", in samples at the top's edges, for each sample: tops without a free
-// quadrant leave some terms nearly open.
+// Prior for a uniform lamp, for each sample: 3 % of the variance of x over a whole top. Without it, terms that the
+// visible surfaces leave open would be large.
 constexpr float kUniform = 0.01f;
 // Largest variation of light within surfaces that the lamp does not explain, relative to a patch's light: something
 // covers a part. As kWorstUnevenness of top_fit.cpp.

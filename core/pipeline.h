@@ -89,10 +89,10 @@ class Pipeline {
   /// robots must stop before the step's packet was sent. StepTrace::revoked tells a recording.
   void revoke();
 
-  /// Passes to `archive` all that tracks, commands and packets of the next steps depend on beside the configuration and
-  /// the inputs, if their frames have sightings, and the inputs have StepInputs::was_unusable and drives. So what the
-  /// recognition and the checks of the picture have learned, and the measurements of the drives, which have 1 MB, are
-  /// left out, and also a strategy of set_strategy(). Call it after adapt(), or after a stop.
+  /// Passes to `archive` all that tracks, commands and packets of the next steps depend on, beside configuration and
+  /// inputs. Three things are left out. What recognition and picture checks have learned: the next frames must have
+  /// sightings, and their inputs `was_unusable`. The measurements of the drives (1 MB): the inputs must have `drives`.
+  /// And a strategy of set_strategy(). Call it after adapt(), or after a stop.
   /// `self` is constant if the archive writes. An archive that reads gets a pipeline with the same configuration, and
   /// its refuse() is called for values that are not possible; then the pipeline cannot be used any more.
   /// `archive(members...)` calls visit_state() of each member that is a class with this function.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "core/geometry/angle.h"
 #include "core/marker/hypothesis.h"
@@ -19,8 +20,9 @@ constexpr float kMinWidthPx = 3.0f;
 constexpr float kSharedChromaPx = 4.0f;
 constexpr float kMinTopPixels = 4;
 // Distance that a patch may move, in widths of the narrowest patch. At a start farther away, most pixels taken for the
-// patch show something else. Poses of torn regions are up to 0.4 widths off.
-constexpr float kMaxMove = 0.5f;
+// patch show something else. Poses of torn regions move patches by up to 0.6 widths (9 mm and 21 degrees in the
+// reference scenes with twice the light).
+constexpr float kMaxMove = 0.75f;
 // RMS error of the covered fraction of edge pixels. The fit has full weight up to the first value and none beyond the
 // second. In between, the result is a weighted mean of fit and start, so the pose does not jump. Sharp edges, noise and
 // shared chroma leave 0.1; displaced, rounded, glossy or half hidden patches leave up to 0.5, and the fit still
@@ -28,6 +30,8 @@ constexpr float kMaxMove = 0.5f;
 // eight settings of touchline-relight (light 0.5 and 2, values 0.5, 1.15 and 0.85 of red and blue, shadow, JPEG, blur)
 // and adaptation off, 45 robots are more than 2 mm off with the limit 0.45, 19 with 0.8, and 13 with 1.
 constexpr float kGoodCoverage = 0.22f, kWorstCoverage = 1.0f;
+// Error beyond which the start was probably too far away: half hidden patches leave less (see above).
+constexpr float kFarCoverage = 0.5f;
 // Limits for the variation of light within a patch, relative to its light, with weights as above. A large variation
 // means that something covers a part: 0.30 is that of a patch of which white covers 70 %, and from 0.175 on, the pose
 // moves by less than 0.25 mm if 0.1 mm more is covered (tests/subpixel/top_fit_start_test.cpp). Patches of a real
@@ -68,6 +72,17 @@ PoseCovariance of_mean(const PoseCovariance& a, float weight, const PoseCovarian
   return {sum(a.xx, b.xx), sum(a.yy, b.yy), sum(a.tt, b.tt), sum(a.xy, b.xy), sum(a.xt, b.xt), sum(a.yt, b.yt)};
 }
 
+// Adds the error of a pose of which the part `rest` is that of a start, which the fit moved by `by`.
+void add_disagreement(float rest, const Pose& by, PoseCovariance& noise) {
+  const float x = rest * by.position.x_m, y = rest * by.position.y_m, t = rest * by.theta_rad;
+  noise.xx += x * x;
+  noise.yy += y * y;
+  noise.tt += t * t;
+  noise.xy += x * y;
+  noise.xt += x * t;
+  noise.yt += y * t;
+}
+
 PoseCovariance scaled(const PoseCovariance& c, float by) {
   return {by * c.xx, by * c.yy, by * c.tt, by * c.xy, by * c.xt, by * c.yt};
 }
@@ -96,16 +111,25 @@ class TopFit::Solver {
     for (std::size_t k = 0; k < patches_.size(); ++k) patches_[k].by_pose = patch_by_pose(layout_.patches[k], arm_m());
   }
 
-  // Returns the weight of the fit, 0 to 1; the pose of the start has the rest.
-  float run(bool is_light_even) {
-    if (!converge()) return 0.0f;
+  // False if the picture does not show patches on a top near the start.
+  bool run(bool is_light_even) {
+    if (!converge(ramp_px_) || !is_near_start()) return false;
     const auto good = [](float value, float best, float worst) {
       return std::clamp((worst - value) / (worst - best), 0.0f, 1.0f);
     };
-    const float coverage = good(worst_coverage_, kGoodCoverage, kWorstCoverage);
-    return is_light_even ? std::min(coverage, good(unevenness_, kGoodUnevenness, kWorstUnevenness)) : coverage;
+    trust_ = good(worst_coverage_, kGoodCoverage, kWorstCoverage);
+    if (is_light_even) trust_ = std::min(trust_, good(unevenness_, kGoodUnevenness, kWorstUnevenness));
+    return true;
+  }
+  // The same for starts that are farther away: wide edges overlap with those in the picture.
+  bool run_from_afar(bool is_light_even) {
+    return converge(std::numeric_limits<float>::infinity()) && run(is_light_even);
   }
 
+  // Weight of the fit, 0 to 1; the pose of the start has the rest.
+  [[nodiscard]] float trust() const { return trust_; }
+  // Largest RMS error of a patch's covered fractions.
+  [[nodiscard]] float coverage_error() const { return worst_coverage_; }
   [[nodiscard]] const Pose& pose() const { return pose_; }
   [[nodiscard]] const std::array<float, 3>& top() const { return view_.top; }
   // Center of patch k alone.
@@ -162,8 +186,8 @@ class TopFit::Solver {
     return camera_.to_pixel({at.x_m + c * x_m - s * y_m, at.y_m + s * x_m + c * y_m}, layout_.height_m);
   }
 
-  // Projects the robot. False if the picture shows it too small.
-  bool place() {
+  // Projects the robot. False if the picture shows it too small. `ramp_px`: width of the edges, at most half a patch.
+  bool place(float ramp_px) {
     const PixelPoint front = seen_at(view_.half_m, 0), back = seen_at(-view_.half_m, 0);
     const PixelPoint left = seen_at(0, view_.half_m), right = seen_at(0, -view_.half_m);
     view_.u_by_x = (front.u_px - back.u_px) / layout_.robot_side_m;
@@ -174,7 +198,7 @@ class TopFit::Solver {
     if (!(view_.scale_px_per_m > 0.0f) || !std::isfinite(view_.scale_px_per_m)) return false;
     const float narrowest_px = narrowest_m() * view_.scale_px_per_m;
     if (narrowest_px < kMinWidthPx) return false;
-    view_.ramp_m = std::min(ramp_px_, 0.5f * narrowest_px) / view_.scale_px_per_m;
+    view_.ramp_m = std::min(ramp_px, 0.5f * narrowest_px) / view_.scale_px_per_m;
     view_.middle = {0.5f * (front.u_px + back.u_px), 0.5f * (front.v_px + back.v_px)};
     for (std::size_t k = 0; k < patches_.size(); ++k) {
       patches_[k].center = seen_at(layout_.patches[k].x_m, layout_.patches[k].y_m);
@@ -182,18 +206,23 @@ class TopFit::Solver {
     return true;
   }
 
-  bool converge() {
+  bool converge(float ramp_px) {
     float step_px = 0;
     for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
       const float coverage = coverage_before_;
-      if (!place() || !sample()) return false;
-      if (iteration == 0) {
+      if (!place(ramp_px)) return false;
+      if (!has_start_) {
         for (Patch& patch : patches_) patch.start = patch.center;
+        has_start_ = true;
       }
-      if (!step(step_px)) return false;
+      if (!sample() || !step(step_px)) return false;
       if (step_px <= (iteration + 1 < kUsualIterations ? kShortStepPx : kLongStepPx)) break;
       if (iteration >= kUsualIterations && coverage_before_ >= coverage) break;
     }
+    return true;
+  }
+
+  [[nodiscard]] bool is_near_start() const {
     const float most_px = kMaxMove * narrowest_m() * view_.scale_px_per_m;
     return std::all_of(patches_.begin(), patches_.end(), [most_px](const Patch& patch) {
       return std::hypot(patch.center.u_px - patch.start.u_px, patch.center.v_px - patch.start.v_px) <= most_px;
@@ -321,6 +350,8 @@ class TopFit::Solver {
   Pose pose_;
   MarkerView view_;
   FixedVector<Patch, kMaxPatches> patches_;
+  bool has_start_ = false;
+  float trust_ = 0;
   // Of the last iteration.
   float unevenness_ = 0;  // largest PatchLight::unevenness
   // Largest RMS error of covered fractions, before the step and after it.
@@ -352,11 +383,22 @@ bool TopFit::look(const Frame& frame, Team team, const Pose& start, bool is_ligh
                   EdgeWidening& widening) {
   const Marker& marker = markers_[index_of(team)];
   if (marker.layout.patches.size() < 2) return false;
-  Solver fit(*kernel_, marker, camera_, frame, start, bayer_.pattern(), edge_width_.px(), edges_);
-  out.trust = fit.run(is_light_even);
-  if (out.trust == 0.0f) return false;
-  widening.power += fit.widening().power;
-  widening.pull += fit.widening().pull;
+  const auto at_start = [&] {
+    return Solver(*kernel_, marker, camera_, frame, start, bayer_.pattern(), edge_width_.px(), edges_);
+  };
+  Solver usual = at_start();
+  const bool is_seen = usual.run(is_light_even);
+  Solver from_afar = at_start();
+  const bool is_far = !is_seen || usual.coverage_error() > kFarCoverage;
+  const bool is_better = is_far && from_afar.run_from_afar(is_light_even) &&
+                         (!is_seen || from_afar.coverage_error() < usual.coverage_error());
+  if (!is_seen && !is_better) return false;
+  const Solver& fit = is_better ? from_afar : usual;
+  out.trust = fit.trust();
+  if (out.trust > 0.0f) {
+    widening.power += fit.widening().power;
+    widening.pull += fit.widening().pull;
+  }
   out.residual_m = fit.residual_m();
   if (out.residual_m > residual_gate_m(fit.scale_px_per_m())) return false;
   out.is_precise = out.residual_m <= precise_gate_m(fit.scale_px_per_m());
@@ -391,12 +433,15 @@ void TopFit::refine(const Frame& frame, Sightings& sightings) {
       for (std::size_t c = 0; c < 3; ++c) usual[c] += kNewestTop * (top.top[c] - usual[c]);
     }
     Pose& pose = robot.pose;
-    pose.position.x_m += top.trust * (top.pose.position.x_m - pose.position.x_m);
-    pose.position.y_m += top.trust * (top.pose.position.y_m - pose.position.y_m);
-    pose.theta_rad = wrap_angle(pose.theta_rad + top.trust * wrap_angle(top.pose.theta_rad - pose.theta_rad));
+    const Pose by{{top.pose.position.x_m - pose.position.x_m, top.pose.position.y_m - pose.position.y_m},
+                  wrap_angle(top.pose.theta_rad - pose.theta_rad)};
+    pose.position.x_m += top.trust * by.position.x_m;
+    pose.position.y_m += top.trust * by.position.y_m;
+    pose.theta_rad = wrap_angle(pose.theta_rad + top.trust * by.theta_rad);
     robot.residual_m += top.trust * (top.residual_m - robot.residual_m);
     const bool are_known = robot.noise.tt > 0.0f && top.noise.tt > 0.0f;
     robot.noise = are_known ? of_mean(robot.noise, top.trust, top.noise) : top.noise;
+    add_disagreement(1.0f - top.trust, by, robot.noise);
     robot.lasting_share = top.lasting_share;
     robot.lasts_m = top.lasts_m;
     // robot.patches[i].patch is the index in the layout.

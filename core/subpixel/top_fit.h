@@ -39,7 +39,8 @@ struct SeenTop {
 /// counts only in the color that it measured, with the weights of bayer_sampling.h. A pixel has a lower weight if it
 /// depends on an O that differs much from T (a line, a wall, another robot's patch).
 ///
-/// Regions only give the start: a robot whose regions are torn, or one of which is missing, is fitted as well. It keeps
+/// Regions only give the start: a robot whose regions are torn, or one of which is missing, is fitted as well. If its
+/// start is too far away for the edges' blur, a second fit begins with wider edges. It keeps
 /// its pose if the picture does not fit the model: no free top, patches of a few pixels, large residuals. The light is
 /// uniform over one robot, so the light map is not needed. The work per robot is bounded: on large patches, only every
 /// second, third, ... pixel and row is sampled.
@@ -53,7 +54,8 @@ class TopFit {
   void set_heights(const std::array<float, 2>& height_m);
 
   /// Improves pose, residual, noise and patch centers of each robot with a heading and at least two patches in its
-  /// layout. The scan must have accepted the frame.
+  /// layout. If the pose keeps a part of its start, their distance is a part of the noise. The scan must have accepted
+  /// the frame.
   void refine(const Frame& frame, Sightings& sightings);
 
   /// Looks for a robot of a team near a pose in the frame that refine() has seen. False if the picture does not show

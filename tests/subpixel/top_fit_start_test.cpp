@@ -81,6 +81,20 @@ TEST_F(UnchangedPose, GraduallyAsTheFitGetsWorse) {
   EXPECT_LT(farthest_jump, 0.00025f) << ::testing::PrintToString(moves);
 }
 
+// What covers a patch draws the fit away from the start. One of them is wrong.
+TEST_F(UnchangedPose, ButALargerErrorIfTheFitIsElsewhere) {
+  use(paper_layout());
+  for (const float stated_m : {0.0f, 0.0002f}) {
+    sightings_.robots.clear();
+    sightings_.robots.push_back(sighting(near_));
+    PoseCovariance& noise = sightings_.robots[0].noise;
+    noise.xx = noise.yy = stated_m * stated_m;
+    noise.tt = 25.0f * stated_m * stated_m;
+    fit_.refine(covered_from(-0.018f).frame(), sightings_);
+    EXPECT_GT(std::sqrt(noise.xx + noise.yy), 0.0005f) << stated_m;
+  }
+}
+
 TEST_F(UnchangedPose, WithoutHeading) {
   use(paper_layout());
   sightings_.robots.push_back(sighting(near_));
@@ -97,7 +111,8 @@ TEST_F(TopFitTest, ConvergesFromThePosesOfTornRegions) {
   };
   for (const MarkerLayout& layout : {paper_layout(), single_layout(), disks_layout()}) {
     use(layout);
-    for (const Start start : {Start{0.004f, 5, false}, Start{0.002f, -15, false}, Start{0.002f, 5, true}}) {
+    for (const Start start :
+         {Start{0.004f, 5, false}, Start{0.002f, -15, false}, Start{0.002f, 5, true}, Start{0.007f, 15, false}}) {
       for (int n = 0; n < 4; ++n) {
         const Pose truth{{dice_.real(-0.9f, 0.9f), dice_.real(-0.7f, 0.7f)}, dice_.real(-kPi, kPi)};
         const float to = dice_.real(-kPi, kPi);

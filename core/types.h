@@ -178,7 +178,7 @@ const char* describe(IdDoubt doubt) noexcept;
 struct RobotSighting {
   Team team = Team::kOwn;
   RobotId id = kUnknownId;  // an unknown id is better than a wrong one
-  // Without a heading, theta_rad is undefined, and position is a point on the robot (usually its team patch).
+  // Without a heading, theta_rad is only a guess, and position is a point on the robot (usually its team patch).
   bool has_heading = false;
   Pose pose;
   float residual_m = 0.0f;  // RMS distance of the patches from their positions in the layout

@@ -21,7 +21,7 @@ constexpr float kMarginOfPairs = 3.0f;
 constexpr float kMinPairsOfColor = 4.0f;
 
 // Confidence of robots from boxes alone. If the pixels of the frame are available, this value is replaced: by
-// identifier_ for robots with an id, by confidence_without_id() for robots without.
+// identifier_ for robots with an id, by likely_robot() for robots without.
 constexpr float kFound = 0.99f;
 
 constexpr std::array<Team, 2> kTeams{Team::kOwn, Team::kOpponent};

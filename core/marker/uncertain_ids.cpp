@@ -69,7 +69,7 @@ void Matcher::weigh_unknown_id(const Frame& frame, Sightings& out) {
     if (robot.id != kUnknownId && !robot.has_heading) {
       RobotSighting of_patch = robot;
       of_patch.pose.position = patch.at[index_of(robot.team)];
-      const float is_robot = confidence_without_id(frame, camera, layout, of_patch, patch.ratio, has_stripes[i]);
+      const float is_robot = likely_robot(frame, camera, layout, of_patch, patch.ratio, has_stripes[i]).probability;
       robot.confidence = std::min(robot.confidence, is_robot);
       if (is_robot < kMinConfidenceForId) {
         robot.id = kUnknownId;
@@ -77,7 +77,9 @@ void Matcher::weigh_unknown_id(const Frame& frame, Sightings& out) {
       }
     }
     if (robot.id == kUnknownId) {
-      robot.confidence = confidence_without_id(frame, camera, layout, robot, patch.ratio, has_stripes[i]);
+      const LikelyRobot likely = likely_robot(frame, camera, layout, robot, patch.ratio, has_stripes[i]);
+      robot.confidence = likely.probability;
+      robot.pose.theta_rad = likely.heading_rad;
     }
     if (robot.confidence < kMinUnknownIdProbability) {
       reported_[box.team_patch] = false;

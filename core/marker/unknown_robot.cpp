@@ -7,6 +7,8 @@
 #include <limits>
 #include <numbers>
 #include <span>
+#include <tuple>
+#include <utility>
 
 #include "core/fixed_vector.h"
 #include "core/marker/simd4.h"
@@ -26,7 +28,6 @@ constexpr float kPerRegion = 2.4f;
 // Log-odds penalty for another region of the team's color within a robot's side: stripes of a shoe are more frequent
 // than two robots without an id that touch.
 constexpr float kStripes = 2.0f;
-constexpr float kMaxUnknownIdProbability = 0.99f;
 
 // Smallest shares for an id. One of a patch's four sides has no outline if a saturated patch of a similar color is
 // there.
@@ -228,12 +229,13 @@ class TopView {
   /// Returns false at the border of the picture.
   [[nodiscard]] bool is_visible() const { return is_visible_; }
   [[nodiscard]] Shares along(float heading_rad) const { return along(heading_rad, std::numeric_limits<float>::max()); }
-  /// Returns the smallest doubt over `count` equally spaced directions.
-  [[nodiscard]] float least_doubt(std::size_t count) const {
-    float least = std::numeric_limits<float>::max();
+  /// Returns the smallest doubt over `count` equally spaced directions, and the direction.
+  [[nodiscard]] std::pair<float, float> least_doubt(std::size_t count) const {
+    std::pair<float, float> least{std::numeric_limits<float>::max(), 0.0f};
     for (std::size_t i = 0; i < count; ++i) {
       const float heading_rad = 2.0f * std::numbers::pi_v<float> * static_cast<float>(i) / static_cast<float>(count);
-      least = std::min(least, along(heading_rad, least).doubt());
+      const float doubt = along(heading_rad, least.first).doubt();
+      if (doubt < least.first) least = {doubt, heading_rad};
     }
     return least;
   }
@@ -351,19 +353,19 @@ bool has_all_outlines(const Frame& frame, const CameraModel& camera, const Marke
          shares.patch_outline >= kMinOutside;
 }
 
-float confidence_without_id(const Frame& frame, const CameraModel& camera, const MarkerLayout& layout,
-                            const RobotSighting& robot, float area_ratio, bool has_stripes) {
+LikelyRobot likely_robot(const Frame& frame, const CameraModel& camera, const MarkerLayout& layout,
+                         const RobotSighting& robot, float area_ratio, bool has_stripes) {
   const TopView view(frame, camera, layout, robot);
-  float doubt = 0;
+  float doubt = 0, heading_rad = robot.has_heading ? robot.pose.theta_rad : 0.0f;
   if (view.is_visible() && robot.has_heading) {
-    doubt = view.along(robot.pose.theta_rad).doubt();
+    doubt = view.along(heading_rad).doubt();
   } else if (view.is_visible()) {
-    doubt = view.least_doubt(kHeadings);
+    std::tie(doubt, heading_rad) = view.least_doubt(kHeadings);
   }
   const float regions = robot.patches.empty() ? 0.0f : static_cast<float>(robot.patches.size() - 1);
   if (has_stripes) doubt += kStripes;
   const float log_odds = kComplete - doubt - kPerArea * (1.0f - std::min(1.0f, area_ratio)) + kPerRegion * regions;
-  return std::min(kMaxUnknownIdProbability, 1.0f / (1.0f + std::exp(-log_odds)));
+  return {std::min(kMaxUnknownIdProbability, 1.0f / (1.0f + std::exp(-log_odds))), heading_rad};
 }
 
 }  // namespace touchline

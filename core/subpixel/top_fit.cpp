@@ -7,6 +7,7 @@
 #include "core/geometry/angle.h"
 #include "core/marker/hypothesis.h"
 #include "core/marker/rigid_fit.h"
+#include "core/marker/unknown_robot.h"
 #include "core/subpixel/patch_light.h"
 #include "core/subpixel/pose_equations.h"
 
@@ -62,6 +63,14 @@ constexpr float kLongStepPx = 0.2f;
 // Light of a top before one was seen (a pixel value of 31, as black paper shows it), and the weight of the newest one:
 // the mean of about four frames of five robots.
 constexpr float kDarkTop = 0.01f, kNewestTop = 0.05f;
+// Log odds of a robot without an id: by the error of its team patch's covered fractions, relative to the usual one of
+// robots with an id (0.06 if rendered, which is the value before any robot was seen; real cameras' edges differ from
+// the model), and by the variation of light within patches. They come from a logistic regression over 193 robots (other
+// light, covered identification patches) and 116 papers, shoes and hands in the reference scenes, with the log odds of
+// likely_robot() as the third input. With them, things are told from robots with an area under the curve of 0.980
+// (four-fold cross validation); they alone reach 0.955, likely_robot() alone 0.932. The error of all patches is no use,
+// because a covered identification patch leaves as large an error as a thing.
+constexpr float kRenderedError = 0.06f, kAtUsualError = 4.9f, kPerLogError = 2.0f, kPerUnevenness = 4.5f;
 
 // Returns the covariance of (1 - weight) * first pose + weight * second pose. Both errors have common causes, so they
 // are fully correlated and standard deviations add.
@@ -81,6 +90,24 @@ void add_disagreement(float rest, const Pose& by, PoseCovariance& noise) {
   noise.xy += x * y;
   noise.xt += x * t;
   noise.yt += y * t;
+}
+
+// Returns the pose of a robot without a heading, whose position is that of its team patch, in its likely direction.
+Pose likely_pose(const RobotSighting& robot, const MarkerLayout& layout) {
+  if (robot.has_heading || layout.patches.empty()) return robot.pose;
+  const float c = std::cos(robot.pose.theta_rad), s = std::sin(robot.pose.theta_rad);
+  const PatchPlace& patch = layout.patches[0];
+  Pose pose = robot.pose;
+  pose.position.x_m -= c * patch.x_m - s * patch.y_m;
+  pose.position.y_m -= s * patch.x_m + c * patch.y_m;
+  return pose;
+}
+
+// Returns the probability that a robot without an id is one. `error`: of the team patch, relative to the usual one.
+float weighed_by_fit(float probability, float error, float unevenness) {
+  const float log_odds = std::log(probability / (1.0f - probability)) + kAtUsualError - kPerLogError * std::log(error) -
+                         kPerUnevenness * std::min(1.0f, unevenness);
+  return std::min(kMaxUnknownIdProbability, 1.0f / (1.0f + std::exp(-log_odds)));
 }
 
 PoseCovariance scaled(const PoseCovariance& c, float by) {
@@ -130,6 +157,10 @@ class TopFit::Solver {
   [[nodiscard]] float trust() const { return trust_; }
   // Largest RMS error of a patch's covered fractions.
   [[nodiscard]] float coverage_error() const { return worst_coverage_; }
+  // That of the team patch.
+  [[nodiscard]] float team_patch_error() const { return patches_[0].coverage; }
+  // Largest variation of light within a patch, as in PatchLight.
+  [[nodiscard]] float unevenness() const { return unevenness_; }
   [[nodiscard]] const Pose& pose() const { return pose_; }
   [[nodiscard]] const std::array<float, 3>& top() const { return view_.top; }
   // Center of patch k alone.
@@ -175,6 +206,7 @@ class TopFit::Solver {
     PatchLight light;
     CenterEquations edge;
     PoseEquations equations;
+    float coverage = 0;  // RMS error of the covered fractions
     FieldPoint alone{};  // from its place to where the patch alone would be, along the outline's axes
   };
 
@@ -308,7 +340,8 @@ class TopFit::Solver {
     // The squared error after the step is predicted, because there may be no other iteration.
     const PoseEquations& e = patch.equations;
     const float left = std::max(0.0f, edge.squares - 2.0f * dot(e.right, by) + dot(product(e.normal, by), by));
-    worst_coverage_ = std::max(worst_coverage_, std::sqrt(left / edge.weights));
+    patch.coverage = std::sqrt(left / edge.weights);
+    worst_coverage_ = std::max(worst_coverage_, patch.coverage);
     coverage_before_ = std::max(coverage_before_, std::sqrt(edge.squares / edge.weights));
     const Matrix3& a = patch.by_pose;
     const float x = dot(a[0], by), y = dot(a[1], by), turn = dot(a[2], by);
@@ -371,6 +404,7 @@ void TopFit::configure(const std::array<MarkerLayout, 2>& layouts, const CameraM
     markers_[team].layout = layouts[team];
     markers_[team].outlines.clear();
     markers_[team].usual_top.fill(kDarkTop);
+    markers_[team].usual_error = kRenderedError;
     for (const PatchPlace& place : layouts[team].patches) markers_[team].outlines.push_back(BlurredOutline(place));
   }
 }
@@ -395,6 +429,8 @@ bool TopFit::look(const Frame& frame, Team team, const Pose& start, bool is_ligh
   if (!is_seen && !is_better) return false;
   const Solver& fit = is_better ? from_afar : usual;
   out.trust = fit.trust();
+  out.team_patch_error = fit.team_patch_error();
+  out.unevenness = fit.unevenness();
   if (out.trust > 0.0f) {
     widening.power += fit.widening().power;
     widening.pull += fit.widening().pull;
@@ -427,9 +463,19 @@ void TopFit::refine(const Frame& frame, Sightings& sightings) {
   EdgeWidening all;
   SeenTop top;
   for (RobotSighting& robot : sightings.robots) {
-    if (!robot.has_heading || !look(frame, robot.team, robot.pose, true, top, all)) continue;
+    Marker& marker = markers_[index_of(robot.team)];
+    if (robot.id != kUnknownId && !robot.has_heading) continue;
+    EdgeWidening unused;
+    if (!look(frame, robot.team, likely_pose(robot, marker.layout), true, top, robot.has_heading ? all : unused))
+      continue;
+    if (robot.id == kUnknownId) {
+      robot.confidence = weighed_by_fit(robot.confidence, top.team_patch_error / marker.usual_error, top.unevenness);
+      if (!robot.has_heading) continue;
+    } else {
+      marker.usual_error += kNewestTop * (top.team_patch_error - marker.usual_error);
+    }
     if (top.trust == 1.0f) {
-      std::array<float, 3>& usual = markers_[index_of(robot.team)].usual_top;
+      std::array<float, 3>& usual = marker.usual_top;
       for (std::size_t c = 0; c < 3; ++c) usual[c] += kNewestTop * (top.top[c] - usual[c]);
     }
     Pose& pose = robot.pose;
@@ -451,6 +497,11 @@ void TopFit::refine(const Frame& frame, Sightings& sightings) {
       patch.center.v_px += top.trust * (center.v_px - patch.center.v_px);
     }
   }
+  const auto is_unlikely = [](const RobotSighting& robot) {
+    return robot.id == kUnknownId && robot.confidence < kMinUnknownIdProbability;
+  };
+  auto& robots = sightings.robots;
+  robots.resize(static_cast<std::size_t>(std::remove_if(robots.begin(), robots.end(), is_unlikely) - robots.begin()));
   if (!is_yuv(color_space(frame.format))) edge_width_.follow(all);
 }
 

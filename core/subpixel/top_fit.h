@@ -17,6 +17,8 @@ struct SeenTop {
   Pose pose;
   PoseCovariance noise;
   float trust = 0;                       // weight of `pose` against the start, 0 to 1
+  float team_patch_error = 0;            // RMS error of its covered fractions
+  float unevenness = 0;                  // largest variation of light within a patch, as in PatchLight
   float residual_m = 0;                  // RMS distance of the patches, each alone, from their positions in the layout
   bool is_precise = false;               // whether this residual allows an id
   float lasting_share = 0, lasts_m = 0;  // as in RobotSighting
@@ -54,7 +56,8 @@ class TopFit {
   void set_heights(const std::array<float, 2>& height_m);
 
   /// Improves pose, residual, noise and patch centers of each robot with a heading and at least two patches in its
-  /// layout. If the pose keeps a part of its start, their distance is a part of the noise. The scan must have accepted
+  /// layout. Weighs robots without an id, with or without a heading, by how well their tops fit, and drops unlikely
+  /// ones. If the pose keeps a part of its start, their distance is a part of the noise. The scan must have accepted
   /// the frame.
   void refine(const Frame& frame, Sightings& sightings);
 
@@ -69,7 +72,9 @@ class TopFit {
   struct Marker {
     MarkerLayout layout;
     FixedVector<BlurredOutline, kMaxPatches> outlines;
+    // Means over recent robots with an id.
     std::array<float, 3> usual_top{};
+    float usual_error = 0;  // SeenTop::team_patch_error
   };
   class Solver;
   bool look(const Frame& frame, Team team, const Pose& start, bool is_light_even, SeenTop& out, EdgeWidening& widening);

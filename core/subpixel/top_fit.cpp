@@ -81,17 +81,6 @@ PoseCovariance of_mean(const PoseCovariance& a, float weight, const PoseCovarian
   return {sum(a.xx, b.xx), sum(a.yy, b.yy), sum(a.tt, b.tt), sum(a.xy, b.xy), sum(a.xt, b.xt), sum(a.yt, b.yt)};
 }
 
-// Adds the error of a pose of which the part `rest` is that of a start, which the fit moved by `by`.
-void add_disagreement(float rest, const Pose& by, PoseCovariance& noise) {
-  const float x = rest * by.position.x_m, y = rest * by.position.y_m, t = rest * by.theta_rad;
-  noise.xx += x * x;
-  noise.yy += y * y;
-  noise.tt += t * t;
-  noise.xy += x * y;
-  noise.xt += x * t;
-  noise.yt += y * t;
-}
-
 // Returns the pose of a robot without a heading, whose position is that of its team patch, in its likely direction.
 Pose likely_pose(const RobotSighting& robot, const MarkerLayout& layout) {
   if (robot.has_heading || layout.patches.empty()) return robot.pose;
@@ -478,16 +467,14 @@ void TopFit::refine(const Frame& frame, Sightings& sightings) {
       std::array<float, 3>& usual = marker.usual_top;
       for (std::size_t c = 0; c < 3; ++c) usual[c] += kNewestTop * (top.top[c] - usual[c]);
     }
+    if (top.trust == 0.0f) continue;
     Pose& pose = robot.pose;
-    const Pose by{{top.pose.position.x_m - pose.position.x_m, top.pose.position.y_m - pose.position.y_m},
-                  wrap_angle(top.pose.theta_rad - pose.theta_rad)};
-    pose.position.x_m += top.trust * by.position.x_m;
-    pose.position.y_m += top.trust * by.position.y_m;
-    pose.theta_rad = wrap_angle(pose.theta_rad + top.trust * by.theta_rad);
+    pose.position.x_m += top.trust * (top.pose.position.x_m - pose.position.x_m);
+    pose.position.y_m += top.trust * (top.pose.position.y_m - pose.position.y_m);
+    pose.theta_rad = wrap_angle(pose.theta_rad + top.trust * wrap_angle(top.pose.theta_rad - pose.theta_rad));
     robot.residual_m += top.trust * (top.residual_m - robot.residual_m);
     const bool are_known = robot.noise.tt > 0.0f && top.noise.tt > 0.0f;
     robot.noise = are_known ? of_mean(robot.noise, top.trust, top.noise) : top.noise;
-    add_disagreement(1.0f - top.trust, by, robot.noise);
     robot.lasting_share = top.lasting_share;
     robot.lasts_m = top.lasts_m;
     // robot.patches[i].patch is the index in the layout.

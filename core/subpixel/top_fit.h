@@ -57,8 +57,7 @@ class TopFit {
 
   /// Improves pose, residual, noise and patch centers of each robot with a heading and at least two patches in its
   /// layout. Weighs robots without an id, with or without a heading, by how well their tops fit, and drops unlikely
-  /// ones. If the pose keeps a part of its start, their distance is a part of the noise. The scan must have accepted
-  /// the frame.
+  /// ones. The scan must have accepted the frame.
   void refine(const Frame& frame, Sightings& sightings);
 
   /// Looks for a robot of a team near a pose in the frame that refine() has seen. False if the picture does not show

@@ -81,20 +81,6 @@ TEST_F(UnchangedPose, GraduallyAsTheFitGetsWorse) {
   EXPECT_LT(farthest_jump, 0.00025f) << ::testing::PrintToString(moves);
 }
 
-// What covers a patch draws the fit away from the start. One of them is wrong.
-TEST_F(UnchangedPose, ButALargerErrorIfTheFitIsElsewhere) {
-  use(paper_layout());
-  for (const float stated_m : {0.0f, 0.0002f}) {
-    sightings_.robots.clear();
-    sightings_.robots.push_back(sighting(near_));
-    PoseCovariance& noise = sightings_.robots[0].noise;
-    noise.xx = noise.yy = stated_m * stated_m;
-    noise.tt = 25.0f * stated_m * stated_m;
-    fit_.refine(covered_from(-0.018f).frame(), sightings_);
-    EXPECT_GT(std::sqrt(noise.xx + noise.yy), 0.0005f) << stated_m;
-  }
-}
-
 TEST_F(UnchangedPose, WithoutHeading) {
   use(paper_layout());
   sightings_.robots.push_back(sighting(near_));

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "core/marker/unknown_robot.h"
+
 namespace touchline {
 namespace {
 
@@ -248,6 +250,7 @@ void Pipeline::recognize(const Frame& frame) {
     tracker_.expected_robots(frame.capture_time, expected_robots_);
     missed_robots_.find(frame, adaptation_.expected_gain(scanner_), expected_robots_, top_fit_, trace_.sightings);
   }
+  drop_unlikely_robots(trace_.sightings.robots);
   ball_center_fit_.refine(frame, trace_.sightings);
 }
 

@@ -353,6 +353,13 @@ bool has_all_outlines(const Frame& frame, const CameraModel& camera, const Marke
          shares.patch_outline >= kMinOutside;
 }
 
+void drop_unlikely_robots(FixedVector<RobotSighting, kMaxRobots>& robots) {
+  const auto is_unlikely = [](const RobotSighting& robot) {
+    return robot.id == kUnknownId && robot.confidence < kMinUnknownIdProbability;
+  };
+  robots.resize(static_cast<std::size_t>(std::remove_if(robots.begin(), robots.end(), is_unlikely) - robots.begin()));
+}
+
 LikelyRobot likely_robot(const Frame& frame, const CameraModel& camera, const MarkerLayout& layout,
                          const RobotSighting& robot, float area_ratio, bool has_stripes) {
   const TopView view(frame, camera, layout, robot);

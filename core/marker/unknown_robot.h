@@ -23,6 +23,9 @@ struct LikelyRobot {
 LikelyRobot likely_robot(const Frame& frame, const CameraModel& camera, const MarkerLayout& layout,
                          const RobotSighting& robot, float area_ratio, bool has_stripes);
 
+/// Removes robots without an id whose confidence is below kMinUnknownIdProbability.
+void drop_unlikely_robots(FixedVector<RobotSighting, kMaxRobots>& robots);
+
 /// Returns false if the outline of the team patch differs from the layout, for example because the region is a part of
 /// a larger surface. The robot must have a heading.
 bool has_team_outline(const Frame& frame, const CameraModel& camera, const MarkerLayout& layout,

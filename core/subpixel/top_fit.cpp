@@ -31,6 +31,8 @@ constexpr float kMaxMove = 0.75f;
 // eight settings of touchline-relight (light 0.5 and 2, values 0.5, 1.15 and 0.85 of red and blue, shadow, JPEG, blur)
 // and adaptation off, 45 robots are more than 2 mm off with the limit 0.45, 19 with 0.8, and 13 with 1.
 constexpr float kGoodCoverage = 0.22f, kWorstCoverage = 1.0f;
+// Weight of a fit from which a robot with an id counts for the usual error: a hand on a robot leaves less.
+constexpr float kMinTrust = 0.5f;
 // Error beyond which the start was probably too far away: half hidden patches leave less (see above).
 constexpr float kFarCoverage = 0.5f;
 // Limits for the variation of light within a patch, relative to its light, with weights as above. A large variation
@@ -60,9 +62,9 @@ constexpr float kShortStepPx = 0.05f;
 // under light of twice the strength or another tint, ten iterations mend one more than five.
 constexpr int kUsualIterations = 2, kMaxIterations = 8;
 constexpr float kLongStepPx = 0.2f;
-// Light of a top before one was seen (a pixel value of 31, as black paper shows it), and the weight of the newest one:
-// the mean of about four frames of five robots.
-constexpr float kDarkTop = 0.01f, kNewestTop = 0.05f;
+// Light of a top before one was seen (a pixel value of 31, as black paper shows it), and the weight of the newest robot
+// in means: they are those of about four frames of five robots.
+constexpr float kDarkTop = 0.01f, kNewest = 0.05f;
 // Log odds of a robot without an id: by the error of its team patch's covered fractions, relative to the usual one of
 // robots with an id (0.06 if rendered, which is the value before any robot was seen; real cameras' edges differ from
 // the model), and by the variation of light within patches. They come from a logistic regression over 193 robots (other
@@ -70,6 +72,7 @@ constexpr float kDarkTop = 0.01f, kNewestTop = 0.05f;
 // likely_robot() as the third input. With them, things are told from robots with an area under the curve of 0.980
 // (four-fold cross validation); they alone reach 0.955, likely_robot() alone 0.932. The error of all patches is no use,
 // because a covered identification patch leaves as large an error as a thing.
+constexpr float kLeastError = 0.1f;  // relative; hardly any robot of the regression has less
 constexpr float kRenderedError = 0.06f, kAtUsualError = 4.9f, kPerLogError = 2.0f, kPerUnevenness = 4.5f;
 
 // Returns the covariance of (1 - weight) * first pose + weight * second pose. Both errors have common causes, so they
@@ -94,7 +97,10 @@ Pose likely_pose(const RobotSighting& robot, const MarkerLayout& layout) {
 
 // Returns the probability that a robot without an id is one. `error`: of the team patch, relative to the usual one.
 float weighed_by_fit(float probability, float error, float unevenness) {
-  const float log_odds = std::log(probability / (1.0f - probability)) + kAtUsualError - kPerLogError * std::log(error) -
+  if (!(probability > 0.0f)) return 0.0f;
+  const float likely = std::min(kMaxUnknownIdProbability, probability);
+  const float log_odds = std::log(likely / (1.0f - likely)) + kAtUsualError -
+                         kPerLogError * std::log(std::max(kLeastError, error)) -
                          kPerUnevenness * std::min(1.0f, unevenness);
   return std::min(kMaxUnknownIdProbability, 1.0f / (1.0f + std::exp(-log_odds)));
 }
@@ -460,12 +466,12 @@ void TopFit::refine(const Frame& frame, Sightings& sightings) {
     if (robot.id == kUnknownId) {
       robot.confidence = weighed_by_fit(robot.confidence, top.team_patch_error / marker.usual_error, top.unevenness);
       if (!robot.has_heading) continue;
-    } else {
-      marker.usual_error += kNewestTop * (top.team_patch_error - marker.usual_error);
+    } else if (top.trust >= kMinTrust) {
+      marker.usual_error += kNewest * (top.team_patch_error - marker.usual_error);
     }
     if (top.trust == 1.0f) {
       std::array<float, 3>& usual = marker.usual_top;
-      for (std::size_t c = 0; c < 3; ++c) usual[c] += kNewestTop * (top.top[c] - usual[c]);
+      for (std::size_t c = 0; c < 3; ++c) usual[c] += kNewest * (top.top[c] - usual[c]);
     }
     if (top.trust == 0.0f) continue;
     Pose& pose = robot.pose;
@@ -484,11 +490,6 @@ void TopFit::refine(const Frame& frame, Sightings& sightings) {
       patch.center.v_px += top.trust * (center.v_px - patch.center.v_px);
     }
   }
-  const auto is_unlikely = [](const RobotSighting& robot) {
-    return robot.id == kUnknownId && robot.confidence < kMinUnknownIdProbability;
-  };
-  auto& robots = sightings.robots;
-  robots.resize(static_cast<std::size_t>(std::remove_if(robots.begin(), robots.end(), is_unlikely) - robots.begin()));
   if (!is_yuv(color_space(frame.format))) edge_width_.follow(all);
 }
 

@@ -42,10 +42,10 @@ struct SeenTop {
 /// depends on an O that differs much from T (a line, a wall, another robot's patch).
 ///
 /// Regions only give the start: a robot whose regions are torn, or one of which is missing, is fitted as well. If its
-/// start is too far away for the edges' blur, a second fit begins with wider edges. It keeps
-/// its pose if the picture does not fit the model: no free top, patches of a few pixels, large residuals. The light is
-/// uniform over one robot, so the light map is not needed. The work per robot is bounded: on large patches, only every
-/// second, third, ... pixel and row is sampled.
+/// start is too far away for the edges' blur, a second fit begins with wider edges. A robot keeps its pose if the
+/// picture does not fit the model: no free top, patches of a few pixels, large residuals. The light is uniform over one
+/// robot, so the light map is not needed. The work per robot is bounded: on large patches, only every second, third,
+/// ... pixel and row is sampled.
 class TopFit {
  public:
   /// `layouts`: valid layouts indexed by Team. A team without a marker has no patches.
@@ -71,9 +71,8 @@ class TopFit {
   struct Marker {
     MarkerLayout layout;
     FixedVector<BlurredOutline, kMaxPatches> outlines;
-    // Means over recent robots with an id.
-    std::array<float, 3> usual_top{};
-    float usual_error = 0;  // SeenTop::team_patch_error
+    std::array<float, 3> usual_top{};  // mean over recent tops that fit
+    float usual_error = 0;             // mean of SeenTop::team_patch_error over recent robots with an id
   };
   class Solver;
   bool look(const Frame& frame, Team team, const Pose& start, bool is_light_even, SeenTop& out, EdgeWidening& widening);

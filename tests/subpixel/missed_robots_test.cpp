@@ -188,7 +188,6 @@ TEST_F(MissedRobotsTest, DoNotReplaceASightingWithADoubt) {
   RobotSighting seen = sighting(truth_);
   seen.id = kUnknownId;
   seen.doubt = IdDoubt::kSeveralIds;
-  seen.confidence = 0.9f;
   sightings_.robots.push_back(seen);
   find(under(dark));
   ASSERT_EQ(sightings_.robots.size(), 1u);

@@ -9,7 +9,7 @@ constexpr float kEven = 0.5f;
 
 class UnknownTop : public TopFitTest {
  protected:
-  // Returns the confidence after the fit, 0 if the robot was dropped. Without a heading, the position is that of the
+  // Returns the confidence after the fit. Without a heading, the position is that of the
   // team patch, and the guessed heading is the robot's.
   float weigh(const Frame& frame, const Pose& pose, bool has_heading, float confidence = kEven) {
     RobotSighting robot = sighting(pose);
@@ -21,7 +21,6 @@ class UnknownTop : public TopFitTest {
     sightings_.robots.clear();
     sightings_.robots.push_back(robot);
     fit_.refine(frame, sightings_);
-    if (sightings_.robots.empty()) return 0.0f;
     EXPECT_EQ(sightings_.robots[0].has_heading, has_heading);
     if (!has_heading) {
       EXPECT_EQ(distance_m(sightings_.robots[0].pose.position, before), 0.0f);
@@ -72,14 +71,35 @@ TEST_F(UnknownTop, IsUnlikelyOnAShoe) {
 TEST_F(UnknownTop, IsDroppedBelowTheLeastConfidence) {
   use(paper_layout());
   const Photograph picture = shoe(truth_, 0.018f, 1.6f);
-  EXPECT_EQ(weigh(picture.frame(), truth_, true, 1.01f * kMinUnknownIdProbability), 0.0f);
-  ASSERT_TRUE(sightings_.robots.empty());
+  EXPECT_LT(weigh(picture.frame(), truth_, true, 1.01f * kMinUnknownIdProbability), kMinUnknownIdProbability);
   // A robot with an id is not weighed.
   sightings_.robots.push_back(sighting(truth_));
-  sightings_.robots[0].confidence = 0.5f * kMinUnknownIdProbability;
+  sightings_.robots[1].confidence = 0.5f * kMinUnknownIdProbability;
   fit_.refine(picture.frame(), sightings_);
+  drop_unlikely_robots(sightings_.robots);
   ASSERT_EQ(sightings_.robots.size(), 1u);
+  EXPECT_EQ(sightings_.robots[0].id, 3);
   EXPECT_EQ(sightings_.robots[0].confidence, 0.5f * kMinUnknownIdProbability);
+}
+
+// A hand on the only robot with an id does not excuse things.
+TEST_F(UnknownTop, IsNotComparedWithACoveredRobot) {
+  use(paper_layout());
+  const Photograph picture = shoe(truth_, 0.018f, 1.6f);
+  const float before = weigh(picture.frame(), truth_, true);
+  for (int n = 0; n < 100; ++n) {
+    sightings_.robots.clear();
+    sightings_.robots.push_back(sighting(truth_));
+    fit_.refine(picture.frame(), sightings_);
+  }
+  EXPECT_FLOAT_EQ(weigh(picture.frame(), truth_, true), before);
+}
+
+TEST_F(UnknownTop, HasAConfidenceBetweenZeroAndOne) {
+  use(paper_layout());
+  const Photograph picture = photograph(PixelFormat::kRgb24, truth_, 1.0f);
+  EXPECT_EQ(weigh(picture.frame(), truth_, true, 0.0f), 0.0f);
+  EXPECT_EQ(weigh(picture.frame(), truth_, true, 1.0f), kMaxUnknownIdProbability);
 }
 
 TEST_F(UnknownTop, KeepsItsConfidenceWithoutAFreeTop) {

@@ -32,7 +32,7 @@ constexpr float kMaxMove = 0.75f;
 // and adaptation off, 45 robots are more than 2 mm off with the limit 0.45, 19 with 0.8, and 13 with 1.
 constexpr float kGoodCoverage = 0.22f, kWorstCoverage = 1.0f;
 // Weight of a fit from which a robot with an id counts for the usual error: a hand on a robot leaves less.
-constexpr float kMinTrust = 0.5f;
+constexpr float kMinUsualTrust = 0.5f;
 // Error beyond which the start was probably too far away: half hidden patches leave less (see above).
 constexpr float kFarCoverage = 0.5f;
 // Limits for the variation of light within a patch, relative to its light, with weights as above. A large variation
@@ -466,7 +466,7 @@ void TopFit::refine(const Frame& frame, Sightings& sightings) {
     if (robot.id == kUnknownId) {
       robot.confidence = weighed_by_fit(robot.confidence, top.team_patch_error / marker.usual_error, top.unevenness);
       if (!robot.has_heading) continue;
-    } else if (top.trust >= kMinTrust) {
+    } else if (top.trust >= kMinUsualTrust) {
       marker.usual_error += kNewest * (top.team_patch_error - marker.usual_error);
     }
     if (top.trust == 1.0f) {

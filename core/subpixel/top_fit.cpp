@@ -72,7 +72,7 @@ constexpr float kDarkTop = 0.01f, kNewest = 0.05f;
 // likely_robot() as the third input. With them, things are told from robots with an area under the curve of 0.980
 // (four-fold cross validation); they alone reach 0.955, likely_robot() alone 0.932. The error of all patches is no use,
 // because a covered identification patch leaves as large an error as a thing.
-constexpr float kLeastError = 0.1f;  // relative; hardly any robot of the regression has less
+constexpr float kMinError = 0.1f;  // relative; hardly any robot of the regression has less
 constexpr float kRenderedError = 0.06f, kAtUsualError = 4.9f, kPerLogError = 2.0f, kPerUnevenness = 4.5f;
 
 // Returns the covariance of (1 - weight) * first pose + weight * second pose. Both errors have common causes, so they
@@ -100,7 +100,7 @@ float weighed_by_fit(float probability, float error, float unevenness) {
   if (!(probability > 0.0f)) return 0.0f;
   const float likely = std::min(kMaxUnknownIdProbability, probability);
   const float log_odds = std::log(likely / (1.0f - likely)) + kAtUsualError -
-                         kPerLogError * std::log(std::max(kLeastError, error)) -
+                         kPerLogError * std::log(std::max(kMinError, error)) -
                          kPerUnevenness * std::min(1.0f, unevenness);
   return std::min(kMaxUnknownIdProbability, 1.0f / (1.0f + std::exp(-log_odds)));
 }

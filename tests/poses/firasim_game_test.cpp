@@ -41,6 +41,15 @@ ArenaParameters division_b() {
   return parameters;
 }
 
+// Touches of a game that does not rest on luck.
+constexpr std::uint32_t kTouches = 3;
+
+std::size_t count(const std::string& text, const std::string& words) {
+  std::size_t found = 0;
+  for (std::size_t at = text.find(words); at != std::string::npos; at = text.find(words, at + 1)) ++found;
+  return found;
+}
+
 /// A simulator on its own thread, with a step each 16 ms.
 class StandIn {
  public:
@@ -69,7 +78,7 @@ class StandIn {
   [[nodiscard]] bool stands() const { return stands_; }
 
   // At any time.
-  [[nodiscard]] bool has_own_goal() const { return has_own_goal_; }
+  [[nodiscard]] bool has_attacked() const { return has_attacked_; }
 
  private:
   void run() {
@@ -89,7 +98,8 @@ class StandIn {
         }
       }
       simulation_.step();
-      has_own_goal_ = simulation_.statistics().goals_own > 0;
+      const GameStatistics& game = simulation_.statistics();
+      has_attacked_ = game.goals_own > 0 && game.touches[0] >= kTouches;
       if (!silent_) {
         const std::size_t size = simulation_.publish(buffer);
         // Every tenth packet is doubled, as in networks with two ways.
@@ -103,7 +113,7 @@ class StandIn {
   FirasimSimulation simulation_;
   UdpInput commands_;
   UdpOutput vision_;
-  std::atomic<bool> ends_{false}, silent_{false}, stands_{false}, has_own_goal_{false};
+  std::atomic<bool> ends_{false}, silent_{false}, stands_{false}, has_attacked_{false};
   std::atomic<std::uint64_t> packets_{0}, malformed_{0};
   int published_ = 0;
   std::thread thread_;
@@ -143,20 +153,20 @@ class Termination {
   std::thread thread_;
 };
 
-// Games in real time differ. The first goal comes after 20 s on average on a busy computer, and ends the game.
+// Games in real time differ. On a busy computer, 5 of 12 games of 20 s had no goal, so a goal ends the game.
 TEST(FirasimGame, TouchlineScoresOnAStandIn) {
   const std::filesystem::path id_file = ::testing::TempDir() + "firasim_game_" + std::to_string(::getpid());
   StandIn simulator(division_b(), port(0), port(1));
   simulator.start();
   std::string output;
   {
-    const Termination at_goal(id_file, [&simulator] { return simulator.has_own_goal(); });
+    const Termination at_goal(id_file, [&simulator] { return simulator.has_attacked(); });
     output = run_program("--duration 120", "echo $$ >'" + id_file.string() + "'; exec ");
   }
   simulator.stop();
   std::filesystem::remove(id_file);
   const GameStatistics& game = simulator.simulation().statistics();
-  EXPECT_GE(game.touches[0], 1u) << output;
+  EXPECT_GE(game.touches[0], kTouches) << output;
   EXPECT_GE(game.goals_own, 1u) << output;
   EXPECT_EQ(simulator.malformed(), 0u);
   EXPECT_EQ(simulator.simulation().ignored(), 0u);
@@ -164,7 +174,8 @@ TEST(FirasimGame, TouchlineScoresOnAStandIn) {
   EXPECT_NE(output.find("poses of firasim at udp://127.0.0.1:"), std::string::npos) << output;
   EXPECT_NE(output.find(" doubled, 0 of a second sender, 0 malformed"), std::string::npos) << output;
   EXPECT_NE(output.find(" fps  of firasim  own 3/3  opp 3/3  ball ("), std::string::npos) << output;
-  // A computer that pauses the program for 0.1 s halts the robots for a moment, rightly.
+  // A computer that pauses the program for 0.1 s halts the robots for a moment, rightly. Nothing else halts them.
+  EXPECT_EQ(count(output, "robots halted"), count(output, "robots halted: no good frame")) << output;
   EXPECT_NE(output.find("robots may move"), std::string::npos) << output;
 }
 

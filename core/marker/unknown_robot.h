@@ -16,10 +16,10 @@ struct LikelyRobot {
   float heading_rad = 0;  // the robot's, or the direction in which the picture resembles the layout best
 };
 
-/// Returns the probability that a robot without an id is a robot of this team. Any object may have the team's color. A
-/// robot has the outline of its team patch. In one direction beside it are patches that differ from the floor, the team
-/// color and the top, whatever colors they have. `area_ratio`: visible area of the team patch relative to the layout's.
-/// `has_stripes`: another region of the team's color without an id is within a robot's side.
+/// Returns the probability that a robot without an id is a robot of this team, and its likely direction. Any object may
+/// have the team's color. A robot has the outline of its team patch. In one direction beside it are patches that differ
+/// from the floor, the team color and the top, whatever colors they have. `area_ratio`: visible area of the team patch
+/// relative to the layout's. `has_stripes`: another region of the team's color without an id is within a robot's side.
 LikelyRobot likely_robot(const Frame& frame, const CameraModel& camera, const MarkerLayout& layout,
                          const RobotSighting& robot, float area_ratio, bool has_stripes);
 

@@ -56,8 +56,8 @@ class TopFit {
   void set_heights(const std::array<float, 2>& height_m);
 
   /// Improves pose, residual, noise and patch centers of each robot with a heading and at least two patches in its
-  /// layout. Weighs robots without an id, with or without a heading, by how well their tops fit, and drops unlikely
-  /// ones. The scan must have accepted the frame.
+  /// layout. Changes the confidence of robots without an id, with or without a heading, by how well their tops fit.
+  /// The scan must have accepted the frame.
   void refine(const Frame& frame, Sightings& sightings);
 
   /// Looks for a robot of a team near a pose in the frame that refine() has seen. False if the picture does not show

@@ -11,6 +11,7 @@ import unittest
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 sys.path.insert(0, str(ROOT / "tools" / "evaluation"))
+import changed_light  # noqa: E402
 import glare  # noqa: E402
 import judging  # noqa: E402
 import motion  # noqa: E402
@@ -45,6 +46,16 @@ class Judging(unittest.TestCase):
                    report("yellow", 3, (303, 0)), report("blue", 7, (0, 500))]
         self.assertEqual(counts(robots, reports),
                          {"robots": 5, "right": 1, "unknown": 1, "wrong": 2, "missed": 1, "ghosts": 1})
+
+    def test_sightings_far_from_the_truth(self):
+        robots = [robot("blue", i, (0.1 * i, 0)) | {"theta": 3.1} for i in range(4)]
+        reports = [report("blue", i, at) | {"theta": -3.1} for i, at in ((0, (0.001, 0)), (1, (0.1, 0.003)), (7, (0.21, 0)))]
+        judged = [judging.judge({"robots": robots, "ball": None}, {"robots": reports, "ball": None}, judging.field_place, 0.03, 0.03)]
+        row = changed_light.far_row("set", judged)
+        self.assertEqual((row["count"], row["value"]), (2, 50))  # wrong and missed robots have no place that counts
+        self.assertAlmostEqual(row["each"][0], 3)
+        self.assertAlmostEqual(row["each"][1], 4.766, 3)
+        self.assertIsNone(changed_light.far_row("set", [])["value"])
 
     def test_an_id_that_is_reported_twice_is_right_once(self):
         robots = [robot("blue", 0, (0, 0)), robot("blue", 1, (100, 0))]

@@ -37,6 +37,9 @@ CASES = (
     Case("red +15 %, blue -15 %", ("--values", "1.15,1,0.85"), LIGHT, seconds=25, limit=2),
 )
 QUICK = ("light x 0.5", "light x 2", "shadow x 0.35 on half")
+# Part in % of the sightings that is more than FAR_MM from the truth.
+FAR = {"value": (0, 0.02)}
+FAR_MM = 2
 # Folders of a set that are changed. The others are sequences.
 PARTS = ("layouts", "touching")
 # In m: half a robot. The place of a robot of which only one patch is seen is that of the patch.
@@ -49,7 +52,7 @@ def truth_of(picture):
     ball = picture["ball"]
     return {"ball": None if ball is None else (ball["x"], ball["y"]),
             "ball_px": None if ball is None else (ball["u"], ball["v"]),
-            "robots": [{"team": r["team"], "id": r["id"], "at": (r["x"], r["y"]),
+            "robots": [{"team": r["team"], "id": r["id"], "at": (r["x"], r["y"]), "theta": r["theta"],
                         "px": judging.mean([r["team_px"], r["ident_px"]])} for r in picture["robots"]]}
 
 
@@ -108,9 +111,21 @@ def in_single_pictures(tools, pictures, venue, team, name):
     return judged
 
 
+def far_row(name, judged):
+    """Returns the row of the places and headings of robots with a right id: the largest errors in mm and degrees are its parts."""
+    pairs = [(one["truth"], one["report"]) for picture in judged for one in picture["robots"]
+             if one["verdict"] == "right" and one["report"].get("theta") is not None]
+    mm = [1000 * math.dist(truth["at"], judging.field_place(report)) for truth, report in pairs]
+    degrees = [abs(math.degrees(math.remainder(report["theta"] - truth["theta"], math.tau))) for truth, report in pairs]
+    return {"set": name, "case": f"all light, % over {FAR_MM} mm off, max mm, deg", "count": len(pairs),
+            "value": 100 * sum(one > FAR_MM for one in mm) / len(mm) if mm else None,
+            "each": [max(mm, default=None), max(degrees, default=None)], "goal": FAR}
+
+
 def evaluate(tools, report, folder, venue, team, quick):
-    """Adds the rows of all cases: with adaptation after one second, and without it."""
+    """Adds the rows of all cases: with adaptation after one second, and without it; then the accuracy of all those without it."""
     radius = outline_px(scenes.scene_of(folder))
+    all_off = []
     for case in CASES:
         if quick and (case.name not in QUICK or case.seconds > 1):
             continue
@@ -119,14 +134,17 @@ def evaluate(tools, report, folder, venue, team, quick):
         def measure(case=case, title=title):
             name = f"{folder.name}-{case.name}".replace(" ", "-").replace("%", "").replace(",", "")
             pictures, originals = pictures_of(tools, folder, name, case.options, 2 if quick else case.limit)
-            off = judging.add_up(in_single_pictures(tools, pictures, venue, team, f"{name}-off"))
+            single = in_single_pictures(tools, pictures, venue, team, f"{name}-off")
+            off = judging.add_up(single)
             judged, earlier = after_a_while(tools, pictures, originals, venue, team, name, case)
             report.reliability.add_judged(judged)
             row = judging.add_up(judged)
             worse = row["right"] < off["right"] or row["wrong"] > off["wrong"] or row["balls_seen"] < off["balls_seen"]
             report.add(folder.name, title, row | {"wrong_earlier": earlier, "worse_than_off": worse}, case.goal)
             if case.limit is None:
+                all_off.extend(single)
                 report.add(folder.name, f"{case.name}, adaptation off", off, {})
                 picture, truth = pictures[0]
                 report.picture(folder.name, title, picture, judged[0], radius, truth)
         report.attempt(folder.name, title, case.goal, measure)
+    report.measured(far_row(folder.name, all_off))

@@ -40,9 +40,9 @@ def connect(path, timeout_s=20.0):
 
 class Guest:
     """`network`: how the guest's network ends, in the words of qemu's `-netdev user`; None: there is none. `radio_is_pty`: the UART's other
-    end is a pseudo terminal, `self.radio`, and no socket."""
+    end is a pseudo terminal, `self.radio`, and no socket. `disk`: image of a second disk, whose serial number is "games"."""
 
-    def __init__(self, kernel, initrd, image, folder, network=None, radio_is_pty=False):
+    def __init__(self, kernel, initrd, image, folder, network=None, radio_is_pty=False, disk=None):
         self.folder = pathlib.Path(folder)
         for old in self.folder.glob("*.sock"):
             old.unlink()
@@ -53,11 +53,14 @@ class Guest:
                 continue
             chardevs += ["-chardev", f"socket,id={name},path={self.folder}/{name}.sock,server=on,wait=off"]
         devices = ["-nic", "none"] if network is None else ["-netdev", f"user,id=net,{network}", "-device", "virtio-net-pci,netdev=net"]
+        if disk is not None:
+            devices += ["-drive", f"file={disk},if=none,id=games,format=raw", "-device", "virtio-blk-pci,drive=games,serial=games"]
         command = [
-            "qemu-system-aarch64", "-M", "virt", "-cpu", "cortex-a72", "-m", "1024", *devices, "-display", "none",
+            "qemu-system-aarch64", "-M", "virt", "-cpu", "cortex-a72", "-m", "1024", "-display", "none",
             "-no-reboot", "-icount", ICOUNT, "-rtc", "clock=vm", "-kernel", str(kernel), "-initrd", str(initrd),
             "-append", f"console=ttyAMA0 {KERNEL_OPTIONS}",
-            "-drive", f"file={image},if=virtio,format=raw,snapshot=on", *chardevs, "-serial", "chardev:console",
+            "-drive", f"file={image},if=none,id=root,format=raw,snapshot=on", "-device", "virtio-blk-pci,drive=root",
+            *devices, *chardevs, "-serial", "chardev:console",
             "-device", "pci-serial,chardev=radio", "-device", "virtio-serial-pci",
             "-device", "virtserialport,chardev=pictures,name=arena",
             "-device", "qemu-xhci,id=usb", "-device", "usb-redir,bus=usb.0,chardev=usb",

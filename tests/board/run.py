@@ -12,6 +12,7 @@ import game  # noqa: E402
 import guest  # noqa: E402
 import image  # noqa: E402
 import page  # noqa: E402
+import recording  # noqa: E402
 import serve  # noqa: E402
 import usb  # noqa: E402
 
@@ -19,14 +20,15 @@ BOARD = pathlib.Path(__file__).resolve().parent
 ROOT = BOARD.parent.parent
 BUILD = ROOT / "build" / "board"
 PROGRAMS = ROOT / "build" / "release" / "tests" / "board"
-PARTS = ("formats", "game", "led", "radio", "usb", "page", "serve")
+ARENA = ROOT / "build" / "release" / "tools" / "programs" / "arena" / "touchline-arena"
+PARTS = ("formats", "game", "led", "radio", "usb", "page", "serve", "recording")
 
 
 def parse():
     parser = argparse.ArgumentParser(prog="tools/test-board")
     parser.add_argument("part", nargs="*", choices=[[], *PARTS], help="what to test (default: all)")
     parser.add_argument("--package", type=pathlib.Path, metavar="DEB", help="package to install, with touchline-tools beside it (default: new ones)")
-    parser.add_argument("--frames", type=int, default=300, help="frames of undisturbed play (default: 300)")
+    parser.add_argument("--frames", type=int, default=300, help="frames of undisturbed play, and of each recorded game (default: 300)")
     arguments = parser.parse_args()
     if arguments.package is not None and not arguments.package.is_file():
         parser.error(f"--package {arguments.package}: no such file")
@@ -84,15 +86,34 @@ def play_with_serve(cache, ramdisk, run, checks, packages):
     folder = run / "serve"
     folder.mkdir()
     board = guest.Guest(cache.vmlinuz, ramdisk, cache.image, folder, "ipv6=off", radio_is_pty=True)
-    served = serve.ServedGame(board, checks, folder, ROOT / "build" / "release" / "tools" / "programs" / "arena" / "touchline-arena")
+    served = serve.ServedGame(board, checks, folder, ARENA)
     try:
         step("serve: boot")
         board.boot()
         served.install([file.name for file in packages])
         step("touchline-arena serve: a game in lock-step, pictures by TCP, packets over the UART")
         served.play()
+        step("touchline-arena serve: pictures through v4l2loopback")
+        served.play_through_v4l2()
     finally:
         served.close()
+        board.close()
+
+
+def record(cache, ramdisk, run, checks, packages, frames):
+    """Games that are recorded on a second disk: a guest of its own."""
+    folder = run / "recording"
+    folder.mkdir()
+    recording.make_disk(folder / "games.ext4")
+    board = guest.Guest(cache.vmlinuz, ramdisk, cache.image, folder, disk=folder / "games.ext4")
+    games = recording.Recordings(board, checks, frames)
+    try:
+        step("recording: boot")
+        board.boot()
+        games.install([file.name for file in packages])
+        step("recording: games on disks that fail")
+        games.play_all()
+    finally:
         board.close()
 
 
@@ -115,15 +136,20 @@ def main():
     shutil.rmtree(run, ignore_errors=True)
     run.mkdir()
     ramdisk = run / "ramdisk.gz"
-    cache.make_ramdisk([*packages, feeder, *game.payload()], ramdisk)
+    chosen = set(arguments.part or PARTS)
+    payload = [*packages, feeder, *game.payload()]
+    if "recording" in chosen:
+        payload.append(recording.make_pictures(ARENA, run / "match"))
+    cache.make_ramdisk(payload, ramdisk)
 
     checks = game.Checks()
-    chosen = set(arguments.part or PARTS)
     has_devices = chosen & {"formats", "game", "led", "radio", "usb"}
     if "page" in chosen:
         visit(cache, ramdisk, run, checks, package.name)
     if "serve" in chosen:
         play_with_serve(cache, ramdisk, run, checks, packages)
+    if "recording" in chosen:
+        record(cache, ramdisk, run, checks, packages, arguments.frames)
     if not has_devices:
         step("summary")
         return checks.summary(run)

@@ -225,7 +225,11 @@ class Game:
         self.checks.expect(re.fullmatch("s+", pulled), f"pulled: stopped with the next frame's packet: {pulled}")
         self.board.drive_pin(EMERGENCY, False)
         released = self.ask("play 15")["frames"]
-        self.checks.expect(re.fullmatch(r"s{2,6}m?d+", released), f"released: robots move again: {released}")
+        self.checks.expect(re.fullmatch("s+", released), f"released: robots stay until the start button is pressed: {released}")
+        self.board.drive_pin(START, True)
+        started = self.ask("play 20")["frames"]
+        self.board.drive_pin(START, False)
+        self.checks.expect(re.fullmatch("s{0,3}m?d+", started), f"pressed: robots move again: {started}")
         self.ask("play 20")
 
     def reload_module(self):

@@ -23,7 +23,7 @@ class Page:
 
     def __init__(self, board, checks, folder, programs, port):
         self.board, self.run, self.checks, self.port = board, board.run, checks, port
-        self.folder, self.arena_program = folder / "page", programs / "board-arena"
+        self.folder, self.arena_program = folder / "pictures", programs / "board-arena"
         self.arena, self.player, self.is_playing = None, None, False
         self.link = self.path_m = None
 

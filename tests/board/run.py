@@ -1,5 +1,6 @@
 """Runs tools/test-board: boots the guest, runs the chosen parts and reports the checks."""
 import argparse
+import contextlib
 import os
 import pathlib
 import shutil
@@ -63,58 +64,51 @@ def make_programs():
     return feeder
 
 
-def visit(cache, ramdisk, run, checks, package):
-    """The page needs a board on which nothing was set up, and a network: a guest of its own."""
-    folder = run / "bare"
-    folder.mkdir()
-    run_visibly("tools/console/build", "--install")  # playwright
-    port = page.free_port()
-    # No other connection: the guest's network ends at this port.
-    board = guest.Guest(cache.vmlinuz, ramdisk, cache.image, folder, f"restrict=on,hostfwd=tcp:127.0.0.1:{port}-:8642")
-    bare = page.Page(board, checks, folder, PROGRAMS, port)
+@contextlib.contextmanager
+def own_guest(cache, ramdisk, folder, **more):
+    """Boots a guest for a part that needs other devices than the common one, and closes it at the end."""
+    board = guest.Guest(cache.vmlinuz, ramdisk, cache.image, folder, **more)
     try:
-        for text, do in (("boot", board.boot), ("installation on a bare board", lambda: bare.install(package)),
-                         ("page: from no device to a game", bare.visit), ("page: what was written", bare.end)):
-            step(f"page: {text}" if text == "boot" else text)
-            do()
+        step(f"{folder.name}: boot")
+        board.boot()
+        yield board
     finally:
         board.close()
 
 
-def play_with_serve(cache, ramdisk, run, checks, packages):
-    """The set-up of docs/hil.md, whose network leads to this computer: a guest of its own."""
-    folder = run / "serve"
-    folder.mkdir()
-    board = guest.Guest(cache.vmlinuz, ramdisk, cache.image, folder, "ipv6=off", radio_is_pty=True)
-    served = serve.ServedGame(board, checks, folder, ARENA)
-    try:
-        step("serve: boot")
-        board.boot()
-        served.install([file.name for file in packages])
+def visit(cache, ramdisk, folder, checks, package):
+    """The page needs a board on which nothing was set up, and a network."""
+    run_visibly("tools/console/build", "--install")  # playwright
+    port = page.free_port()
+    # No other connection: the guest's network ends at this port.
+    with own_guest(cache, ramdisk, folder, network=f"restrict=on,hostfwd=tcp:127.0.0.1:{port}-:8642") as board:
+        bare = page.Page(board, checks, folder, PROGRAMS, port)
+        for text, do in (("installation on a bare board", lambda: bare.install(package)),
+                         ("page: from no device to a game", bare.visit), ("page: what was written", bare.end)):
+            step(text)
+            do()
+
+
+def play_with_serve(cache, ramdisk, folder, checks, packages):
+    """The set-ups of docs/hil.md. The network leads to this computer."""
+    with own_guest(cache, ramdisk, folder, network="ipv6=off", radio_is_pty=True) as board, contextlib.closing(
+            serve.ServedGame(board, checks, folder, ARENA)) as served:
+        served.install(packages)
         step("touchline-arena serve: a game in lock-step, pictures by TCP, packets over the UART")
         served.play()
         step("touchline-arena serve: pictures through v4l2loopback")
         served.play_through_v4l2()
-    finally:
-        served.close()
-        board.close()
 
 
-def record(cache, ramdisk, run, checks, packages, frames):
-    """Games that are recorded on a second disk: a guest of its own."""
-    folder = run / "recording"
-    folder.mkdir()
-    recording.make_disk(folder / "games.ext4")
-    board = guest.Guest(cache.vmlinuz, ramdisk, cache.image, folder, disk=folder / "games.ext4")
-    games = recording.Recordings(board, checks, frames)
-    try:
-        step("recording: boot")
-        board.boot()
-        games.install([file.name for file in packages])
+def record(cache, ramdisk, folder, checks, packages, frames):
+    """Games that are recorded on a second disk."""
+    disk = folder / "games.ext4"
+    recording.make_disk(disk)
+    with own_guest(cache, ramdisk, folder, disk=disk) as board:
+        games = recording.Recordings(board, checks, frames)
+        games.install(packages)
         step("recording: games on disks that fail")
         games.play_all()
-    finally:
-        board.close()
 
 
 def main():
@@ -144,12 +138,13 @@ def main():
 
     checks = game.Checks()
     has_devices = chosen & {"formats", "game", "led", "radio", "usb"}
-    if "page" in chosen:
-        visit(cache, ramdisk, run, checks, package.name)
-    if "serve" in chosen:
-        play_with_serve(cache, ramdisk, run, checks, packages)
-    if "recording" in chosen:
-        record(cache, ramdisk, run, checks, packages, arguments.frames)
+    names = [file.name for file in packages]
+    for part, do in (("page", lambda folder: visit(cache, ramdisk, folder, checks, package.name)),
+                     ("serve", lambda folder: play_with_serve(cache, ramdisk, folder, checks, names)),
+                     ("recording", lambda folder: record(cache, ramdisk, folder, checks, names, arguments.frames))):
+        if part in chosen:
+            (run / part).mkdir()
+            do(run / part)
     if not has_devices:
         step("summary")
         return checks.summary(run)
@@ -158,7 +153,7 @@ def main():
         play = game.Game(board, checks, PROGRAMS / "board-arena", run)
         camera = usb.UsbCamera(board, play, checks, run, PROGRAMS)
         for parts, text, do in (
-                (chosen, "boot", play.boot), (chosen, "installation", lambda: play.install([file.name for file in packages])),
+                (chosen, "boot", play.boot), (chosen, "installation", lambda: play.install(names)),
                 ({"formats", "game", "led", "radio"}, "devices", play.list_devices),
                 ({"formats"}, "vivid: formats and controls", play.try_formats),
                 ({"formats"}, "vivid: unplugged while it streams", play.unplug_vivid),

@@ -37,7 +37,7 @@ CASES = (
     Case("red +15 %, blue -15 %", ("--values", "1.15,1,0.85"), LIGHT, seconds=25, limit=2),
 )
 QUICK = ("light x 0.5", "light x 2", "shadow x 0.35 on half")
-# Part in % of the sightings that is more than FAR_MM from the truth.
+# Share in % of the sightings that are more than FAR_MM from the truth.
 FAR = {"value": (0, 0.02)}
 FAR_MM = 2
 # Folders of a set that are changed. The others are sequences.
@@ -112,18 +112,18 @@ def in_single_pictures(tools, pictures, venue, team, name):
 
 
 def far_row(name, judged):
-    """Returns the row of the places and headings of robots with a right id: the largest errors in mm and degrees are its parts."""
+    """Returns the row of the places of robots with a right id. Beside it are the largest errors, in mm and degrees."""
     pairs = [(one["truth"], one["report"]) for picture in judged for one in picture["robots"]
              if one["verdict"] == "right" and one["report"].get("theta") is not None]
     mm = [1000 * math.dist(truth["at"], judging.field_place(report)) for truth, report in pairs]
     degrees = [abs(math.degrees(math.remainder(report["theta"] - truth["theta"], math.tau))) for truth, report in pairs]
-    return {"set": name, "case": f"all light, % over {FAR_MM} mm off, max mm, deg", "count": len(pairs),
+    return {"set": name, "case": f"all light, adaptation off, % over {FAR_MM} mm off", "count": len(pairs),
             "value": 100 * sum(one > FAR_MM for one in mm) / len(mm) if mm else None,
             "each": [max(mm, default=None), max(degrees, default=None)], "goal": FAR}
 
 
 def evaluate(tools, report, folder, venue, team, quick):
-    """Adds the rows of all cases: with adaptation after one second, and without it; then the accuracy of all those without it."""
+    """Adds the rows of all cases, with adaptation after one second and without it, and the row of far sightings without it."""
     radius = outline_px(scenes.scene_of(folder))
     all_off = []
     for case in CASES:
